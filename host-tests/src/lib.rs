@@ -1,0 +1,5 @@
+//! The host side of splineway: reading tool paths, simulating servo cycles, judging and showing.
+
+pub mod machine;
+pub mod program;
+pub mod run;

@@ -1,0 +1,220 @@
+//! Machine descriptions: TOML, a built-in default, and what flags and path files override.
+
+use crate::program::{AXES, Header, LETTERS, Program};
+use anyhow::{Context, Result, anyhow, bail};
+use serde::Deserialize;
+use splineway::{AxisLimits, Config, CornerMode, Limits, Scalar};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Limits of one axis.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Axis {
+    /// mm/s.
+    pub velocity: f64,
+    /// mm/s2.
+    pub acceleration: f64,
+    /// mm/s3.
+    pub jerk: f64,
+}
+
+/// Corner rounding.
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Mode {
+    /// Full tolerance band.
+    #[default]
+    Band,
+    /// As printed in Guo, Yan, Wang 2023.
+    Paper,
+}
+
+/// A machine.
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields, default)]
+pub struct Machine {
+    /// Default tolerance, mm.
+    pub tolerance: f64,
+    /// Servo cycle, s.
+    pub cycle: f64,
+    /// Look-ahead depth, blocks: 16, 64 or 256.
+    pub lookahead: usize,
+    /// Corner rounding.
+    pub mode: Mode,
+    /// Overlap factor of the paper mode.
+    pub lambda: f64,
+    /// Lead of a plan over the motion, s.
+    pub lead: f64,
+    /// Limits by axis letter; "default" stands for those that are not named.
+    pub axes: BTreeMap<String, Axis>,
+}
+
+impl Default for Machine {
+    /// A small milling machine: 200 mm/s, 2000 mm/s2, 50,000 mm/s3 on every axis.
+    fn default() -> Self {
+        let axis = Axis { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0 };
+        Self {
+            tolerance: 0.01,
+            cycle: 0.001,
+            lookahead: 64,
+            mode: Mode::Band,
+            lambda: 0.0,
+            lead: 0.01,
+            axes: BTreeMap::from([("default".to_owned(), axis)]),
+        }
+    }
+}
+
+impl Machine {
+    /// Reads a description.
+    ///
+    /// # Errors
+    /// Names file, key and reason.
+    pub fn read(path: &Path) -> Result<Self> {
+        let name = path.display();
+        let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {name}"))?;
+        let machine = Self::parse(&text).with_context(|| format!("{name}"))?;
+        Ok(machine)
+    }
+
+    /// Parses a description.
+    ///
+    /// # Errors
+    /// Names key and reason.
+    pub fn parse(text: &str) -> Result<Self> {
+        let machine: Self = toml::from_str(text)?;
+        for key in machine.axes.keys() {
+            if key != "default" && axis_index(key).is_none() {
+                bail!("axes.{key}: no such axis; axes are X Y Z A B C U V W and default");
+            }
+        }
+        machine.check()?;
+        Ok(machine)
+    }
+
+    fn check(&self) -> Result<()> {
+        if !LOOKAHEADS.contains(&self.lookahead) {
+            bail!("lookahead is {}; it must be one of {LOOKAHEADS:?}", self.lookahead);
+        }
+        for (key, axis) in &self.axes {
+            let limits = AxisLimits {
+                velocity: axis.velocity,
+                acceleration: axis.acceleration,
+                jerk: axis.jerk,
+                rotary: false,
+            };
+            Limits::new([limits]).map_err(|error| anyhow!("axes.{key}: {error}"))?;
+        }
+        Ok(())
+    }
+
+    /// Takes over what a path file says.
+    pub fn apply(&mut self, header: &Header) {
+        self.tolerance = header.tolerance;
+        self.cycle = header.cycle;
+        let axis = Axis {
+            velocity: header.velocity,
+            acceleration: header.acceleration,
+            jerk: header.jerk,
+        };
+        self.axes = BTreeMap::from([("default".to_owned(), axis)]);
+    }
+
+    /// Limits of an axis.
+    ///
+    /// # Errors
+    /// If neither it nor a default is given.
+    pub fn axis(&self, index: usize) -> Result<Axis> {
+        let letter = LETTERS[index];
+        let named = self.axes.iter().find(|(key, _)| axis_index(key) == Some(index));
+        named
+            .map(|(_, axis)| axis)
+            .or_else(|| self.axes.get("default"))
+            .copied()
+            .ok_or_else(|| anyhow!("axes.{letter}: the program moves this axis, but the machine has no limits for it"))
+    }
+
+    /// The core's configuration for the first `N` of `axes`.
+    ///
+    /// # Errors
+    /// What the core does not accept.
+    pub fn config<S: Scalar, const N: usize>(&self, axes: &[usize]) -> Result<Config<S, N>> {
+        let mut limits = [AxisLimits { velocity: S::ONE, acceleration: S::ONE, jerk: S::ONE, rotary: false }; N];
+        for (slot, &index) in limits.iter_mut().zip(axes) {
+            let axis = self.axis(index)?;
+            *slot = AxisLimits {
+                velocity: S::of(axis.velocity),
+                acceleration: S::of(axis.acceleration),
+                jerk: S::of(axis.jerk),
+                rotary: is_rotary(index),
+            };
+        }
+        let mut config = Config::new(Limits::new(limits)?);
+        config.tolerance = S::of(self.tolerance);
+        config.cycle = S::of(self.cycle);
+        config.lead = S::of(self.lead);
+        config.corner = match self.mode {
+            Mode::Band => CornerMode::Band,
+            Mode::Paper => CornerMode::Paper { lambda: S::of(self.lambda) },
+        };
+        config.check()?;
+        Ok(config)
+    }
+
+    /// Limits of the axes a program uses, in its order.
+    ///
+    /// # Errors
+    /// If the machine lacks one of them.
+    pub fn axes_of(&self, program: &Program) -> Result<Vec<Axis>> {
+        program.axes().into_iter().map(|index| self.axis(index)).collect()
+    }
+}
+
+/// Depths the simulator is built for.
+pub const LOOKAHEADS: [usize; 3] = [16, 64, 256];
+
+fn axis_index(key: &str) -> Option<usize> {
+    let mut letters = key.chars();
+    let letter = letters.next()?.to_ascii_uppercase();
+    if letters.next().is_some() {
+        return None;
+    }
+    LETTERS.iter().position(|&known| known == letter)
+}
+
+/// Whether an axis turns: A, B, C.
+pub const fn is_rotary(index: usize) -> bool {
+    const { assert!(AXES == 9) };
+    matches!(index, 3..=5)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_and_defaults() {
+        let machine = Machine::parse(
+            "tolerance = 0.02\n[axes.x]\nvelocity = 1\nacceleration = 2\njerk = 3\n[axes.default]\nvelocity = 4\nacceleration = 5\njerk = 6\n",
+        )
+        .unwrap();
+        assert!((machine.axis(0).unwrap().jerk - 3.0).abs() < 1e-12);
+        assert!((machine.axis(8).unwrap().velocity - 4.0).abs() < 1e-12);
+        assert!((machine.tolerance - 0.02).abs() < 1e-12);
+    }
+
+    #[test]
+    fn errors_name_the_key() {
+        for (text, part) in [
+            ("tolerence = 1", "tolerence"),
+            ("lookahead = 3", "lookahead is 3"),
+            ("[axes.Q]\nvelocity = 1\nacceleration = 2\njerk = 3\n", "axes.Q"),
+            ("[axes.X]\nvelocity = -1\nacceleration = 2\njerk = 3\n", "axes.X: velocity"),
+            ("[axes.X]\nvelocity = 1\n", "missing field"),
+        ] {
+            let error = format!("{:#}", Machine::parse(text).unwrap_err());
+            assert!(error.contains(part), "{error}");
+        }
+    }
+}

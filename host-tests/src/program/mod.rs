@@ -1,0 +1,138 @@
+//! Tool paths as read from files, before they become blocks of the core.
+
+pub mod gcode;
+pub mod nurbs;
+pub mod poly;
+
+use anyhow::{Context, Result, bail};
+use std::path::Path;
+
+/// Letters of the axes in the order of their indices.
+pub const LETTERS: [char; 9] = ['X', 'Y', 'Z', 'A', 'B', 'C', 'U', 'V', 'W'];
+/// Most axes.
+pub const AXES: usize = LETTERS.len();
+
+/// A point over all nine axes, mm or degrees.
+pub type Point = [f64; AXES];
+
+/// What a move does.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Course {
+    /// Straight to a point.
+    Line {
+        /// End point.
+        to: Point,
+    },
+    /// Circle or helix.
+    Arc {
+        /// End point.
+        to: Point,
+        /// Axes of the plane.
+        plane: (usize, usize),
+        /// Centre in these axes.
+        centre: (f64, f64),
+        /// G2.
+        clockwise: bool,
+        /// Full turns beyond the first arrival.
+        extra_turns: u16,
+    },
+    /// Stand still, s.
+    Dwell {
+        /// Duration.
+        seconds: f64,
+    },
+}
+
+/// How fast a move runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Speed {
+    /// mm/s (or degrees/s).
+    PerSecond(f64),
+    /// Duration of the move, s.
+    Duration(f64),
+    /// As fast as the axes can.
+    Rapid,
+}
+
+/// One move of a program.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Move {
+    /// Its path.
+    pub path: Course,
+    /// Its speed.
+    pub speed: Speed,
+    /// Tolerance, mm, if the program gives one.
+    pub tolerance: Option<f64>,
+    /// Whether it ends in an exact stop.
+    pub exact_stop: bool,
+    /// Line of the file, from 1.
+    pub line: u32,
+}
+
+/// Limits and settings that a path file brings along.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Header {
+    /// Axis velocity, mm/s.
+    pub velocity: f64,
+    /// Axis acceleration, mm/s2.
+    pub acceleration: f64,
+    /// Axis jerk, mm/s3.
+    pub jerk: f64,
+    /// Tolerance, mm.
+    pub tolerance: f64,
+    /// Servo cycle, s.
+    pub cycle: f64,
+}
+
+/// A tool path.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Program {
+    /// Where the motion starts.
+    pub start: Point,
+    /// Which axes it uses; X, Y and Z always.
+    pub uses: [bool; AXES],
+    /// The moves.
+    pub moves: Vec<Move>,
+    /// What the file says about the machine.
+    pub header: Option<Header>,
+    /// What was noticed while reading.
+    pub warnings: Vec<String>,
+}
+
+impl Program {
+    /// Indices of the axes in use.
+    pub fn axes(&self) -> Vec<usize> {
+        (0..AXES).filter(|&axis| axis < 3 || self.uses[axis]).collect()
+    }
+}
+
+/// How files are read.
+#[derive(Clone, Copy, Debug)]
+pub struct ReadOptions {
+    /// Feed of moves before any F word, and of curves that bring none, mm/s.
+    pub feed: f64,
+    /// Chords a NURBS curve is cut into.
+    pub segments: usize,
+}
+
+/// Reads a tool path; the kind of file is told by its ending.
+///
+/// # Errors
+/// Names the file, the place in it and the reason.
+pub fn read(path: &Path, options: ReadOptions) -> Result<Program> {
+    let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or("").to_lowercase();
+    let name = path.display();
+    let text = std::fs::read(path).with_context(|| format!("cannot read {name}"))?;
+    // Comments of old programs come in any encoding.
+    let text = String::from_utf8_lossy(&text);
+    let program = match ending.as_str() {
+        "txt" => poly::parse(&text),
+        "json" => nurbs::parse(&text, options),
+        "ngc" | "nc" | "gcode" | "tap" | "cnc" => gcode::parse(&text, options.feed),
+        _ => bail!(
+            "{name}: unknown kind of file \".{ending}\"; known are .ngc .nc .gcode .tap .cnc (G-code), \
+             .txt (poly-line) and .json (NURBS curve)"
+        ),
+    };
+    program.with_context(|| format!("{name}"))
+}

@@ -1,0 +1,275 @@
+//! The servo cycle simulation: the core as a controller would run it, without the controller.
+
+use crate::machine::Machine;
+use crate::program::{Course, Move, Program, Speed};
+use anyhow::{Context, Result, anyhow, bail};
+use splineway::{
+    Activity, Block, Config, Coord, Counters, Feed, Link, Motion, Progress, PushError, Scalar, Turn,
+};
+use std::time::Instant;
+
+/// Scalar the core computes with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Precision {
+    /// As on a Cortex-M4F.
+    F32,
+    /// As on a Cortex-M7.
+    #[default]
+    F64,
+}
+
+/// One servo cycle.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample<'a> {
+    /// Time since the start, s.
+    pub time: f64,
+    /// Positions of the axes in use, mm or degrees.
+    pub position: &'a [f64],
+    /// Velocities, mm/s.
+    pub velocity: &'a [f64],
+    /// Accelerations, mm/s2.
+    pub acceleration: &'a [f64],
+    /// Arc length, mm.
+    pub path: f64,
+    /// Speed along the path, mm/s.
+    pub speed: f64,
+    /// Line of the block under way.
+    pub tag: u32,
+    /// What the interpolator does.
+    pub activity: Activity,
+}
+
+/// Sees every servo cycle.
+pub trait Observer {
+    /// One servo cycle.
+    ///
+    /// # Errors
+    /// An observer that fails ends the run.
+    fn setpoint(&mut self, sample: &Sample<'_>) -> Result<()>;
+}
+
+/// Durations of many calls, ns.
+#[derive(Clone, Debug, Default)]
+pub struct Timing {
+    samples: Vec<u32>,
+}
+
+impl Timing {
+    fn add(&mut self, since: Instant) {
+        self.samples.push(u32::try_from(since.elapsed().as_nanos()).unwrap_or(u32::MAX));
+    }
+
+    /// Sum, ns.
+    pub fn total(&self) -> f64 {
+        self.samples.iter().map(|&x| f64::from(x)).sum()
+    }
+
+    /// Mean, 99th percentile and maximum, ns.
+    pub fn summary(&self) -> (f64, f64, f64) {
+        let n = self.samples.len();
+        if n == 0 {
+            return (0.0, 0.0, 0.0);
+        }
+        let mut sorted = self.samples.clone();
+        sorted.sort_unstable();
+        let mean = self.total() / n as f64;
+        (mean, f64::from(sorted[(n - 1) * 99 / 100]), f64::from(sorted[n - 1]))
+    }
+}
+
+/// What a run was like from the inside.
+#[derive(Clone, Debug, Default)]
+pub struct Stats {
+    /// Blocks accepted.
+    pub blocks: u64,
+    /// Planner's counters.
+    pub counters: Counters,
+    /// Least number of nodes ahead of the motion while blocks were left, at a planning step.
+    pub least_ahead: usize,
+    /// Duration of the planning steps.
+    pub planning: Timing,
+    /// Duration of the ticks.
+    pub ticks: Timing,
+}
+
+/// Gives up after this many cycles at rest without an end in sight.
+const PATIENCE: u32 = 100_000;
+
+/// Runs a program from rest to rest and shows every cycle to the observers.
+///
+/// # Errors
+/// A block that the core refuses (with its line), a machine that lacks an axis, an observer's
+/// error.
+pub fn run(
+    program: &Program,
+    machine: &Machine,
+    precision: Precision,
+    observers: &mut [&mut dyn Observer],
+) -> Result<Stats> {
+    match precision {
+        Precision::F32 => run_scalar::<f32>(program, machine, observers),
+        Precision::F64 => run_scalar::<f64>(program, machine, observers),
+    }
+}
+
+fn run_scalar<S: Scalar>(
+    program: &Program,
+    machine: &Machine,
+    observers: &mut [&mut dyn Observer],
+) -> Result<Stats> {
+    // Unused axes up to the next size cost nothing but time.
+    match program.axes().len() {
+        0..=3 => run_axes::<S, 3>(program, machine, observers),
+        4..=6 => run_axes::<S, 6>(program, machine, observers),
+        _ => run_axes::<S, 9>(program, machine, observers),
+    }
+}
+
+fn run_axes<S: Scalar, const N: usize>(
+    program: &Program,
+    machine: &Machine,
+    observers: &mut [&mut dyn Observer],
+) -> Result<Stats> {
+    match machine.lookahead {
+        16 => run_sized::<S, N, 16, 64>(program, machine, observers),
+        64 => run_sized::<S, N, 64, 192>(program, machine, observers),
+        256 => run_sized::<S, N, 256, 512>(program, machine, observers),
+        depth => bail!("lookahead is {depth}; the simulator has 16, 64 and 256"),
+    }
+}
+
+fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
+    program: &Program,
+    machine: &Machine,
+    observers: &mut [&mut dyn Observer],
+) -> Result<Stats> {
+    let axes = program.axes();
+    let config: Config<S, N> = machine.config(&axes)?;
+    let mut stats = Stats { least_ahead: usize::MAX, ..Stats::default() };
+    let start = coords::<N>(&program.start, &axes).context("start point")?;
+    let mut link = Box::new(Link::<S, N, NODES>::new());
+    let (mut planner, mut interpolator) = link.handles::<BLOCKS>(config, start)?;
+    let mut moves = program.moves.iter().peekable();
+    let mut cycle = 0u64;
+    let mut idle = 0;
+    let first: Vec<f64> = axes.iter().map(|&axis| program.start[axis]).collect();
+    let zero = vec![0.0; axes.len()];
+    show(observers, &Sample {
+        time: 0.0,
+        position: &first,
+        velocity: &zero,
+        acceleration: &zero,
+        path: 0.0,
+        speed: 0.0,
+        tag: 0,
+        activity: Activity::Idle,
+    })?;
+    let mut position = first.clone();
+    let (mut velocity, mut acceleration) = (zero.clone(), zero.clone());
+    loop {
+        while let Some(step) = moves.peek() {
+            let block = block::<S, N>(step, &axes).with_context(|| format!("line {}", step.line))?;
+            match planner.push(&block) {
+                Ok(()) => {
+                    stats.blocks += 1;
+                    moves.next();
+                }
+                Err(PushError::Full) => break,
+                Err(PushError::Rejected { tag, reason }) => bail!("line {tag}: {reason}"),
+            }
+        }
+        if moves.peek().is_none() {
+            planner.finish();
+        }
+        let began = Instant::now();
+        let progress = planner.poll();
+        if progress == Progress::Planned {
+            stats.planning.add(began);
+            if moves.peek().is_some() {
+                stats.least_ahead = stats.least_ahead.min(planner.nodes_ahead());
+            }
+        }
+        let began = Instant::now();
+        let setpoint = interpolator.tick();
+        stats.ticks.add(began);
+        cycle += 1;
+        for (k, slot) in position.iter_mut().enumerate() {
+            *slot = setpoint.position_mm(k);
+            velocity[k] = setpoint.velocity[k].to_f64();
+            acceleration[k] = setpoint.acceleration[k].to_f64();
+        }
+        show(observers, &Sample {
+            time: cycle as f64 * machine.cycle,
+            position: &position,
+            velocity: &velocity,
+            acceleration: &acceleration,
+            path: setpoint.path_mm(),
+            speed: setpoint.path_speed.to_f64(),
+            tag: setpoint.tag,
+            activity: setpoint.activity,
+        })?;
+        if setpoint.activity == Activity::Idle {
+            if progress == Progress::Done {
+                break;
+            }
+            idle += 1;
+            if idle > PATIENCE {
+                bail!("line {}: the core found no motion from here", setpoint.tag);
+            }
+        } else {
+            idle = 0;
+        }
+    }
+    stats.counters = planner.counters();
+    if stats.least_ahead == usize::MAX {
+        stats.least_ahead = 0;
+    }
+    Ok(stats)
+}
+
+fn show(observers: &mut [&mut dyn Observer], sample: &Sample<'_>) -> Result<()> {
+    observers.iter_mut().try_for_each(|observer| observer.setpoint(sample))
+}
+
+fn coord(mm: f64) -> Result<Coord> {
+    Coord::from_mm(mm).ok_or_else(|| anyhow!("coordinate {mm} mm is out of range (+-1e6)"))
+}
+
+fn coords<const N: usize>(point: &[f64], axes: &[usize]) -> Result<[Coord; N]> {
+    let mut to = [Coord::ZERO; N];
+    for (slot, &axis) in to.iter_mut().zip(axes) {
+        *slot = coord(point[axis])?;
+    }
+    Ok(to)
+}
+
+/// A move as a block of the core.
+///
+/// # Errors
+/// A coordinate out of range.
+pub fn block<S: Scalar, const N: usize>(step: &Move, axes: &[usize]) -> Result<Block<S, N>> {
+    let place = |axis: usize| axes.iter().position(|&used| used == axis).unwrap_or(N);
+    let motion = match &step.path {
+        Course::Line { to } => Motion::Line { to: coords(to, axes)? },
+        Course::Arc { to, plane, centre, clockwise, extra_turns } => Motion::Arc {
+            to: coords(to, axes)?,
+            plane: (place(plane.0), place(plane.1)),
+            centre: (coord(centre.0)?, coord(centre.1)?),
+            turn: if *clockwise { Turn::Clockwise } else { Turn::CounterClockwise },
+            extra_turns: *extra_turns,
+        },
+        Course::Dwell { seconds } => Motion::Dwell { seconds: S::of(*seconds) },
+    };
+    let feed = match step.speed {
+        Speed::PerSecond(feed) => Feed::PerSecond(S::of(feed)),
+        Speed::Duration(seconds) => Feed::Duration(S::of(seconds)),
+        Speed::Rapid => Feed::Rapid,
+    };
+    Ok(Block {
+        motion,
+        feed,
+        tolerance: step.tolerance.map(S::of),
+        exact_stop: step.exact_stop,
+        tag: step.line,
+    })
+}

@@ -1,0 +1,72 @@
+//! Resolving arcs: radius form to centre form.
+
+use super::{BlockError, Turn};
+use crate::number::Coord;
+
+/// Relative slack by which a radius may be too small for its chord, from rounding in the program.
+const SLACK: f64 = 1.0e-3;
+
+/// The centre of the arc of `radius` mm (negative: the long way round, more than half a circle)
+/// from `start` to `end`, both in the plane's two axes.
+///
+/// A radius that is too small for the chord by no more than 0.1 % (rounding of the program) is
+/// taken as a half circle.
+///
+/// # Errors
+/// [`BlockError::ArcUnreachable`] if the radius is not finite, zero or smaller than half the
+/// chord, or if start and end coincide (any centre would do).
+pub fn centre_from_radius(
+    start: (Coord, Coord),
+    end: (Coord, Coord),
+    radius: f64,
+    turn: Turn,
+) -> Result<(Coord, Coord), BlockError> {
+    let dx: f64 = end.0.minus(start.0);
+    let dy: f64 = end.1.minus(start.1);
+    let chord = libm::sqrt(dx * dx + dy * dy);
+    let size = radius.abs();
+    let unreachable = BlockError::ArcUnreachable { radius, chord };
+    if !(size.is_finite() && size > 0.0 && chord > 1.0e-6) {
+        return Err(unreachable);
+    }
+    let half = chord / 2.0;
+    if half > size * (1.0 + SLACK) {
+        return Err(unreachable);
+    }
+    let height = libm::sqrt((size * size - half * half).max(0.0));
+    // Left of the chord for a short counter-clockwise arc, right of it for a clockwise one.
+    let side = if (turn == Turn::CounterClockwise) == (radius > 0.0) { 1.0 } else { -1.0 };
+    let x = dx / 2.0 - side * height * dy / chord;
+    let y = dy / 2.0 + side * height * dx / chord;
+    Ok((start.0.plus(x), start.1.plus(y)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn coord(mm: f64) -> Coord {
+        Coord::from_mm(mm).unwrap()
+    }
+
+    #[test]
+    fn quarter_circle_both_ways_round() {
+        let start = (coord(1.0), coord(0.0));
+        let end = (coord(0.0), coord(1.0));
+        let short = centre_from_radius(start, end, 1.0, Turn::CounterClockwise).unwrap();
+        assert!(short.0.to_mm().abs() < 1e-9 && short.1.to_mm().abs() < 1e-9);
+        let long = centre_from_radius(start, end, -1.0, Turn::CounterClockwise).unwrap();
+        assert!((long.0.to_mm() - 1.0).abs() < 1e-9 && (long.1.to_mm() - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn impossible_radii_are_named() {
+        let start = (coord(0.0), coord(0.0));
+        for (end, radius) in [((coord(3.0), coord(0.0)), 1.0), ((coord(0.0), coord(0.0)), 1.0), ((coord(1.0), coord(0.0)), 0.0)] {
+            assert!(matches!(
+                centre_from_radius(start, end, radius, Turn::Clockwise),
+                Err(BlockError::ArcUnreachable { .. })
+            ));
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! Why a block was not taken.
+
+use core::fmt;
+
+/// A field of a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Field {
+    /// Feed, mm/s.
+    Feed,
+    /// Duration of an inverse-time block, s.
+    Duration,
+    /// Tolerance, mm.
+    Tolerance,
+    /// Dwell time, s.
+    Dwell,
+}
+
+impl Field {
+    const fn words(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Feed => ("feed", "mm/s"),
+            Self::Duration => ("duration", "s"),
+            Self::Tolerance => ("tolerance", "mm"),
+            Self::Dwell => ("dwell", "s"),
+        }
+    }
+}
+
+/// What is wrong with a block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum BlockError {
+    /// A number of the block is not finite or out of its range.
+    OutOfRange {
+        /// Which field.
+        field: Field,
+        /// The value given.
+        value: f64,
+        /// Least value accepted.
+        least: f64,
+        /// Greatest value accepted.
+        greatest: f64,
+    },
+    /// A coordinate is beyond `Coord::LIMIT_MM`.
+    Coordinate {
+        /// Index of the axis.
+        axis: usize,
+        /// The value given, mm.
+        value: f64,
+    },
+    /// The arc's plane names an axis that does not exist, or the same axis twice.
+    Plane {
+        /// The two axes named.
+        axes: (usize, usize),
+    },
+    /// Start and end are at different distances from the centre.
+    ArcRadius {
+        /// Distance from the start to the centre, mm.
+        start: f64,
+        /// Distance from the end to the centre, mm.
+        end: f64,
+    },
+    /// The radius is too small for the distance between start and end, or zero, or the circle is
+    /// undetermined because start and end coincide.
+    ArcUnreachable {
+        /// The radius given, mm.
+        radius: f64,
+        /// Distance from start to end in the plane, mm.
+        chord: f64,
+    },
+}
+
+impl fmt::Display for BlockError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::OutOfRange { field, value, least, greatest } => {
+                let (name, unit) = field.words();
+                write!(f, "{name} is {value} {unit}; it must be {least} to {greatest}")
+            }
+            Self::Coordinate { axis, value } => {
+                write!(f, "coordinate of axis {axis} is {value} mm; it must be within +-1e6")
+            }
+            Self::Plane { axes: (p, q) } => write!(f, "arc plane of axes {p} and {q} does not exist"),
+            Self::ArcRadius { start, end } => write!(
+                f,
+                "arc starts {start:.6} mm from its centre but ends {end:.6} mm from it"
+            ),
+            Self::ArcUnreachable { radius, chord } => {
+                write!(f, "no arc of radius {radius} mm joins points {chord:.6} mm apart")
+            }
+        }
+    }
+}
+
+impl core::error::Error for BlockError {}
+
+/// Why a push did not take a block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum PushError {
+    /// The look-ahead buffer is full: nothing is wrong, push the same block again later.
+    Full,
+    /// The block is not valid. Nothing of it was taken; what was accepted before is unchanged.
+    Rejected {
+        /// The block's tag.
+        tag: u32,
+        /// What is wrong with it.
+        reason: BlockError,
+    },
+}
+
+impl fmt::Display for PushError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Full => f.write_str("look-ahead buffer is full"),
+            Self::Rejected { tag, reason } => write!(f, "block {tag}: {reason}"),
+        }
+    }
+}
+
+impl core::error::Error for PushError {}

@@ -1,0 +1,117 @@
+//! Input: blocks as a G-code reader or a host program gives them.
+//!
+//! A [`Block`] is plain data. It is checked as a whole when it is pushed; a block that is refused
+//! changes nothing of what was accepted before.
+
+mod arc;
+mod error;
+
+pub use arc::centre_from_radius;
+pub use error::{BlockError, Field, PushError};
+
+use crate::number::{Coord, Scalar};
+
+/// Sense of an arc, seen against the plane's normal (for XY: from above).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Turn {
+    /// G2.
+    Clockwise,
+    /// G3.
+    CounterClockwise,
+}
+
+/// What a block does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Motion<S, const N: usize> {
+    /// A straight line to `to`.
+    Line {
+        /// End point, absolute.
+        to: [Coord; N],
+    },
+    /// A circular arc in a plane, a helix if axes outside the plane move too.
+    Arc {
+        /// End point, absolute. Equal to the start in the plane: one full circle.
+        to: [Coord; N],
+        /// The plane's two axes, in the order in which a quarter turn takes the first to the
+        /// second: G17 is (0, 1), G18 is (2, 0), G19 is (1, 2).
+        plane: (usize, usize),
+        /// Centre, absolute, in the plane's two axes.
+        centre: (Coord, Coord),
+        /// Sense.
+        turn: Turn,
+        /// Full turns beyond the first arrival (P word minus one).
+        extra_turns: u16,
+    },
+    /// Stand still for a time, s. Always comes with an exact stop.
+    Dwell {
+        /// Duration, s.
+        seconds: S,
+    },
+}
+
+/// How fast a block runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Feed<S> {
+    /// Units per time (G94), here per second. It is the speed over the linear axes; if only rotary
+    /// axes move, degrees per second over those.
+    PerSecond(S),
+    /// Inverse time (G93): the block takes this many seconds.
+    Duration(S),
+    /// As fast as the axes allow (G0).
+    Rapid,
+}
+
+/// One block of the program.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Block<S, const N: usize> {
+    /// What it does.
+    pub motion: Motion<S, N>,
+    /// How fast.
+    pub feed: Feed<S>,
+    /// Greatest distance from the programmed path, mm; `None` takes the machine's. 0 means exact
+    /// stops at corners.
+    pub tolerance: Option<S>,
+    /// Whether to come to rest exactly on the end point (G61, G61.1, G9).
+    pub exact_stop: bool,
+    /// The caller's mark (a line number); it comes back with the setpoints.
+    pub tag: u32,
+}
+
+impl<S: Scalar, const N: usize> Block<S, N> {
+    /// A line with a feed, mm/s.
+    pub const fn line(to: [Coord; N], feed: S, tag: u32) -> Self {
+        Self {
+            motion: Motion::Line { to },
+            feed: Feed::PerSecond(feed),
+            tolerance: None,
+            exact_stop: false,
+            tag,
+        }
+    }
+
+    /// A line as fast as the axes allow.
+    pub const fn rapid(to: [Coord; N], tag: u32) -> Self {
+        Self {
+            motion: Motion::Line { to },
+            feed: Feed::Rapid,
+            tolerance: None,
+            exact_stop: false,
+            tag,
+        }
+    }
+
+    /// A dwell, s.
+    pub const fn dwell(seconds: S, tag: u32) -> Self {
+        Self {
+            motion: Motion::Dwell { seconds },
+            feed: Feed::Rapid,
+            tolerance: None,
+            exact_stop: true,
+            tag,
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! How the core is set up for a machine.
+
+use super::{ConfigError, Limits, Quantity};
+use crate::number::Scalar;
+
+/// How the corners between straight lines are rounded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum CornerMode<S> {
+    /// The whole tolerance band is used, the edge length comes in closed form
+    /// `L = 4 delta / sin(turn)`, and neighbouring corners share a leg by need. The default.
+    Band,
+    /// As printed in Guo, Yan, Wang 2023, sections 3.3 to 3.5: `e* = delta / 2`, the next corner
+    /// starts a fraction `lambda` of the remaining leg away, and the halving rule.
+    Paper {
+        /// Share of the remaining leg kept straight between two transitions, 0 <= lambda < 1.
+        lambda: S,
+    },
+}
+
+/// Everything the core needs to know of a machine. Make it with [`Config::new`] and change the
+/// fields that differ; it is checked when the core is built from it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Config<S, const N: usize> {
+    /// Limits of the axes.
+    pub limits: Limits<S, N>,
+    /// Servo cycle, s: the time between two calls of `tick`.
+    pub cycle: S,
+    /// Tolerance of blocks that name none, mm: greatest distance from the programmed path.
+    pub tolerance: S,
+    /// How corners are rounded.
+    pub corner: CornerMode<S>,
+    /// Time by which a new plan is handed over before it takes effect, s. It must cover the time
+    /// one planning step takes in the background.
+    pub lead: S,
+    /// How long a start from rest waits for the look-ahead to fill, s.
+    pub start_delay: S,
+    /// Most improvement steps (Newton iterations) of one planning step: the bound on its work.
+    pub iterations: u16,
+}
+
+impl<S: Scalar, const N: usize> Config<S, N> {
+    /// Sensible settings for a machine: 1 ms servo cycle, 0.01 mm tolerance, full band corners.
+    pub fn new(limits: Limits<S, N>) -> Self {
+        Self {
+            limits,
+            cycle: S::of(1.0e-3),
+            tolerance: S::of(0.01),
+            corner: CornerMode::Band,
+            lead: S::of(0.01),
+            start_delay: S::of(0.05),
+            iterations: 40,
+        }
+    }
+
+    /// Checks every setting.
+    ///
+    /// # Errors
+    /// [`ConfigError::Setting`] names the first setting out of range.
+    pub fn check(&self) -> Result<(), ConfigError> {
+        let lambda = match self.corner {
+            CornerMode::Band => S::ZERO,
+            CornerMode::Paper { lambda } => lambda,
+        };
+        for (quantity, value, least, greatest) in [
+            (Quantity::Cycle, self.cycle, 1.0e-6, 0.1),
+            (Quantity::Tolerance, self.tolerance, 0.0, 1.0e3),
+            (Quantity::Lead, self.lead, 0.0, 10.0),
+            (Quantity::StartDelay, self.start_delay, 0.0, 1.0e3),
+            (Quantity::Lambda, lambda, 0.0, 0.99),
+        ] {
+            let value = value.to_f64();
+            if !(value >= least && value <= greatest) {
+                return Err(ConfigError::Setting { quantity, value, least, greatest });
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,12 @@
+//! Numbers: the scalar (f32 or f64), the fixed-point coordinate, and small vectors.
+//!
+//! A machine of 2 m that resolves a nanometre needs 31 bits; an f32 has 24. So *positions* are
+//! fixed point ([`Coord`], exact sums, no drift), and the scalar only ever holds *differences* of
+//! positions inside one cell of the path, where it is precise to fractions of a nanometre.
+
+mod coord;
+mod scalar;
+pub(crate) mod vector;
+
+pub use coord::Coord;
+pub use scalar::Scalar;

@@ -1,0 +1,132 @@
+//! The scalar the core computes with.
+
+use core::fmt::Debug;
+use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for f32 {}
+    impl Sealed for f64 {}
+}
+
+/// A floating-point number type the core can run in: `f32` (Cortex-M4F) or `f64` (Cortex-M7 and
+/// checking on a PC).
+///
+/// Only operations that give the same bits on every target are offered: the four basic ones,
+/// square root, and `libm` functions. There is no fused multiply-add on purpose.
+pub trait Scalar:
+    sealed::Sealed
+    + Copy
+    + PartialOrd
+    + Debug
+    + Default
+    + Send
+    + Sync
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+    + MulAssign
+    + 'static
+{
+    /// Zero.
+    const ZERO: Self;
+    /// One.
+    const ONE: Self;
+    /// Rounding error of one operation, relative.
+    const EPSILON: Self;
+    /// Name of the type, for reports.
+    const NAME: &'static str;
+
+    /// The nearest value to a constant.
+    fn of(x: f64) -> Self;
+    /// This value as `f64`, exact.
+    fn to_f64(self) -> f64;
+    /// A small count.
+    fn from_u32(x: u32) -> Self;
+    /// The nearest value to an integer.
+    fn from_i64(x: i64) -> Self;
+    /// Truncated to an integer; saturates, NaN gives 0.
+    fn to_i64(self) -> i64;
+    /// Square root; NaN below zero.
+    #[must_use]
+    fn sqrt(self) -> Self;
+    /// Natural logarithm.
+    #[must_use]
+    fn ln(self) -> Self;
+    /// Sine and cosine of an angle in radians.
+    fn sin_cos(self) -> (Self, Self);
+    /// Whether the value is neither infinite nor NaN.
+    fn is_finite(self) -> bool;
+
+    /// Magnitude.
+    #[must_use]
+    fn abs(self) -> Self {
+        if self < Self::ZERO { -self } else { self }
+    }
+
+    /// The lesser of two numbers, by comparison, so that the bits agree on every target.
+    #[must_use]
+    fn least(self, other: Self) -> Self {
+        if other < self { other } else { self }
+    }
+
+    /// The greater of two numbers, by comparison, so that the bits agree on every target.
+    #[must_use]
+    fn greatest(self, other: Self) -> Self {
+        if other > self { other } else { self }
+    }
+}
+
+macro_rules! scalar {
+    ($t:ident, $sqrt:path, $ln:path, $sincos:path) => {
+        impl Scalar for $t {
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
+            const EPSILON: Self = $t::EPSILON;
+            const NAME: &'static str = stringify!($t);
+            #[inline]
+            fn of(x: f64) -> Self {
+                x as Self
+            }
+            #[inline]
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+            #[inline]
+            fn from_u32(x: u32) -> Self {
+                x as Self
+            }
+            #[inline]
+            fn from_i64(x: i64) -> Self {
+                x as Self
+            }
+            #[inline]
+            fn to_i64(self) -> i64 {
+                self as i64
+            }
+            #[inline]
+            fn sqrt(self) -> Self {
+                $sqrt(self)
+            }
+            #[inline]
+            fn ln(self) -> Self {
+                $ln(self)
+            }
+            #[inline]
+            fn sin_cos(self) -> (Self, Self) {
+                $sincos(self)
+            }
+            #[inline]
+            fn is_finite(self) -> bool {
+                $t::is_finite(self)
+            }
+        }
+    };
+}
+
+scalar!(f32, libm::sqrtf, libm::logf, libm::sincosf);
+scalar!(f64, libm::sqrt, libm::log, libm::sincos);

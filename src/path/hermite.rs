@@ -1,0 +1,168 @@
+//! Quintic Hermite curves: point, tangent and curvature given at both ends.
+
+use super::node::{Cell, GAUSS, Node, by_arc_length};
+use crate::number::Scalar;
+use crate::number::vector::{Vector, norm, shifted};
+use core::array::from_fn;
+
+/// A quintic curve over s in [0, length] that leaves the origin with a given tangent and curvature
+/// and arrives at `length x tangent + bulge` with the others. Six conditions per axis, six
+/// coefficients: it is unique.
+#[derive(Clone, Copy, Debug)]
+pub struct Hermite<S, const N: usize> {
+    length: S,
+    /// Coefficients of u^1 .. u^5, u = s / length.
+    coefficients: [Vector<S, N>; 5],
+}
+
+impl<S: Scalar, const N: usize> Hermite<S, N> {
+    /// The curve between two directions: `start` and `end` are (tangent, curvature), `length` the
+    /// parameter length, mm, `bulge` the end point minus `length x start tangent`, mm.
+    pub fn new(
+        start: (&Vector<S, N>, &Vector<S, N>),
+        end: (&Vector<S, N>, &Vector<S, N>),
+        length: S,
+        bulge: &Vector<S, N>,
+    ) -> Self {
+        let square = length * length;
+        // The straight part length x tangent x u is split off: what is left is small.
+        let rest = |i: usize| {
+            let slope = (end.0[i] - start.0[i]) * length;
+            (bulge[i], slope, start.1[i] * square, end.1[i] * square)
+        };
+        let half = S::of(0.5);
+        Self {
+            length,
+            coefficients: [
+                from_fn(|i| start.0[i] * length),
+                from_fn(|i| start.1[i] * square * half),
+                from_fn(|i| {
+                    let (d, v, a0, a1) = rest(i);
+                    S::of(10.0) * d - S::of(4.0) * v - S::of(1.5) * a0 + half * a1
+                }),
+                from_fn(|i| {
+                    let (d, v, a0, a1) = rest(i);
+                    S::of(-15.0) * d + S::of(7.0) * v + S::of(1.5) * a0 - a1
+                }),
+                from_fn(|i| {
+                    let (d, v, a0, a1) = rest(i);
+                    S::of(6.0) * d - S::of(3.0) * v - half * a0 + half * a1
+                }),
+            ],
+        }
+    }
+
+    /// The curve of a cell.
+    pub fn of_cell(from: &Node<S, N>, cell: &Cell<S, N>, to: &Node<S, N>) -> Self {
+        Self::new(
+            (&from.tangent, &from.curvature),
+            (&to.tangent, &to.curvature),
+            cell.length,
+            &cell.bulge,
+        )
+    }
+
+    /// Offset from the start at `u` in [0, 1], mm.
+    pub fn offset(&self, u: S) -> Vector<S, N> {
+        let c = &self.coefficients;
+        from_fn(|i| {
+            ((((c[4][i] * u + c[3][i]) * u + c[2][i]) * u + c[1][i]) * u + c[0][i]) * u
+        })
+    }
+
+    /// First derivative by u.
+    fn first(&self, u: S) -> Vector<S, N> {
+        let c = &self.coefficients;
+        from_fn(|i| {
+            (((S::of(5.0) * c[4][i] * u + S::of(4.0) * c[3][i]) * u + S::of(3.0) * c[2][i]) * u
+                + S::of(2.0) * c[1][i])
+                * u
+                + c[0][i]
+        })
+    }
+
+    /// Second derivative by u.
+    fn second(&self, u: S) -> Vector<S, N> {
+        let c = &self.coefficients;
+        from_fn(|i| {
+            ((S::of(20.0) * c[4][i] * u + S::of(12.0) * c[3][i]) * u + S::of(6.0) * c[2][i]) * u
+                + S::of(2.0) * c[1][i]
+        })
+    }
+
+    /// Arc length between two parameters, by the three-point Gauss rule.
+    pub fn arc_length(&self, from: S, to: S) -> S {
+        let mut sum = S::ZERO;
+        for (x, weight) in GAUSS {
+            sum += S::of(weight) * norm(&self.first(from + (to - from) * S::of(x)));
+        }
+        sum * (to - from)
+    }
+
+    /// Node at `u`, given the position of the start.
+    pub fn node(&self, start: &Node<S, N>, u: S) -> Node<S, N> {
+        let (tangent, curvature) = by_arc_length(&self.first(u), &self.second(u));
+        Node { at: shifted(&start.at, &self.offset(u)), tangent, curvature }
+    }
+
+    /// What lies off the straight line between the nodes at two parameters: see [`Cell::bulge`].
+    pub fn bulge(&self, from: S, to: S, tangent: &Vector<S, N>, length: S) -> Vector<S, N> {
+        let (a, b) = (self.offset(from), self.offset(to));
+        from_fn(|i| (b[i] - a[i]) - tangent[i] * length)
+    }
+}
+
+/// Splits a cell in its middle: the two cells follow the same curve.
+pub fn split<S: Scalar, const N: usize>(
+    from: &Node<S, N>,
+    cell: &Cell<S, N>,
+    to: &Node<S, N>,
+) -> (Cell<S, N>, Node<S, N>, Cell<S, N>) {
+    let curve = Hermite::of_cell(from, cell, to);
+    let half = S::of(0.5);
+    let middle = curve.node(from, half);
+    let (first, second) = (curve.arc_length(S::ZERO, half), curve.arc_length(half, S::ONE));
+    (
+        Cell { length: first, bulge: curve.bulge(S::ZERO, half, &from.tangent, first), ..*cell },
+        middle,
+        Cell { length: second, bulge: curve.bulge(half, S::ONE, &middle.tangent, second), ..*cell },
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::number::Coord;
+
+    /// A twentieth of a circle of 10 mm: the quintic through its ends keeps to it by nanometres,
+    /// and so do the halves it is split into.
+    #[test]
+    fn an_arc_cell_and_its_halves_keep_to_the_circle() {
+        let (radius, angle) = (10.0f64, 0.31f64);
+        let node = |phi: f64| Node {
+            at: [Coord::from_mm(radius * phi.sin()).unwrap(), Coord::from_mm(radius * (1.0 - phi.cos())).unwrap()],
+            tangent: [phi.cos(), phi.sin()],
+            curvature: [-phi.sin() / radius, phi.cos() / radius],
+        };
+        let (a, b) = (node(0.0), node(angle));
+        let length = radius * angle;
+        let cell = Cell {
+            length,
+            bulge: [radius * angle.sin() - length, radius * (1.0 - angle.cos())],
+            feed: 1.0,
+            dwell: 0.0,
+            straight: false,
+            tag: 0,
+        };
+        let curve = Hermite::of_cell(&a, &cell, &b);
+        for k in 0..=20 {
+            let p = curve.offset(f64::from(k) / 20.0);
+            let r = (p[0] * p[0] + (p[1] - radius) * (p[1] - radius)).sqrt();
+            assert!((r - radius).abs() < 2e-7, "{}", r - radius);
+        }
+        let (first, middle, second) = split(&a, &cell, &b);
+        assert!((first.length + second.length - length).abs() < 1e-6);
+        assert!((middle.tangent[1] - (angle / 2.0).sin()).abs() < 1e-7);
+        assert!((middle.curvature[1] - (angle / 2.0).cos() / radius).abs() < 1e-5);
+    }
+}

@@ -1,0 +1,58 @@
+//! Nodes of the path and the cells between them.
+
+use crate::number::vector::{Vector, dot, sub};
+use crate::number::{Coord, Scalar};
+use core::array::from_fn;
+
+/// A point of the path with its derivatives by arc length s.
+#[derive(Clone, Copy, Debug)]
+pub struct Node<S, const N: usize> {
+    /// Position.
+    pub at: [Coord; N],
+    /// dx/ds: unit tangent.
+    pub tangent: Vector<S, N>,
+    /// d2x/ds2, 1/mm.
+    pub curvature: Vector<S, N>,
+}
+
+/// The path between two neighbouring nodes.
+#[derive(Clone, Copy, Debug)]
+pub struct Cell<S, const N: usize> {
+    /// Arc length, mm. Zero for a dwell.
+    pub length: S,
+    /// How far the next node lies off the straight line along this node's tangent, mm: next
+    /// position - position - length x tangent. Kept apart from the position difference because it
+    /// is small and would drown in its rounding.
+    pub bulge: Vector<S, N>,
+    /// Programmed speed along the path, mm/s.
+    pub feed: S,
+    /// Standstill at this place, s; such a cell has no length.
+    pub dwell: S,
+    /// Whether the cell is a piece of a straight line.
+    pub straight: bool,
+    /// Tag of the block it belongs to.
+    pub tag: u32,
+}
+
+/// Tangent and curvature from the first two derivatives by any parameter.
+///
+/// x'' = (c'' - t (t . c'')) / |c'|^2.
+pub fn by_arc_length<S: Scalar, const N: usize>(
+    d1: &Vector<S, N>,
+    d2: &Vector<S, N>,
+) -> (Vector<S, N>, Vector<S, N>) {
+    let square = dot(d1, d1);
+    let speed = square.sqrt();
+    let tangent: Vector<S, N> = from_fn(|i| d1[i] / speed);
+    let along = dot(&tangent, d2);
+    let normal: Vector<S, N> = from_fn(|i| tangent[i] * along);
+    let bend = sub(d2, &normal);
+    (tangent, from_fn(|i| bend[i] / square))
+}
+
+/// Abscissae and weights of the three-point Gauss-Legendre rule on [0, 1].
+pub const GAUSS: [(f64, f64); 3] = [
+    (0.112_701_665_379_258_31, 5.0 / 18.0),
+    (0.5, 8.0 / 18.0),
+    (0.887_298_334_620_741_7, 5.0 / 18.0),
+];

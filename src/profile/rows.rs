@@ -1,0 +1,445 @@
+//! The limits of one cell, as rows r(v0, a0, v1, a1) with |r| < 1 or r < 1.
+//!
+//! On a cell every axis moves as x(t) = x0' s(t) + y(t): s is the path's quartic ([`Law`]), y the
+//! quintic that takes the axis from the tangent to the path, with
+//!   y = y' = 0, y'' = E0            at the start, E0 = x0'' v0^2,
+//!   y = bulge, y' = turn v1, y'' = E1  at the end, E1 = x1'' v1^2 + turn a1, turn = x1' - x0'.
+//! Its jerk is a parabola in t. With w = 1 / T the Bernstein coefficients of the whole are
+//!   Q0 = x0' j(0)    +  60 bulge w^3 - 24 turn v1 w^2 + (3 E1 - 9 E0) w
+//!   Q1 = x0' j(mean) - 120 bulge w^3 + 60 turn v1 w^2 + (9 E0 - 9 E1) w
+//!   Q2 = x0' j(T)    +  60 bulge w^3 - 36 turn v1 w^2 + (9 E1 - 3 E0) w
+//! and those of the acceleration A0, A0 + Q0 T / 3, A1 - Q2 T / 3, A1. A polynomial lies between
+//! its least and greatest Bernstein coefficient: where these keep the limits, the axis keeps them
+//! at every instant of the cell. Those of the path speed, v0, v0 + a0 T / 3, v1 - a1 T / 3, v1,
+//! are kept below the feed; [`Law`] exists only where they are not below zero.
+
+use super::law::Law;
+use crate::machine::Limits;
+use crate::number::Scalar;
+use crate::number::vector::norm;
+use crate::path::node::{Cell, Node};
+
+/// Share of the velocity limits and the feed that is used: the length of a curved cell is known to
+/// this much.
+const SPEED_SHARE: f64 = 0.9998;
+
+/// A cell takes at least this share of a servo cycle, so that a tick passes few of them.
+pub const LEAST_CYCLE_SHARE: f64 = 0.25;
+
+/// Gradient by (v0, a0, v1, a1).
+pub type Gradient<S> = [S; 4];
+
+/// Takes the rows one by one.
+pub trait Sink<S> {
+    /// Whether gradients are wanted; if not, they need not be right.
+    const GRADIENT: bool;
+    /// A row with -1 < r < 1.
+    fn two_sided(&mut self, r: S, gradient: &Gradient<S>);
+    /// A row with r < 1.
+    fn one_sided(&mut self, r: S, gradient: &Gradient<S>);
+    /// A row with r > 0.
+    fn positive(&mut self, r: S, gradient: &Gradient<S>);
+}
+
+/// What bounds the motion over a cell besides its shape.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Bounds<S> {
+    /// Greatest path speed, mm/s.
+    pub speed: S,
+    /// Greatest path acceleration and jerk on a straight cell.
+    pub acceleration: S,
+    /// See `acceleration`.
+    pub jerk: S,
+}
+
+impl<S: Scalar> Bounds<S> {
+    /// The bounds of a cell for a machine with this servo cycle, s.
+    pub fn new<const N: usize>(
+        from: &Node<S, N>,
+        cell: &Cell<S, N>,
+        to: &Node<S, N>,
+        limits: &Limits<S, N>,
+        cycle: S,
+    ) -> Self {
+        let mut bounds = Self {
+            speed: cell.feed.least(cell.length / (cycle * S::of(LEAST_CYCLE_SHARE))),
+            acceleration: S::of(1.0e12),
+            jerk: S::of(1.0e15),
+        };
+        // Between the nodes a component of the tangent may exceed both ends by (kappa h)^2 / 8.
+        let bend = norm(&from.curvature).greatest(norm(&to.curvature)) * cell.length;
+        let swell = bend * bend * S::of(0.125);
+        for (i, axis) in limits.axes().iter().enumerate() {
+            let share = from.tangent[i].abs().greatest(to.tangent[i].abs()) + swell;
+            if share * bounds.speed > axis.velocity {
+                bounds.speed = axis.velocity / share;
+            }
+            let share = from.tangent[i].abs();
+            if share * bounds.acceleration > axis.acceleration {
+                bounds.acceleration = axis.acceleration / share;
+            }
+            if share * bounds.jerk > axis.jerk {
+                bounds.jerk = axis.jerk / share;
+            }
+        }
+        bounds.speed = bounds.speed * S::of(SPEED_SHARE);
+        bounds
+    }
+}
+
+impl<S: Scalar> Bounds<S> {
+    /// The same with only a share of acceleration and jerk.
+    #[must_use]
+    pub fn share(self, share: S) -> Self {
+        Self { acceleration: self.acceleration * share, jerk: self.jerk * share, ..self }
+    }
+}
+
+/// One cell with all that bounds it.
+#[derive(Clone, Copy)]
+pub struct View<'a, S, const N: usize> {
+    pub from: &'a Node<S, N>,
+    pub cell: &'a Cell<S, N>,
+    pub to: &'a Node<S, N>,
+    pub bounds: Bounds<S>,
+    pub limits: &'a Limits<S, N>,
+    /// Share of acceleration and jerk limits that may be used.
+    pub share: S,
+}
+
+/// How one Bernstein coefficient of the jerk is made of bulge, turn and the end accelerations:
+/// index of the path jerk, and the four factors.
+type Mix = (usize, f64, f64, f64, f64);
+
+/// Factors of bulge w^3, turn v1 w^2, E0 w and E1 w in Q0, Q1, Q2.
+pub const JERK_MIX: [Mix; 3] =
+    [(0, 60.0, -24.0, -9.0, 3.0), (1, -120.0, 60.0, 9.0, -9.0), (2, 60.0, -36.0, -3.0, 9.0)];
+
+/// Parts of an axis's motion that do not depend on which coefficient is wanted.
+#[derive(Clone, Copy)]
+pub struct Axis<S> {
+    pub tangent: S,
+    pub turn: S,
+    pub bulge: S,
+    pub k0: S,
+    pub k1: S,
+    /// E0 and E1.
+    pub e0: S,
+    pub e1: S,
+}
+
+impl<S: Scalar> Axis<S> {
+    #[inline]
+    pub fn new<const N: usize>(view: &View<'_, S, N>, law: &Law<S>, i: usize) -> Self {
+        let tangent = view.from.tangent[i];
+        let turn = view.to.tangent[i] - tangent;
+        let (k0, k1) = (view.from.curvature[i], view.to.curvature[i]);
+        Self {
+            tangent,
+            turn,
+            bulge: view.cell.bulge[i],
+            k0,
+            k1,
+            e0: k0 * law.v0 * law.v0,
+            e1: k1 * law.v1 * law.v1 + turn * law.a1,
+        }
+    }
+
+    /// A Bernstein coefficient of the axis jerk, mm/s3.
+    #[inline]
+    pub fn jerk(&self, law: &Law<S>, (j, bulge, turn, e0, e1): Mix) -> S {
+        let w = law.rate;
+        self.tangent * law.jerk[j]
+            + ((S::of(bulge) * self.bulge * w + S::of(turn) * self.turn * law.v1) * w
+                + S::of(e0) * self.e0
+                + S::of(e1) * self.e1)
+                * w
+    }
+}
+
+/// Gradients of the path motion, shared by all axes.
+struct Slopes<S> {
+    time: Gradient<S>,
+    rate: Gradient<S>,
+    jerk: [Gradient<S>; 3],
+}
+
+/// Gradient of the duration by (v0, a0, v1, a1).
+#[inline]
+pub fn time_gradient<S: Scalar>(law: &Law<S>) -> Gradient<S> {
+    let per_speed = -(law.time * S::of(0.5)) / law.root;
+    let per_acceleration = law.time * law.time * S::of(1.0 / 12.0) / law.root;
+    [per_speed, -per_acceleration, per_speed, per_acceleration]
+}
+
+impl<S: Scalar> Slopes<S> {
+    #[inline]
+    fn new(law: &Law<S>) -> Self {
+        let w = law.rate;
+        let time = time_gradient(law);
+        let rate: Gradient<S> = core::array::from_fn(|k| -(time[k] * w * w));
+        let half = S::of(0.5);
+        let step = law.a1 - law.a0;
+        let direct_twist = [w, half, -w, half];
+        let direct_slope = [S::ZERO, -w, S::ZERO, w];
+        let mut jerk = [[S::ZERO; 4]; 3];
+        for k in 0..4 {
+            let twist = direct_twist[k] - law.gain * rate[k];
+            let slope = direct_slope[k] + step * rate[k];
+            let swing = S::of(6.0) * (twist * w + law.twist * rate[k]);
+            jerk[0][k] = slope - swing;
+            jerk[1][k] = slope;
+            jerk[2][k] = slope + swing;
+        }
+        Self { time, rate, jerk }
+    }
+}
+
+/// Hands every row of a cell to the sink.
+#[inline]
+pub fn rows<S: Scalar, const N: usize, K: Sink<S>>(view: &View<'_, S, N>, law: &Law<S>, sink: &mut K) {
+    let slopes = if K::GRADIENT {
+        Slopes::new(law)
+    } else {
+        Slopes { time: [S::ZERO; 4], rate: [S::ZERO; 4], jerk: [[S::ZERO; 4]; 3] }
+    };
+    speed_rows(view, law, &slopes, sink);
+    if view.cell.straight {
+        straight_rows(view, law, &slopes, sink);
+    } else {
+        for i in 0..N {
+            axis_rows(view, law, &slopes, i, sink);
+        }
+    }
+}
+
+/// Path speed: Bernstein coefficients of s'(t).
+#[inline]
+fn speed_rows<S: Scalar, const N: usize, K: Sink<S>>(
+    view: &View<'_, S, N>,
+    law: &Law<S>,
+    slopes: &Slopes<S>,
+    sink: &mut K,
+) {
+    let (zero, one) = (S::ZERO, S::ONE);
+    let per = one / view.bounds.speed;
+    let third = S::of(1.0 / 3.0);
+    let reach = law.time * third;
+    sink.one_sided(law.v0 * per, &[per, zero, zero, zero]);
+    sink.one_sided(law.v1 * per, &[zero, zero, per, zero]);
+    let mut early: Gradient<S> = core::array::from_fn(|k| law.a0 * slopes.time[k] * third * per);
+    early[0] += per;
+    early[1] += reach * per;
+    sink.one_sided((law.v0 + law.a0 * reach) * per, &early);
+    let mut late: Gradient<S> = core::array::from_fn(|k| -(law.a1 * slopes.time[k] * third * per));
+    late[2] += per;
+    late[3] -= reach * per;
+    sink.one_sided((law.v1 - law.a1 * reach) * per, &late);
+    forward_rows(view, law, sink);
+}
+
+/// Never backwards: Bernstein coefficients of the cubic b(s) between the nodes, and the
+/// discriminant of the duration with v0 v1 left out. They are linear in (b, a), so that the
+/// method is not led into a corner where speed, acceleration and duration all vanish.
+#[inline]
+fn forward_rows<S: Scalar, const N: usize, K: Sink<S>>(view: &View<'_, S, N>, law: &Law<S>, sink: &mut K) {
+    let zero = S::ZERO;
+    let per = S::ONE / (view.bounds.speed * view.bounds.speed);
+    let third = view.cell.length * S::of(1.0 / 3.0);
+    let two = S::of(2.0);
+    let (b0, b1) = (law.v0 * law.v0, law.v1 * law.v1);
+    if law.v0 > zero {
+        let r = b0 + two * third * law.a0;
+        sink.positive(r * per, &[two * law.v0 * per, two * third * per, zero, zero]);
+    }
+    if law.v1 > zero {
+        let r = b1 - two * third * law.a1;
+        sink.positive(r * per, &[zero, zero, two * law.v1 * per, -(two * third * per)]);
+    }
+    let share = S::of(0.24);
+    let r = share * (b0 + b1) + third * (law.a0 - law.a1);
+    let slope = two * share * per;
+    sink.positive(r * per, &[slope * law.v0, third * per, slope * law.v1, -(third * per)]);
+}
+
+/// A straight cell: the axis that binds first binds everywhere.
+#[inline]
+fn straight_rows<S: Scalar, const N: usize, K: Sink<S>>(
+    view: &View<'_, S, N>,
+    law: &Law<S>,
+    slopes: &Slopes<S>,
+    sink: &mut K,
+) {
+    let (zero, one) = (S::ZERO, S::ONE);
+    let per = one / view.bounds.jerk;
+    for j in 0..3 {
+        let gradient = core::array::from_fn(|k| slopes.jerk[j][k] * per);
+        sink.two_sided(law.jerk[j] * per, &gradient);
+    }
+    let per = one / view.bounds.acceleration;
+    let parts = Ends {
+        per,
+        starts: (law.a0, [zero, one, zero, zero]),
+        ends: (law.a1, [zero, zero, zero, one]),
+        jerks: (law.jerk[0], &slopes.jerk[0], law.jerk[2], &slopes.jerk[2]),
+    };
+    acceleration_rows(law, slopes, &parts, sink);
+}
+
+/// One axis of a curved cell.
+#[inline]
+fn axis_rows<S: Scalar, const N: usize, K: Sink<S>>(
+    view: &View<'_, S, N>,
+    law: &Law<S>,
+    slopes: &Slopes<S>,
+    i: usize,
+    sink: &mut K,
+) {
+    let zero = S::ZERO;
+    let axis = Axis::new(view, law, i);
+    let bent = axis.turn != zero || axis.bulge != zero || axis.k0 != zero || axis.k1 != zero;
+    if !bent && axis.tangent == zero {
+        return;
+    }
+    let limits = &view.limits.axes()[i];
+    let w = law.rate;
+    let two = S::of(2.0);
+    let mut jerk = [zero; 3];
+    let mut jerk_gradient = [[zero; 4]; 3];
+    let per = S::ONE / (limits.jerk * view.share);
+    for (n, mix) in JERK_MIX.into_iter().enumerate() {
+        jerk[n] = axis.jerk(law, mix);
+        if K::GRADIENT {
+            let (j, bulge, turn, e0, e1) = mix;
+            let (bulge, turn, e0, e1) = (S::of(bulge), S::of(turn), S::of(e0), S::of(e1));
+            let per_rate = (S::of(3.0) * bulge * axis.bulge * w + two * turn * axis.turn * law.v1) * w
+                + e0 * axis.e0
+                + e1 * axis.e1;
+            let g = &mut jerk_gradient[n];
+            for k in 0..4 {
+                g[k] = axis.tangent * slopes.jerk[j][k] + per_rate * slopes.rate[k];
+            }
+            g[0] += two * e0 * axis.k0 * law.v0 * w;
+            g[2] += (turn * axis.turn * w + two * e1 * axis.k1 * law.v1) * w;
+            g[3] += e1 * axis.turn * w;
+        }
+        let scaled = core::array::from_fn(|k| jerk_gradient[n][k] * per);
+        sink.two_sided(jerk[n] * per, &scaled);
+    }
+    let parts = Ends {
+        per: S::ONE / (limits.acceleration * view.share),
+        starts: (
+            axis.e0 + axis.tangent * law.a0,
+            [two * axis.k0 * law.v0, axis.tangent, zero, zero],
+        ),
+        ends: (
+            axis.e1 + axis.tangent * law.a1,
+            [zero, zero, two * axis.k1 * law.v1, axis.tangent + axis.turn],
+        ),
+        jerks: (jerk[0], &jerk_gradient[0], jerk[2], &jerk_gradient[2]),
+    };
+    acceleration_rows(law, slopes, &parts, sink);
+}
+
+/// Acceleration at both ends of a cell and jerk next to them, with gradients.
+struct Ends<'a, S> {
+    /// 1 / limit.
+    per: S,
+    starts: (S, Gradient<S>),
+    ends: (S, Gradient<S>),
+    jerks: (S, &'a Gradient<S>, S, &'a Gradient<S>),
+}
+
+/// Bernstein coefficients A0, A0 + Q0 T / 3, A1 - Q2 T / 3, A1.
+#[inline]
+fn acceleration_rows<S: Scalar, K: Sink<S>>(
+    law: &Law<S>,
+    slopes: &Slopes<S>,
+    parts: &Ends<'_, S>,
+    sink: &mut K,
+) {
+    let third = S::of(1.0 / 3.0);
+    let reach = law.time * third;
+    let per = parts.per;
+    let (q0, dq0, q2, dq2) = parts.jerks;
+    let (a0, da0) = &parts.starts;
+    let (a1, da1) = &parts.ends;
+    let scaled = |g: &Gradient<S>| core::array::from_fn(|k| g[k] * per);
+    sink.two_sided(*a0 * per, &scaled(da0));
+    sink.two_sided(*a1 * per, &scaled(da1));
+    let early: Gradient<S> =
+        core::array::from_fn(|k| (da0[k] + dq0[k] * reach + q0 * third * slopes.time[k]) * per);
+    sink.two_sided((*a0 + q0 * reach) * per, &early);
+    let late: Gradient<S> =
+        core::array::from_fn(|k| (da1[k] - dq2[k] * reach - q2 * third * slopes.time[k]) * per);
+    sink.two_sided((*a1 - q2 * reach) * per, &late);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::AxisLimits;
+    use crate::number::Coord;
+    use crate::profile::law::State;
+
+    #[derive(Default)]
+    struct List {
+        rows: Vec<(f64, Gradient<f64>)>,
+    }
+
+    impl Sink<f64> for List {
+        const GRADIENT: bool = true;
+        fn two_sided(&mut self, r: f64, gradient: &Gradient<f64>) {
+            self.rows.push((r, *gradient));
+        }
+        fn one_sided(&mut self, r: f64, gradient: &Gradient<f64>) {
+            self.rows.push((r, *gradient));
+        }
+        fn positive(&mut self, r: f64, gradient: &Gradient<f64>) {
+            self.rows.push((r, *gradient));
+        }
+    }
+
+    fn list(straight: bool, x: [f64; 4]) -> Vec<(f64, Gradient<f64>)> {
+        let axis = AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false };
+        let limits = Limits::new([axis; 2]).unwrap();
+        let (h, k) = (0.5f64, if straight { 0.0 } else { 1.0 });
+        let phi: f64 = h * k * 0.9;
+        let from = Node { at: [Coord::ZERO; 2], tangent: [0.8, 0.6], curvature: [-0.6 * k, 0.8 * k] };
+        let t1 = [0.8 * phi.cos() - 0.6 * phi.sin(), 0.6 * phi.cos() + 0.8 * phi.sin()];
+        let to = Node { at: [Coord::ZERO; 2], tangent: t1, curvature: [-0.5 * k * t1[1], 0.5 * k * t1[0]] };
+        let cell = Cell {
+            length: h,
+            bulge: [-0.07 * k, 0.09 * k],
+            feed: 100.0,
+            dwell: 0.0,
+            straight,
+            tag: 0,
+        };
+        let bounds = Bounds::new(&from, &cell, &to, &limits, 1e-3);
+        let law = Law::new(h, State { b: x[0] * x[0], a: x[1] }, State { b: x[2] * x[2], a: x[3] }).unwrap();
+        let mut sink = List::default();
+        rows(&View { from: &from, cell: &cell, to: &to, bounds, limits: &limits, share: 1.0 }, &law, &mut sink);
+        sink.rows
+    }
+
+    /// Every gradient against central differences.
+    #[test]
+    fn gradients_agree_with_differences() {
+        for straight in [true, false] {
+            let x = [20.0, 150.0, 26.0, -220.0];
+            let here = list(straight, x);
+            for k in 0..4 {
+                let step = 1e-4 * x[k].abs();
+                let (mut up, mut down) = (x, x);
+                up[k] += step;
+                down[k] -= step;
+                for ((row, a), b) in here.iter().zip(list(straight, up)).zip(list(straight, down)) {
+                    let difference = (a.0 - b.0) / (2.0 * step);
+                    let scale = difference.abs().max(row.1[k].abs()).max(1e-6);
+                    assert!((difference - row.1[k]).abs() < 1e-4 * scale, "{straight} {k}: {difference} {}", row.1[k]);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,662 @@
+//! Least time over a window, by a barrier method whose every iterate keeps all limits.
+//!
+//! Minimised is the sum of the cell times minus mu times the logarithms of what is left of every
+//! limit ([`super::rows`]), over (b, a) of all stations between two fixed ones. Each step solves a
+//! Newton system (second derivatives of the rows left out, so it is positive definite): a chain
+//! of 2 x 2 blocks, each coupled to the next, factored in one pass forth and one back. A step is
+//! shortened until every limit holds, so the method can stop after any step; mu falls towards a
+//! value at which the barrier costs less than half a percent of the time.
+//!
+//! Work: at most `iterations` steps, each at most two passes with gradients' worth of rows and
+//! [`TRIES`] passes without, over the cells of the window.
+
+use super::law::{Law, State};
+use super::rows::{Gradient, Sink, View, rows, time_gradient};
+use super::window::Window;
+use crate::machine::Limits;
+use crate::number::Scalar;
+
+/// Most shortenings of one step.
+const TRIES: usize = 12;
+/// Most halvings of the first guess of speeds for new stations.
+const SEED_TRIES: usize = 40;
+/// Share of the second derivative of the time that is used: far from the limits it lets speeds
+/// grow threefold in a step instead of by two thirds.
+const TIME_CURVATURE: f64 = 0.3;
+/// mu at the end, in units of the machine's time scale.
+const LAST_WEIGHT: f64 = 5.0e-5;
+/// mu at the start of an improvement of a plan that was good before, and of a new one.
+const WARM_WEIGHT: f64 = 7.5e-4;
+const COLD_WEIGHT: f64 = 2.5e-2;
+/// mu at the start, at least this share of the mean time of a cell.
+const FIRST_SHARE: f64 = 0.05;
+/// Damping after the first step that a limit has shortened.
+const LEAST_DAMPING: f64 = 0.05;
+/// Share of a step that is taken when more than all of it would break a limit.
+const DISTANCE: f64 = 0.7;
+/// Share of acceleration and jerk that the last cell before an open end may use.
+const OPEN_END_SHARE: f64 = 0.4;
+/// By what mu falls once the steps get small.
+const WEIGHT_FALL: f64 = 0.3;
+/// A step is small when it promises less than this many mu.
+const SMALL_STEP: f64 = 10.0;
+
+/// One station's part of the Newton system.
+#[derive(Clone, Copy, Debug)]
+struct Work<S> {
+    /// Diagonal block: bb, ba, aa.
+    block: [S; 3],
+    /// Right-hand side.
+    gradient: [S; 2],
+    /// Coupling of this station's (b, a) with the next one's, row by row.
+    coupling: [S; 4],
+    /// The step.
+    step: [S; 2],
+}
+
+impl<S: Scalar> Work<S> {
+    const EMPTY: Self = Self {
+        block: [S::ZERO; 3],
+        gradient: [S::ZERO; 2],
+        coupling: [S::ZERO; 4],
+        step: [S::ZERO; 2],
+    };
+}
+
+/// Workspace of the method.
+pub struct Solver<S, const NODES: usize> {
+    work: [Work<S>; NODES],
+}
+
+/// What an improvement came to.
+#[derive(Clone, Copy, Debug)]
+pub struct Outcome {
+    /// Steps taken.
+    pub steps: u16,
+    /// Whether it ended because nothing more was to gain.
+    pub converged: bool,
+}
+
+/// A stretch of the window to improve: stations strictly between the two are free.
+#[derive(Clone, Copy, Debug)]
+pub struct Stretch {
+    pub first: usize,
+    pub last: usize,
+}
+
+/// Collects gradient and second derivatives of the barrier over one cell.
+struct Model<S> {
+    weight: S,
+    gradient: Gradient<S>,
+    /// Upper triangle, row by row.
+    hessian: [S; 10],
+}
+
+impl<S: Scalar> Model<S> {
+    #[inline]
+    fn add(&mut self, slope: S, curvature: S, g: &Gradient<S>) {
+        let mut n = 0;
+        for i in 0..4 {
+            self.gradient[i] += slope * g[i];
+            let row = curvature * g[i];
+            for gj in &g[i..] {
+                self.hessian[n] += row * *gj;
+                n += 1;
+            }
+        }
+    }
+}
+
+impl<S: Scalar> Sink<S> for Model<S> {
+    const GRADIENT: bool = true;
+    #[inline]
+    fn two_sided(&mut self, r: S, g: &Gradient<S>) {
+        // -mu ln(1 - r^2)
+        let per = S::ONE / (S::ONE - r * r);
+        let slope = S::of(2.0) * r * per;
+        let curvature = S::of(2.0) * per + slope * slope;
+        self.add(self.weight * slope, self.weight * curvature, g);
+    }
+    #[inline]
+    fn one_sided(&mut self, r: S, g: &Gradient<S>) {
+        // -mu ln(1 - r)
+        let per = S::ONE / (S::ONE - r);
+        self.add(self.weight * per, self.weight * per * per, g);
+    }
+    #[inline]
+    fn positive(&mut self, r: S, g: &Gradient<S>) {
+        // -mu ln r
+        let per = S::ONE / r;
+        self.add(-(self.weight * per), self.weight * per * per, g);
+    }
+}
+
+/// Sums the logarithms of what is left of the limits; notices a broken one.
+struct Slack<S> {
+    product: S,
+    logarithm: S,
+    /// Least slack seen; positive means that all limits hold.
+    least: S,
+}
+
+impl<S: Scalar> Slack<S> {
+    #[inline]
+    fn take(&mut self, slack: S) {
+        // A NaN must count as broken: the comparison is false for it.
+        if !(slack > self.least) {
+            self.least = slack;
+        }
+        self.product = self.product * slack;
+        if self.product < S::of(1.0e-18) && self.product > S::ZERO {
+            self.fold();
+        }
+    }
+
+    #[inline]
+    fn fold(&mut self) {
+        self.logarithm += self.product.ln();
+        self.product = S::ONE;
+    }
+}
+
+impl<S: Scalar> Sink<S> for Slack<S> {
+    const GRADIENT: bool = false;
+    #[inline]
+    fn two_sided(&mut self, r: S, _: &Gradient<S>) {
+        self.take(S::ONE - r * r);
+    }
+    #[inline]
+    fn one_sided(&mut self, r: S, _: &Gradient<S>) {
+        self.take(S::ONE - r);
+    }
+    #[inline]
+    fn positive(&mut self, r: S, _: &Gradient<S>) {
+        self.take(r);
+    }
+}
+
+impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
+    pub const fn new() -> Self {
+        Self { work: [Work::EMPTY; NODES] }
+    }
+
+    /// Whether a station's state is to be found.
+    fn is_free<const N: usize>(window: &Window<S, N, NODES>, stretch: Stretch, i: usize) -> bool {
+        i > stretch.first
+            && i < stretch.last
+            && window.get(i).is_some_and(|station| !station.rest)
+    }
+
+    /// A cell with its limits. The last one before an end that is only the end of what is known
+    /// keeps a reserve, so that the plan can be taken on from there without a break.
+    fn view<'a, const N: usize>(
+        window: &'a Window<S, N, NODES>,
+        stretch: Stretch,
+        i: usize,
+        limits: &'a Limits<S, N>,
+    ) -> Option<View<'a, S, N>> {
+        let (station, after) = window.pair(i)?;
+        let mut view = station.view(after, limits);
+        if i + 1 == stretch.last && !after.rest {
+            view.share = S::of(OPEN_END_SHARE);
+            view.bounds = view.bounds.share(view.share);
+        }
+        Some(view)
+    }
+
+    /// A station's state moved by `share` of its step.
+    fn trial<const N: usize>(
+        &self,
+        window: &Window<S, N, NODES>,
+        stretch: Stretch,
+        i: usize,
+        share: S,
+    ) -> State<S> {
+        let Some(station) = window.get(i) else { return State::REST };
+        if i == stretch.last {
+            return State::REST;
+        }
+        if !Self::is_free(window, stretch, i) {
+            return station.state;
+        }
+        let step = self.work[i].step;
+        State { b: station.state.b - share * step[0], a: station.state.a - share * step[1] }
+    }
+
+    /// Time minus barrier over cells `from..to`, `None` if a limit is broken.
+    fn value<const N: usize>(
+        &self,
+        window: &Window<S, N, NODES>,
+        stretch: Stretch,
+        limits: &Limits<S, N>,
+        (weight, share): (S, S),
+        (from, to): (usize, usize),
+    ) -> Option<S> {
+        let mut time = S::ZERO;
+        let mut slack = Slack { product: S::ONE, logarithm: S::ZERO, least: S::ONE };
+        let mut here = self.trial(window, stretch, from, share);
+        for i in from..to {
+            let next = self.trial(window, stretch, i + 1, share);
+            let station = window.get(i)?;
+            if station.cell.length > S::ZERO {
+                if !(here.b >= S::ZERO && next.b >= S::ZERO) {
+                    return None;
+                }
+                let law = Law::new(station.cell.length, here, next)?;
+                time += law.time;
+                rows(&Self::view(window, stretch, i, limits)?, &law, &mut slack);
+                if !(slack.least > S::ZERO) {
+                    return None;
+                }
+            }
+            here = next;
+        }
+        slack.fold();
+        let value = time - weight * slack.logarithm;
+        value.is_finite().then_some(value)
+    }
+
+    /// Gives the free stations from index `new` on slow speeds at which all limits hold: every cell
+    /// takes about the same time, long enough. Those before keep theirs. Returns whether such a
+    /// time was found.
+    pub fn seed<const N: usize>(
+        &mut self,
+        window: &mut Window<S, N, NODES>,
+        stretch: Stretch,
+        new: usize,
+        limits: &Limits<S, N>,
+    ) -> bool {
+        let new = new.max(stretch.first + 1);
+        let cells = (new - 1, stretch.last);
+        for work in &mut self.work[cells.0..=cells.1] {
+            work.step = [S::ZERO; 2];
+        }
+        let mut rate = S::ONE / (limits.time_scale() * S::of(0.125));
+        // The first new station was the stop of the plan before: what it may have is little if
+        // that plan brakes hard, and should not hold back the others.
+        let mut entry = S::of(1.0e-3);
+        let mut found = false;
+        for _ in 0..SEED_TRIES {
+            Self::seed_speeds(window, stretch, new, rate, entry);
+            found = self.value(window, stretch, limits, (S::ZERO, S::ZERO), cells).is_some();
+            if found {
+                break;
+            }
+            #[cfg(feature="dbg")] if rate.to_f64()<0.2 { std::eprintln!("seed rate {rate:?} new {new}"); self.blame(window,stretch,limits,S::ZERO); }
+            rate = rate * S::of(0.5);
+        }
+        if !found {
+            return false;
+        }
+        let best = [S::of(0.004), S::of(0.016), S::of(0.06), S::of(0.25), S::ONE];
+        for wider in best {
+            Self::seed_speeds(window, stretch, new, rate, wider);
+            if self.value(window, stretch, limits, (S::ZERO, S::ZERO), cells).is_none() {
+                break;
+            }
+            entry = wider;
+        }
+        Self::seed_speeds(window, stretch, new, rate, entry);
+        true
+    }
+
+    /// Gives every new station the speed at which the shorter of its cells takes 1 / `rate`; the
+    /// first one only the share `entry` of it.
+    fn seed_speeds<const N: usize>(
+        window: &mut Window<S, N, NODES>,
+        stretch: Stretch,
+        new: usize,
+        rate: S,
+        entry: S,
+    ) {
+        let mut before = S::of(1.0e6);
+        for i in new - 1..stretch.last {
+            let Some(station) = window.get(i) else { return };
+            let here = if station.cell.length > S::ZERO {
+                (station.cell.length * rate).least(station.bounds.speed * S::of(0.7))
+            } else {
+                S::ZERO
+            };
+            let mut speed = before.least(here);
+            before = here;
+            if i >= new {
+                if i == new {
+                    speed = speed * entry;
+                }
+                let free = Self::is_free(window, stretch, i);
+                if let Some(station) = window.get_mut(i) {
+                    let b = if free { speed * speed } else { S::ZERO };
+                    station.state = State { b, a: S::ZERO };
+                }
+            }
+        }
+    }
+
+    /// Whether all limits hold over the whole stretch as it stands.
+    pub fn holds<const N: usize>(
+        &mut self,
+        window: &Window<S, N, NODES>,
+        stretch: Stretch,
+        limits: &Limits<S, N>,
+    ) -> bool {
+        for work in &mut self.work {
+            work.step = [S::ZERO; 2];
+        }
+        self.value(window, stretch, limits, (S::ZERO, S::ZERO), (stretch.first, stretch.last))
+            .is_some()
+    }
+
+    /// Improves the states of a stretch, which must keep all limits, by at most `iterations`
+    /// steps.
+    pub fn improve<const N: usize>(
+        &mut self,
+        window: &mut Window<S, N, NODES>,
+        stretch: Stretch,
+        limits: &Limits<S, N>,
+        iterations: u16,
+        cold: bool,
+    ) -> Outcome {
+        let scale = limits.time_scale();
+        let last_weight = scale * S::of(LAST_WEIGHT);
+        let mut weight = scale * S::of(if cold { COLD_WEIGHT } else { WARM_WEIGHT });
+        let all = (stretch.first, stretch.last);
+        let cells = S::from_u32((stretch.last - stretch.first) as u32);
+        if let Some(time) = self.time(window, stretch) {
+            // Far from the least time the barrier must keep up with it, or the first steps run
+            // into a corner of the limits and stay there.
+            weight = weight.greatest(time / cells * S::of(FIRST_SHARE));
+        }
+        let mut damping = S::ZERO;
+        for steps in 0..iterations {
+            self.assemble(window, stretch, limits, weight, damping);
+            let promise = self.solve(stretch);
+            for work in &mut self.work[stretch.first..=stretch.last] {
+                work.step = work.gradient;
+            }
+            let here = self.value(window, stretch, limits, (weight, S::ZERO), all);
+            let Some(here) = here else {
+                return Outcome { steps, converged: false };
+            };
+            let mut share = self.longest_share(window, stretch);
+            let slack = here.abs() * S::EPSILON * S::of(8.0);
+            let (mut found, mut blocked) = (false, false);
+            for _ in 0..TRIES {
+                let there = self.value(window, stretch, limits, (weight, share), all);
+                if there.is_some_and(|there| there <= here + slack) {
+                    found = true;
+                    break;
+                }
+                blocked |= there.is_none();
+                share = share * S::of(0.5);
+            }
+            if blocked {
+                damping = (damping * S::of(4.0)).greatest(S::of(LEAST_DAMPING));
+            } else {
+                damping = damping * S::of(0.25);
+                if damping < S::of(LEAST_DAMPING) {
+                    damping = S::ZERO;
+                }
+            }
+            if found && blocked {
+                // A limit is near: keep a distance from it, or the next steps only slide along.
+                let shorter = share * S::of(DISTANCE);
+                if self.value(window, stretch, limits, (weight, shorter), all).is_some() {
+                    share = shorter;
+                }
+            }
+            if found {
+                for i in stretch.first..=stretch.last {
+                    let state = self.trial(window, stretch, i, share);
+                    if let Some(station) = window.get_mut(i) {
+                        station.state = state;
+                    }
+                }
+            }
+            #[cfg(feature="dbg")] std::eprintln!("it {steps} w {weight:?} promise {promise:?} share {share:?} found {found} here {here:?} time {:?}", self.time(window,stretch));
+            #[cfg(feature="dbg")] if share < S::of(0.1) { self.blame(window,stretch,limits,share*S::of(1.99)); }
+            let small = promise < weight * S::of(SMALL_STEP) || !found;
+            if small {
+                if weight <= last_weight {
+                    return Outcome { steps: steps + 1, converged: true };
+                }
+                weight = (weight * S::of(WEIGHT_FALL)).greatest(last_weight);
+            }
+        }
+        Outcome { steps: iterations, converged: false }
+    }
+
+    /// Time over a stretch, s.
+    fn time<const N: usize>(&self, window: &Window<S, N, NODES>, stretch: Stretch) -> Option<S> {
+        let mut time = S::ZERO;
+        for i in stretch.first..stretch.last {
+            let (station, after) = window.pair(i)?;
+            if station.cell.length > S::ZERO {
+                let to = if i + 1 == stretch.last { State::REST } else { after.state };
+                time += Law::new(station.cell.length, station.state, to)?.time;
+            }
+        }
+        Some(time)
+    }
+
+    /// Longest share of the step that leaves every b at least a tenth of what it was.
+    fn longest_share<const N: usize>(&self, window: &Window<S, N, NODES>, stretch: Stretch) -> S {
+        let mut share = S::ONE;
+        for i in stretch.first..stretch.last {
+            if Self::is_free(window, stretch, i)
+                && let Some(station) = window.get(i)
+            {
+                let (b, step) = (station.state.b * S::of(0.9), self.work[i].step[0]);
+                if share * step > b {
+                    share = b / step;
+                }
+            }
+        }
+        share
+    }
+
+    /// Gradient and second derivatives of every cell into the blocks.
+    fn assemble<const N: usize>(
+        &mut self,
+        window: &Window<S, N, NODES>,
+        stretch: Stretch,
+        limits: &Limits<S, N>,
+        weight: S,
+        damping: S,
+    ) {
+        for work in &mut self.work[stretch.first..=stretch.last] {
+            *work = Work::EMPTY;
+        }
+        for i in stretch.first..stretch.last {
+            let (free0, free1) =
+                (Self::is_free(window, stretch, i), Self::is_free(window, stretch, i + 1));
+            let Some((station, after)) = window.pair(i) else { continue };
+            if !(station.cell.length > S::ZERO) || !(free0 || free1) {
+                continue;
+            }
+            let to = if i + 1 == stretch.last { State::REST } else { after.state };
+            let Some(law) = Law::new(station.cell.length, station.state, to) else { continue };
+            let mut model = Model { weight, gradient: time_gradient(&law), hessian: [S::ZERO; 10] };
+            let Some(view) = Self::view(window, stretch, i, limits) else { continue };
+            rows(&view, &law, &mut model);
+            let (g, mut h) = by_square(&model, &law, (free0, free1));
+            add_damping(&mut h, damping * law.time, station.cell.length, (station.state, to), (free0, free1));
+            add_time_curvature(&mut h, station.cell.length, (station.state, to), (free0, free1));
+            let work = &mut self.work[i];
+            for (sum, part) in work.block.iter_mut().zip([h[0], h[1], h[4]]) {
+                *sum += part;
+            }
+            work.gradient[0] += g[0];
+            work.gradient[1] += g[1];
+            work.coupling = [h[2], h[3], h[5], h[6]];
+            let work = &mut self.work[i + 1];
+            for (sum, part) in work.block.iter_mut().zip([h[7], h[8], h[9]]) {
+                *sum += part;
+            }
+            work.gradient[0] += g[2];
+            work.gradient[1] += g[3];
+        }
+        for i in stretch.first..=stretch.last {
+            if !Self::is_free(window, stretch, i) {
+                let work = &mut self.work[i];
+                work.block = [S::ONE, S::ZERO, S::ONE];
+                work.gradient = [S::ZERO; 2];
+            }
+        }
+    }
+
+    /// Solves the chain in place: the gradient becomes the step. Returns gradient . step.
+    fn solve(&mut self, stretch: Stretch) -> S {
+        let tiny = S::EPSILON * S::of(16.0);
+        for i in stretch.first..=stretch.last {
+            // L D L^T of the 2 x 2 block.
+            let [bb, ba, aa] = self.work[i].block;
+            let lower = ba / bb;
+            let rest = (aa - ba * lower).greatest(aa * tiny);
+            self.work[i].block = [bb, lower, rest];
+            if i == stretch.last {
+                break;
+            }
+            let [c0, c1, c2, c3] = self.work[i].coupling;
+            // Columns of block^-1 coupling.
+            let (x0, x2) = solve_block(bb, lower, rest, c0, c2);
+            let (x1, x3) = solve_block(bb, lower, rest, c1, c3);
+            let [g0, g1] = self.work[i].gradient;
+            let (y0, y1) = solve_block(bb, lower, rest, g0, g1);
+            let next = &mut self.work[i + 1];
+            let floor = [next.block[0] * tiny, next.block[2] * tiny];
+            next.block[0] = (next.block[0] - (c0 * x0 + c2 * x2)).greatest(floor[0]);
+            next.block[1] -= c0 * x1 + c2 * x3;
+            next.block[2] = (next.block[2] - (c1 * x1 + c3 * x3)).greatest(floor[1]);
+            next.gradient[0] -= c0 * y0 + c2 * y1;
+            next.gradient[1] -= c1 * y0 + c3 * y1;
+        }
+        let mut promise = S::ZERO;
+        let mut after = [S::ZERO; 2];
+        for i in (stretch.first..=stretch.last).rev() {
+            let Work { block, gradient, coupling, .. } = self.work[i];
+            // Before it is overwritten: y^T D^-1 y sums to gradient . step.
+            let u = gradient[0];
+            let v = gradient[1] - block[1] * gradient[0];
+            promise += u * u / block[0] + v * v / block[2];
+            let r0 = gradient[0] - (coupling[0] * after[0] + coupling[1] * after[1]);
+            let r1 = gradient[1] - (coupling[2] * after[0] + coupling[3] * after[1]);
+            let (x, y) = solve_block(block[0], block[1], block[2], r0, r1);
+            self.work[i].gradient = [x, y];
+            after = [x, y];
+        }
+        promise
+    }
+}
+
+/// Solves L D L^T x = r for a 2 x 2 block.
+#[inline]
+fn solve_block<S: Scalar>(d0: S, lower: S, d1: S, r0: S, r1: S) -> (S, S) {
+    let y = (r1 - lower * r0) / d1;
+    (r0 / d0 - lower * y, y)
+}
+
+/// From derivatives by v to derivatives by b = v^2; those by fixed states vanish.
+#[inline]
+fn by_square<S: Scalar>(
+    model: &Model<S>,
+    law: &Law<S>,
+    (free0, free1): (bool, bool),
+) -> (Gradient<S>, [S; 10]) {
+    let mut factor = [S::ZERO; 4];
+    if free0 {
+        factor[0] = S::of(0.5) / law.v0;
+        factor[1] = S::ONE;
+    }
+    if free1 {
+        factor[2] = S::of(0.5) / law.v1;
+        factor[3] = S::ONE;
+    }
+    let gradient = core::array::from_fn(|k| model.gradient[k] * factor[k]);
+    let mut hessian = model.hessian;
+    let mut n = 0;
+    for i in 0..4 {
+        for fj in &factor[i..] {
+            hessian[n] = hessian[n] * (factor[i] * *fj);
+            n += 1;
+        }
+    }
+    (gradient, hessian)
+}
+
+/// Damping, by relative changes of b and of a over the cell. It shortens a step along a curved
+/// limit and leaves the way off the limit as it is, which shortening the whole step would not.
+#[inline]
+fn add_damping<S: Scalar>(
+    hessian: &mut [S; 10],
+    weight: S,
+    length: S,
+    (from, to): (State<S>, State<S>),
+    (free0, free1): (bool, bool),
+) {
+    if free0 {
+        let per = weight / (from.b * from.b);
+        hessian[0] += per;
+        hessian[4] += per * length * length;
+    }
+    if free1 {
+        let per = weight / (to.b * to.b);
+        hessian[7] += per;
+        hessian[9] += per * length * length;
+    }
+}
+
+/// Second derivatives of the time by Simpson's rule over 1 / v: convex in (b, a).
+#[inline]
+fn add_time_curvature<S: Scalar>(
+    hessian: &mut [S; 10],
+    length: S,
+    (from, to): (State<S>, State<S>),
+    (free0, free1): (bool, bool),
+) {
+    let steepness = |b: S| S::of(TIME_CURVATURE / 6.0) * length / (b * b * b.sqrt());
+    if free0 {
+        hessian[0] += steepness(from.b);
+    }
+    if free1 {
+        hessian[7] += steepness(to.b);
+    }
+    let sum = (from.b + to.b) * S::of(0.5);
+    let quarter = length * S::of(0.25);
+    let middle = (sum + quarter * (from.a - to.a)).greatest(sum * S::of(0.1));
+    let weight = S::of(4.0) * steepness(middle);
+    let mut g = [S::ZERO; 4];
+    if free0 {
+        g[0] = S::of(0.5);
+        g[1] = quarter;
+    }
+    if free1 {
+        g[2] = S::of(0.5);
+        g[3] = -quarter;
+    }
+    let mut n = 0;
+    for i in 0..4 {
+        for gj in &g[i..] {
+            hessian[n] += weight * g[i] * *gj;
+            n += 1;
+        }
+    }
+}
+#[cfg(feature="dbg")]
+impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
+    fn blame<const N: usize>(&self, window: &Window<S, N, NODES>, stretch: Stretch, limits: &Limits<S,N>, share: S) {
+        for i in stretch.first..stretch.last {
+            if window.get(i).unwrap().cell.length <= S::ZERO { continue; }
+            let (a,b)=(self.trial(window,stretch,i,share),self.trial(window,stretch,i+1,share));
+            let (a0,b0)=(self.trial(window,stretch,i,S::ZERO),self.trial(window,stretch,i+1,S::ZERO));
+            let h=window.get(i).unwrap().cell.length;
+            let st=window.get(i).unwrap();
+            match Law::new(h,a,b) { None=>std::eprintln!("  blame law {i} of {}..{} h {h:?} {a0:?}->{b0:?} trial {a:?}->{b:?}",stretch.first,stretch.last),
+              Some(law)=>{ let mut sl=Names(std::vec::Vec::new()); rows(&Self::view(window,stretch,i,limits).unwrap(),&law,&mut sl); 
+                 if sl.0.iter().any(|x| !(*x>0.0)) { std::eprintln!("  blame rows {i} of {}..{} str {} h {h:?} {a0:?}->{b0:?} trial {a:?}->{b:?} {:?}",stretch.first,stretch.last,st.cell.straight,sl.0.iter().enumerate().filter(|x| !(*x.1>0.0)).collect::<std::vec::Vec<_>>()); } } }
+        }
+    }
+}
+#[cfg(feature="dbg")]
+struct Names(std::vec::Vec<f64>);
+#[cfg(feature="dbg")]
+impl<S: Scalar> Sink<S> for Names { const GRADIENT: bool=false; fn two_sided(&mut self,r:S,_:&Gradient<S>){self.0.push(1.0-r.to_f64().abs())} fn one_sided(&mut self,r:S,_:&Gradient<S>){self.0.push(1.0-r.to_f64())} fn positive(&mut self,r:S,_:&Gradient<S>){self.0.push(r.to_f64())}}

@@ -1,0 +1,199 @@
+//! The stretch of path that is being planned.
+
+use super::law::{Law, State};
+use super::rows::{Bounds, View};
+use crate::machine::Limits;
+use crate::number::{Coord, Scalar};
+use crate::path::node::{Cell, Node};
+use heapless::Deque;
+
+/// A node of the window, its speed and acceleration, and the cell that leaves it.
+#[derive(Clone, Copy, Debug)]
+pub struct Station<S, const N: usize> {
+    pub node: Node<S, N>,
+    /// Cell to the next station; meaningless in the last one.
+    pub cell: Cell<S, N>,
+    pub bounds: Bounds<S>,
+    /// Arc length from the start of the path.
+    pub way: Coord,
+    /// Whether the motion rests here whatever follows.
+    pub rest: bool,
+    /// State in the plan that is being worked on.
+    pub state: State<S>,
+    /// State in the plan that is being executed.
+    pub agreed: State<S>,
+}
+
+/// A ring of stations. The first is where the part under execution starts; the last is at rest.
+pub struct Window<S, const N: usize, const NODES: usize> {
+    stations: Deque<Station<S, N>, NODES>,
+    /// Running number of the first station.
+    first: u32,
+}
+
+impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
+    /// A window that rests at one node.
+    pub fn new(node: Node<S, N>) -> Self {
+        const { assert!(NODES >= 16, "a window of fewer than 16 nodes cannot plan") };
+        let mut stations = Deque::new();
+        let cell = Cell {
+            length: S::ZERO,
+            bulge: [S::ZERO; N],
+            feed: S::ZERO,
+            dwell: S::ZERO,
+            straight: true,
+            tag: 0,
+        };
+        let _ = stations.push_back(Station {
+            node,
+            cell,
+            bounds: Bounds::default(),
+            way: Coord::ZERO,
+            rest: true,
+            state: State::REST,
+            agreed: State::REST,
+        });
+        Self { stations, first: 0 }
+    }
+
+    /// Number of stations, at least 1.
+    pub fn len(&self) -> usize {
+        self.stations.len()
+    }
+
+    /// Stations that can still be added.
+    pub fn room(&self) -> usize {
+        NODES - self.stations.len()
+    }
+
+    /// Running number of a station.
+    pub fn serial(&self, index: usize) -> u32 {
+        self.first.wrapping_add(index as u32)
+    }
+
+    /// Index of a station by its running number (which must not be before the first one's).
+    pub fn index(&self, serial: u32) -> usize {
+        (serial.wrapping_sub(self.first) as usize).min(self.len() - 1)
+    }
+
+    pub fn get(&self, index: usize) -> Option<&Station<S, N>> {
+        self.stations.get(index)
+    }
+
+    pub fn get_mut(&mut self, index: usize) -> Option<&mut Station<S, N>> {
+        self.stations.get_mut(index)
+    }
+
+    pub fn last(&self) -> Option<&Station<S, N>> {
+        self.stations.back()
+    }
+
+    pub fn last_mut(&mut self) -> Option<&mut Station<S, N>> {
+        self.stations.back_mut()
+    }
+
+    /// Two neighbouring stations.
+    pub fn pair(&self, index: usize) -> Option<(&Station<S, N>, &Station<S, N>)> {
+        Some((self.stations.get(index)?, self.stations.get(index + 1)?))
+    }
+
+    /// Adds a cell behind the last station; the new last station rests.
+    pub fn append(
+        &mut self,
+        cell: Cell<S, N>,
+        node: Node<S, N>,
+        rest: bool,
+        limits: &Limits<S, N>,
+        cycle: S,
+    ) {
+        let mut way = Coord::ZERO;
+        if let Some(last) = self.stations.back_mut() {
+            way = last.way.plus(cell.length);
+            last.cell = cell;
+            last.bounds = Bounds::new(&last.node, &cell, &node, limits, cycle);
+        }
+        let station = Station {
+            node,
+            cell,
+            bounds: Bounds::default(),
+            way,
+            rest,
+            state: State::REST,
+            agreed: State::REST,
+        };
+        // The caller asks for room first.
+        let _ = self.stations.push_back(station);
+    }
+
+    /// Puts a station into the middle of a cell.
+    pub fn insert_middle(
+        &mut self,
+        index: usize,
+        split: (Cell<S, N>, Node<S, N>, Cell<S, N>),
+        limits: &Limits<S, N>,
+        cycle: S,
+    ) {
+        let Some(last) = self.stations.back().copied() else { return };
+        if self.stations.push_back(last).is_err() {
+            return;
+        }
+        for k in (index + 2..self.stations.len()).rev() {
+            if let Some(before) = self.stations.get(k - 1).copied()
+                && let Some(station) = self.stations.get_mut(k)
+            {
+                *station = before;
+            }
+        }
+        let (cell, middle, rest_cell) = split;
+        let Some(end) = self.stations.get(index + 2).map(|station| station.node) else { return };
+        let way = self.stations.get(index).map_or(Coord::ZERO, |station| station.way);
+        if let Some(station) = self.stations.get_mut(index + 1) {
+            *station = Station {
+                node: middle,
+                cell: rest_cell,
+                bounds: Bounds::new(&middle, &rest_cell, &end, limits, cycle),
+                way: way.plus(cell.length),
+                rest: false,
+                state: State::REST,
+                agreed: State::REST,
+            };
+        }
+        if let Some(station) = self.stations.get_mut(index) {
+            station.cell = cell;
+            station.bounds = Bounds::new(&station.node, &cell, &middle, limits, cycle);
+        }
+    }
+
+    /// Forgets the stations before the one with this running number.
+    pub fn release_before(&mut self, serial: u32) {
+        // At most the whole window.
+        for _ in 0..NODES {
+            let ahead = serial.wrapping_sub(self.first);
+            if ahead == 0 || ahead > u32::MAX / 2 || self.stations.len() <= 1 {
+                return;
+            }
+            self.stations.pop_front();
+            self.first = self.first.wrapping_add(1);
+        }
+    }
+
+    /// Motion over the cell that leaves a station, in the plan that is being executed.
+    pub fn agreed_law(&self, index: usize) -> Option<Law<S>> {
+        let (from, to) = self.pair(index)?;
+        Law::new(from.cell.length, from.agreed, to.agreed)
+    }
+}
+
+impl<S: Scalar, const N: usize> Station<S, N> {
+    /// The cell from this station to the next one, for its limits.
+    pub fn view<'a>(&'a self, next: &'a Self, limits: &'a Limits<S, N>) -> View<'a, S, N> {
+        View {
+            from: &self.node,
+            cell: &self.cell,
+            to: &next.node,
+            bounds: self.bounds,
+            limits,
+            share: S::ONE,
+        }
+    }
+}

@@ -1,0 +1,14 @@
+//! The interrupt side: pieces of motion in, one setpoint per servo cycle out.
+//!
+//! Nothing in here plans. A [`piece`] is a polynomial per axis; the [`interpolator`] evaluates it
+//! and moves on to the next; the [`link`] carries whole plans over from the planner, each ending
+//! at rest, so that the interrupt can always come to a stop with what it has.
+
+mod interpolator;
+pub(crate) mod link;
+pub(crate) mod piece;
+mod setpoint;
+
+pub use interpolator::Interpolator;
+pub use link::Link;
+pub use setpoint::{Activity, Setpoint};

@@ -1,0 +1,66 @@
+//! What a servo cycle gets.
+
+use crate::number::{Coord, Scalar};
+
+/// What the interpolator is doing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Activity {
+    /// At rest: nothing to run.
+    #[default]
+    Idle,
+    /// In motion.
+    Running,
+    /// In a dwell.
+    Dwelling,
+}
+
+/// Where every axis should be at one servo cycle, and how it moves there.
+///
+/// The position is `origin + offset`: the origin in fixed point, the offset small, so that an
+/// `f32` keeps fractions of a nanometre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Setpoint<S, const N: usize> {
+    /// Fixed-point part of the position.
+    pub origin: [Coord; N],
+    /// What is to be added to it, mm (degrees on a rotary axis).
+    pub offset: [S; N],
+    /// Velocity per axis, mm/s.
+    pub velocity: [S; N],
+    /// Acceleration per axis, mm/s2.
+    pub acceleration: [S; N],
+    /// Arc length since the start: fixed-point part.
+    pub path_origin: Coord,
+    /// What is to be added to it, mm.
+    pub path_offset: S,
+    /// Speed along the path, mm/s.
+    pub path_speed: S,
+    /// Tag of the block under way (of the last one when idle).
+    pub tag: u32,
+    /// What the interpolator is doing.
+    pub activity: Activity,
+}
+
+impl<S: Scalar, const N: usize> Setpoint<S, N> {
+    /// Position of an axis in mm, for hosts with fast `f64`; 0 for an axis that does not exist.
+    pub fn position_mm(&self, axis: usize) -> f64 {
+        match (self.origin.get(axis), self.offset.get(axis)) {
+            (Some(origin), Some(offset)) => origin.to_mm() + offset.to_f64(),
+            _ => 0.0,
+        }
+    }
+
+    /// Position of an axis in nanometres, rounded; 0 for an axis that does not exist.
+    pub fn position_nm(&self, axis: usize) -> i64 {
+        match (self.origin.get(axis), self.offset.get(axis)) {
+            (Some(origin), Some(offset)) => origin.plus(*offset).to_nm(),
+            _ => 0,
+        }
+    }
+
+    /// Arc length since the start, mm.
+    pub fn path_mm(&self) -> f64 {
+        self.path_origin.to_mm() + self.path_offset.to_f64()
+    }
+}
