@@ -368,15 +368,22 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         }
         let mut damping = S::ZERO;
         for steps in 0..iterations {
+            for work in &mut self.work[stretch.first..=stretch.last] {
+                work.step = [S::ZERO; 2];
+            }
+            let Some(here) = self.value(window, stretch, limits, (weight, S::ZERO), all) else {
+                return Outcome { steps, converged: false };
+            };
             self.assemble(window, stretch, limits, weight, damping);
             let promise = self.solve(stretch);
+            if !promise.is_finite() {
+                // Rounding has made the system singular: take it from further inside.
+                damping = (damping * S::of(16.0)).greatest(S::ONE);
+                continue;
+            }
             for work in &mut self.work[stretch.first..=stretch.last] {
                 work.step = work.gradient;
             }
-            let here = self.value(window, stretch, limits, (weight, S::ZERO), all);
-            let Some(here) = here else {
-                return Outcome { steps, converged: false };
-            };
             let mut share = self.longest_share(window, stretch);
             let slack = here.abs() * S::EPSILON * S::of(8.0);
             let (mut found, mut blocked) = (false, false);
