@@ -356,7 +356,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             } else {
                 compile::standstill(&view, place)
             };
-            #[cfg(feature="dbg")] std::eprintln!("piece {} T {:?} c {:?} from {:?} to {:?} len {:?}", piece.serial, piece.time, piece.path, station.state, to, station.cell.length);
+            #[cfg(feature="dbg")] { for k in 0..N { let e: S = after.node.at[k].minus::<S>(station.node.at[k]) - station.node.tangent[k]*station.cell.length - station.cell.bulge[k]; if e.abs()>S::of(1e-8) { std::eprintln!("GAP {:?} axis {k} straight {} rest {} after.rest {} len {:?} t {:?} t1 {:?} bulge {:?} tag {} kind {}", e, station.cell.straight, station.rest, after.rest, station.cell.length, station.node.tangent, after.node.tangent, station.cell.bulge, station.cell.tag, 0); } } }
+            #[cfg(feature="dbgp")] std::eprintln!("piece {} T {:?} c {:?} from {:?} to {:?} len {:?}", piece.serial, piece.time, piece.path, station.state, to, station.cell.length);
             self.side.write(piece);
         }
         self.side.publish();

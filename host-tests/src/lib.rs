@@ -1,5 +1,7 @@
 //! The host side of splineway: reading tool paths, simulating servo cycles, judging and showing.
 
+pub mod commands;
 pub mod machine;
 pub mod program;
 pub mod run;
+pub mod view;

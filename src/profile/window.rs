@@ -71,9 +71,11 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
         self.first.wrapping_add(index as u32)
     }
 
-    /// Index of a station by its running number (which must not be before the first one's).
+    /// Index of a station by its running number: of the first one if that has been released, of
+    /// the last one if it is yet to come.
     pub fn index(&self, serial: u32) -> usize {
-        (serial.wrapping_sub(self.first) as usize).min(self.len() - 1)
+        let ahead = serial.wrapping_sub(self.first);
+        if ahead > u32::MAX / 2 { 0 } else { (ahead as usize).min(self.len() - 1) }
     }
 
     pub fn get(&self, index: usize) -> Option<&Station<S, N>> {

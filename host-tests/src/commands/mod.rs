@@ -1,0 +1,3 @@
+//! The commands of the `splineway` program.
+
+pub mod simulate;

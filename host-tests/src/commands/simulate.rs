@@ -1,0 +1,189 @@
+//! `splineway simulate`: a file through the core, cycle by cycle.
+
+use crate::machine::{Machine, Mode};
+use crate::program::{self, LETTERS, Program, ReadOptions, Speed};
+use crate::run::{Judge, Observer, Precision, Track, run};
+use crate::view::{CsvOut, Progress, Report, Scene, Trace, plot, violations};
+use anyhow::{Context, Result, bail};
+use std::path::PathBuf;
+
+/// Feed of programs that name none, mm/s.
+const DEFAULT_FEED: f64 = 50.0;
+
+const EXAMPLES: &str = "\
+Examples:
+  splineway simulate host-tests/examples/butterfly.json --tolerance 0.05 --plot butterfly.html
+  splineway simulate part.gcode --machine mill.toml --report part.json
+  splineway simulate path.txt --scalar f32 --setpoints setpoints.csv
+
+Exit codes: 0 done, 1 error or a limit broken, 2 wrong usage.";
+
+/// Runs a tool path through the motion core and judges every servo cycle.
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Simulate {
+    /// G-code (.ngc .nc .gcode .tap .cnc), poly-line (.txt) or NURBS curve (.json).
+    pub file: PathBuf,
+    /// Machine description (TOML); a small milling machine if left out.
+    #[arg(long, value_name = "TOML")]
+    pub machine: Option<PathBuf>,
+    /// Greatest distance from the programmed path, mm.
+    #[arg(long, value_name = "MM")]
+    pub tolerance: Option<f64>,
+    /// Feed of all moves but rapids, mm/s.
+    #[arg(long, value_name = "MM_PER_S")]
+    pub feed: Option<f64>,
+    /// Servo cycle, s.
+    #[arg(long, value_name = "S")]
+    pub cycle: Option<f64>,
+    /// Look-ahead depth, blocks (16, 64 or 256).
+    #[arg(long, value_name = "BLOCKS")]
+    pub lookahead: Option<usize>,
+    /// Number type of the core.
+    #[arg(long, value_enum, default_value_t)]
+    pub scalar: Precision,
+    /// How corners are rounded.
+    #[arg(long, value_enum)]
+    pub mode: Option<Mode>,
+    /// Chords a NURBS curve is cut into.
+    #[arg(long, default_value_t = 80)]
+    pub segments: usize,
+    /// Setpoints, one row per servo cycle (CSV).
+    #[arg(long, value_name = "CSV")]
+    pub setpoints: Option<PathBuf>,
+    /// Figures of the run (JSON).
+    #[arg(long, value_name = "JSON")]
+    pub report: Option<PathBuf>,
+    /// Plot (.html, .svg or .png).
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// Print nothing but errors.
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+impl Simulate {
+    /// The machine: description, then what the path file says, then flags.
+    fn machine(&self, program: &Program) -> Result<Machine> {
+        let mut machine = match &self.machine {
+            Some(path) => Machine::read(path)?,
+            None => Machine::default(),
+        };
+        if let (Some(header), None) = (&program.header, &self.machine) {
+            machine.apply(header);
+        }
+        if let Some(tolerance) = self.tolerance {
+            machine.tolerance = tolerance;
+        }
+        if let Some(cycle) = self.cycle {
+            machine.cycle = cycle;
+        }
+        if let Some(mode) = self.mode {
+            machine.mode = mode;
+        }
+        if let Some(lookahead) = self.lookahead {
+            machine.lookahead = lookahead;
+        }
+        Ok(machine)
+    }
+
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// What cannot be read, run or written, and limits broken by the run.
+    pub fn execute(&self) -> Result<()> {
+        if let Some(feed) = self.feed
+            && !(feed > 0.0 && feed.is_finite())
+        {
+            bail!("--feed {feed}: it must be greater than 0");
+        }
+        let options = ReadOptions { feed: self.feed.unwrap_or(DEFAULT_FEED), segments: self.segments };
+        let mut program = program::read(&self.file, options)?;
+        if let Some(feed) = self.feed {
+            for step in &mut program.moves {
+                if step.speed != Speed::Rapid {
+                    step.speed = Speed::PerSecond(feed);
+                }
+            }
+        }
+        let machine = self.machine(&program)?;
+        for warning in &program.warnings {
+            eprintln!("warning: {}: {warning}", self.file.display());
+        }
+        let limits = machine.axes_of(&program)?;
+        let letters: Vec<char> = program.axes().into_iter().map(|axis| LETTERS[axis]).collect();
+        let track = Track::new(&program);
+        // Blocks may bring tolerances of their own.
+        let widest = program.moves.iter().filter_map(|step| step.tolerance).fold(machine.tolerance, f64::max);
+        let mut judge = Judge::new(&track, &limits, machine.cycle, widest);
+        let mut trace = Trace::new(machine.cycle);
+        let mut progress = Progress::new(track.length(), self.quiet);
+        let mut csv = match &self.setpoints {
+            Some(path) => Some(CsvOut::new(path, &letters)?),
+            None => None,
+        };
+        let mut observers: Vec<&mut dyn Observer> = vec![&mut judge, &mut progress];
+        if self.plot.is_some() {
+            observers.push(&mut trace);
+        }
+        if let Some(csv) = &mut csv {
+            observers.push(csv);
+        }
+        let stats = run(&program, &machine, self.scalar, &mut observers)
+            .with_context(|| self.file.display().to_string())?;
+        progress.finish();
+        if let Some(csv) = csv {
+            csv.finish()?;
+        }
+        let verdict = judge.verdict();
+        let report = Report::new(&program, &machine, self.scalar, &track, &verdict, &stats);
+        if let Some(path) = &self.report {
+            let text = serde_json::to_string_pretty(&report)?;
+            std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?;
+        }
+        if let Some(path) = &self.plot {
+            let title = format!(
+                "{}: {:.3} s, tolerance {} mm",
+                self.file.file_name().unwrap_or_default().to_string_lossy(),
+                report.time_s,
+                machine.tolerance
+            );
+            plot(path, &Scene {
+                title: &title,
+                track: &track,
+                tolerance: machine.tolerance,
+                letters: &letters,
+                limits: &limits,
+                trace: &trace,
+            })?;
+        }
+        if !self.quiet {
+            print_summary(&report);
+        }
+        let broken = violations(&verdict, self.scalar, widest);
+        if !broken.is_empty() {
+            bail!("the run broke limits: {}", broken.join("; "));
+        }
+        Ok(())
+    }
+}
+
+fn print_summary(report: &Report) {
+    println!("time            {:.3} s ({} cycles, {} blocks)", report.time_s, report.cycles, report.blocks);
+    println!("path length     {:.3} mm, mean speed {:.2} mm/s", report.path_length_mm, report.feed.mean);
+    println!("deviation       {:.6} mm (tolerance {} mm)", report.max_deviation_mm, report.tolerance_mm);
+    println!("axis            velocity   acceleration   jerk   (peaks over limits)");
+    for (letter, axis) in &report.axes {
+        println!(
+            "  {letter}             {:>8.4}   {:>12.4} {:>6.4}",
+            axis.velocity.ratio, axis.acceleration.ratio, axis.jerk.ratio
+        );
+    }
+    println!(
+        "cost            {:.0} ns per block planned, {:.0} ns per tick",
+        report.ns_per_block.mean, report.ns_per_tick.mean
+    );
+    if report.starved > 0 {
+        println!("stops for want of blocks: {}", report.starved);
+    }
+}

@@ -1,0 +1,49 @@
+//! Showing a run: CSV, JSON report, and plots.
+
+mod csv_out;
+mod html;
+mod picture;
+mod progress;
+mod report;
+mod trace;
+
+pub use csv_out::CsvOut;
+pub use progress::Progress;
+pub use report::{Report, violations};
+pub use trace::{Point, Trace};
+
+use crate::run::Track;
+use anyhow::{Context, Result, bail};
+use std::path::Path;
+
+/// What a plot shows.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene<'a> {
+    /// Title.
+    pub title: &'a str,
+    /// Programmed path.
+    pub track: &'a Track,
+    /// Tolerance, mm.
+    pub tolerance: f64,
+    /// Letters of the axes in use.
+    pub letters: &'a [char],
+    /// Their limits.
+    pub limits: &'a [crate::machine::Axis],
+    /// What was run.
+    pub trace: &'a Trace,
+}
+
+/// Writes a plot; the kind is told by the file's ending.
+///
+/// # Errors
+/// An unknown ending, or a file that cannot be written.
+pub fn plot(path: &Path, scene: &Scene<'_>) -> Result<()> {
+    let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or("");
+    let bytes = match ending {
+        "html" => html::page(scene)?.into_bytes(),
+        "svg" => picture::svg(scene)?.into_bytes(),
+        "png" => picture::png(scene)?,
+        _ => bail!("{}: plots are .svg, .png or .html", path.display()),
+    };
+    std::fs::write(path, bytes).with_context(|| format!("cannot write {}", path.display()))
+}
