@@ -72,6 +72,8 @@ pub struct Planner<'a, S, const N: usize, const BLOCKS: usize, const NODES: usiz
 
 /// New plans are asked for when this part of the present one has been run.
 const PLAN_PART: u32 = 4;
+/// Room in the window for one more cell.
+const LEAST_ROOM: usize = 2;
 /// A stop is imminent when less than this many leads remain.
 const URGENT_LEADS: f64 = 4.0;
 
@@ -199,22 +201,38 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// Cuts blocks into cells as long as there is room.
     fn build(&mut self) {
-        // One station is kept free for splitting a cell.
         for _ in 0..NODES {
-            if self.window.room() < 2 {
+            // A cell may have to be split in two.
+            if self.window.room() < LEAST_ROOM {
                 return;
             }
             let Some(last) = self.window.last() else { return };
             let node = last.node;
             let Some(cut) = self.builder.emit(&node, &self.config) else { return };
             self.counters.cells += 1;
+            let (limits, cycle) = (&self.config.limits, self.config.cycle);
+            let before = self.window.serial(self.window.len() - 1);
+            let lone = cut.rest && cut.cell.length > S::ZERO && self.may_rest_at(before);
             if let Some(last) = self.window.last_mut()
                 && last.rest
             {
                 last.node = cut.from;
             }
-            self.window.append(cut.cell, cut.node, cut.rest, &self.config.limits, self.config.cycle);
+            if lone {
+                // From rest to rest there must be a node between.
+                let (first, middle, second) = hermite::split(&cut.from, &cut.cell, &cut.node);
+                self.window.append(first, middle, false, limits, cycle);
+                self.window.append(second, cut.node, true, limits, cycle);
+            } else {
+                self.window.append(cut.cell, cut.node, cut.rest, limits, cycle);
+            }
         }
+    }
+
+    /// Whether a plan may end at a node.
+    fn may_rest_at(&self, serial: u32) -> bool {
+        let rests = self.window.get(self.window.index(serial)).is_some_and(|station| station.rest);
+        rests || serial == self.planned_end || self.pending.is_some_and(|(_, end)| end == serial)
     }
 
     /// At rest where the plan ends: start when the look-ahead is full, when no more is to come, or
@@ -229,7 +247,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let now = self.side.ticks();
         let since = *self.waiting_since.get_or_insert(now);
         let waited = S::from_u32(now.wrapping_sub(since)) * self.config.cycle;
-        let full = self.builder.is_full() || self.window.room() < 2;
+        let full = self.builder.is_full() || self.window.room() < LEAST_ROOM;
         if !(full || self.finished || waited >= self.config.start_delay) {
             return Progress::NeedsBlocks;
         }
@@ -245,7 +263,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     fn poll_moving(&mut self, at: u32) -> Progress {
         self.waiting_since = None;
         let urgent = self.time_ahead(at) < self.config.lead * S::of(URGENT_LEADS);
-        if urgent && self.window.room() >= 2 && !self.builder.is_full() && self.builder.len() > 0 {
+        if urgent && self.window.room() >= LEAST_ROOM && !self.builder.is_full() && self.builder.len() > 0 {
             // The blocks that wait for their neighbours must go as they are.
             self.builder.close();
             self.build();
@@ -296,7 +314,6 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     fn plan(&mut self, branch: u32) -> Progress {
         let first = self.window.index(branch);
         let new = self.window.index(self.planned_end).max(first);
-        self.split_lone_cells(new);
         let stretch = Stretch { first, last: self.window.len() - 1 };
         if stretch.first >= stretch.last {
             return Progress::NeedsBlocks;
@@ -312,25 +329,6 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         self.counters.steps += u32::from(steps);
         self.publish(stretch);
         Progress::Planned
-    }
-
-    /// From rest to rest there must be a node between: puts one into cells that have none.
-    fn split_lone_cells(&mut self, from: usize) {
-        let mut i = from;
-        // Each turn moves on by a station; a split adds one.
-        for _ in 0..NODES {
-            let last = self.window.len() - 1;
-            if i >= last || self.window.room() == 0 {
-                return;
-            }
-            let Some((station, after)) = self.window.pair(i) else { return };
-            let rests = (station.rest || i == from) && (after.rest || i + 1 == last);
-            if rests && station.cell.length > S::ZERO {
-                let parts = hermite::split(&station.node, &station.cell, &after.node);
-                self.window.insert_middle(i, parts, &self.config.limits, self.config.cycle);
-            }
-            i += 1;
-        }
     }
 
     fn publish(&mut self, stretch: Stretch) {
@@ -357,9 +355,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 compile::standstill(&view, place)
             };
             #[cfg(feature="dbg")] { for k in 0..N { let e: S = after.node.at[k].minus::<S>(station.node.at[k]) - station.node.tangent[k]*station.cell.length - station.cell.bulge[k]; if e.abs()>S::of(1e-8) { std::eprintln!("GAP {:?} axis {k} straight {} rest {} after.rest {} len {:?} t {:?} t1 {:?} bulge {:?} tag {} kind {}", e, station.cell.straight, station.rest, after.rest, station.cell.length, station.node.tangent, after.node.tangent, station.cell.bulge, station.cell.tag, 0); } } }
-            #[cfg(feature="dbgp")] std::eprintln!("piece {} T {:?} c {:?} from {:?} to {:?} len {:?}", piece.serial, piece.time, piece.path, station.state, to, station.cell.length);
+            #[cfg(feature="dbgp")] std::eprintln!("piece {} org {:?} straight {} T {:?} c {:?} from {:?} to {:?} len {:?}", piece.serial, piece.origin.map(|c| c.to_mm()), station.cell.straight, piece.time, piece.path, station.state, to, station.cell.length);
             self.side.write(piece);
         }
+        #[cfg(feature="dbgp")] std::eprintln!("PUB {}..{} end {} progress {} verdictpending", self.window.serial(stretch.first), self.window.serial(stretch.last), self.planned_end, self.side.progress());
         self.side.publish();
         let (branch, end) = (self.window.serial(stretch.first), self.window.serial(stretch.last));
         self.pending = Some((branch, end));

@@ -127,45 +127,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
         let _ = self.stations.push_back(station);
     }
 
-    /// Puts a station into the middle of a cell.
-    pub fn insert_middle(
-        &mut self,
-        index: usize,
-        split: (Cell<S, N>, Node<S, N>, Cell<S, N>),
-        limits: &Limits<S, N>,
-        cycle: S,
-    ) {
-        let Some(last) = self.stations.back().copied() else { return };
-        if self.stations.push_back(last).is_err() {
-            return;
-        }
-        for k in (index + 2..self.stations.len()).rev() {
-            if let Some(before) = self.stations.get(k - 1).copied()
-                && let Some(station) = self.stations.get_mut(k)
-            {
-                *station = before;
-            }
-        }
-        let (cell, middle, rest_cell) = split;
-        let Some(end) = self.stations.get(index + 2).map(|station| station.node) else { return };
-        let way = self.stations.get(index).map_or(Coord::ZERO, |station| station.way);
-        if let Some(station) = self.stations.get_mut(index + 1) {
-            *station = Station {
-                node: middle,
-                cell: rest_cell,
-                bounds: Bounds::new(&middle, &rest_cell, &end, limits, cycle),
-                way: way.plus(cell.length),
-                rest: false,
-                state: State::REST,
-                agreed: State::REST,
-            };
-        }
-        if let Some(station) = self.stations.get_mut(index) {
-            station.cell = cell;
-            station.bounds = Bounds::new(&station.node, &cell, &middle, limits, cycle);
-        }
-    }
-
     /// Forgets the stations before the one with this running number.
     pub fn release_before(&mut self, serial: u32) {
         // At most the whole window.
