@@ -59,6 +59,7 @@ pub struct Judge<'a> {
     limits: &'a [Axis],
     cycle: f64,
     reach: f64,
+    band: f64,
     follower: Follower,
     history: std::collections::VecDeque<Vec<f64>>,
     verdict: Verdict,
@@ -67,12 +68,13 @@ pub struct Judge<'a> {
 impl<'a> Judge<'a> {
     /// A judge of runs along `track`; `tolerance` (mm) only bounds where it looks.
     pub fn new(track: &'a Track, limits: &'a [Axis], cycle: f64, tolerance: f64) -> Self {
-        let fastest = limits.iter().map(|axis| axis.velocity).fold(0.0, f64::max);
         Self {
             track,
             limits,
             cycle,
-            reach: 2.0 * fastest * cycle + 20.0 * tolerance + 0.2,
+            // A sharp corner inside the band cuts off this much of the path.
+            reach: 20.0 * tolerance + 0.02,
+            band: tolerance * 1.001 + 1.0e-6,
             follower: Follower::default(),
             history: std::collections::VecDeque::with_capacity(BACK + 1),
             verdict: Verdict {
@@ -110,7 +112,10 @@ impl Observer for Judge<'_> {
     fn setpoint(&mut self, sample: &Sample<'_>) -> anyhow::Result<()> {
         let x = &sample.position[..self.limits.len()];
         self.verdict.cycles += 1;
-        let off = self.follower.distance(self.track, x, self.reach);
+        let step = self.history.back().map_or(0.0, |before| {
+            before.iter().zip(x).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+        });
+        let off = self.follower.distance(self.track, x, self.reach + 2.0 * step, self.band);
         self.verdict.deviation = self.verdict.deviation.max(off);
         // The run starts and ends at rest: before its first setpoint it stood there.
         if self.history.is_empty() {

@@ -122,9 +122,12 @@ pub struct Follower {
 }
 
 impl Follower {
-    /// Distance of a setpoint from the stretch of path within `reach` mm of the place that the
+    /// Distance of a setpoint from the stretch of path up to `reach` mm around the place that the
     /// setpoint before it had come to.
-    pub fn distance(&mut self, track: &Track, x: &[f64], reach: f64) -> f64 {
+    ///
+    /// The place moves on only as far as it must to stay within `band` mm of the setpoint: where
+    /// the path folds back on itself it does not skip the fold.
+    pub fn distance(&mut self, track: &Track, x: &[f64], reach: f64, band: f64) -> f64 {
         let last = track.len() - 1;
         if last == 0 {
             return distance(track.point(0), x);
@@ -133,7 +136,9 @@ impl Follower {
         while lo > 0 && track.way[lo] > self.way - reach {
             lo -= 1;
         }
-        let (mut best, mut way, mut segment) = (f64::INFINITY, self.way, self.segment);
+        let mut best = f64::INFINITY;
+        let mut nearest = (self.segment, self.way);
+        let mut place = None;
         for k in lo..last {
             if k > self.segment && track.way[k] > self.way + reach {
                 break;
@@ -149,12 +154,16 @@ impl Follower {
                 .map(|((a, b), x)| (a + t * (b - a) - x).powi(2))
                 .sum::<f64>()
                 .sqrt();
-            if off < best - 1e-9 {
+            let here = (k, track.way[k] + t * length);
+            if off < best {
                 best = off;
-                way = track.way[k] + t * length;
-                segment = k;
+                nearest = here;
+            }
+            if k >= self.segment && off <= band && place.is_none() {
+                place = Some(here);
             }
         }
+        let (segment, way) = place.unwrap_or(nearest);
         if way > self.way {
             self.way = way;
             self.segment = segment;
