@@ -1,10 +1,75 @@
-//! splineway: a motion interpolator core for CNC controllers.
+//! **splineway** takes tool paths - thousands of short lines, arcs and dwells - and gives one
+//! position setpoint per servo cycle for every axis: inside the tolerance band, within every axis's
+//! velocity, acceleration and jerk at every instant, and always able to stop. It is `no_std`, never
+//! allocates, has no `unsafe`, and runs the same code in `f32` on a Cortex-M4F and in `f64` on a PC.
+//!
+//! # The way of a block
+//!
+//! ```text
+//!  Block ──▶ path ───────────▶ profile ────────────▶ servo ────────▶ Setpoint
+//!  push()    nodes and cells,  speed and acceleration  pieces of motion,  tick()
+//!            corners in the    at every node: least    one polynomial
+//!            tolerance band    time within all limits  per axis
+//!  background (producer) side ───────────────────────┤ interrupt side
+//! ```
+//!
+//! - [`block`]: what comes in. A [`Block`] is plain data, checked as a whole when it is pushed.
+//! - `path`: geometry, which knows no time. Blocks wait until their neighbours are known; corners
+//!   become cubic B-splines inside the tolerance band (Guo, Yan, Wang 2023), joints with arcs quintic
+//!   blends, vertices of dense runs are passed on a common circle. Everything is cut into *cells*
+//!   between *nodes* that carry position, tangent and curvature: the path is curvature-continuous.
+//! - `profile`: the speed law over a window of cells. The unknowns are speed and acceleration at the
+//!   nodes; every limit of every axis is a bound on Bernstein coefficients of the very polynomials
+//!   that will be executed, so it holds at every instant, not only at samples. A barrier method
+//!   minimises the time; each of its iterates keeps all limits, so it can stop after any bounded
+//!   number of steps.
+//! - [`servo`]: the interrupt side, which knows no planning. Plans arrive whole over single-producer
+//!   single-consumer queues ([`Link`]), each from a node still ahead of the motion to a stop; the
+//!   [`Interpolator`] changes over where they branch off. If nothing arrives it comes to rest on the
+//!   path, and goes on from there when something does.
+//! - [`machine`]: limits and settings, checked once. [`number`]: the [`Scalar`], and fixed-point
+//!   [`Coord`]inates that never drift.
+//!
+//! Lower modules never import higher ones: `number`, `machine`, `block`, `path`, `servo`, `profile`,
+//! and on top the [`Planner`].
+//!
+//! # In twenty lines
+//!
+//! ```
+//! use splineway::{Activity, AxisLimits, Block, Config, Coord, Limits, Link, Progress};
+//!
+//! let axis = AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false };
+//! let mut config = Config::new(Limits::new([axis; 3])?);
+//! config.tolerance = 0.05; // mm
+//! // Three axes, a look-ahead of 16 blocks, a planning window of 64 nodes.
+//! let mut link = Link::<f32, 3, 64>::new();
+//! let (mut planner, mut interpolator) = link.handles::<16>(config, [Coord::ZERO; 3])?;
+//! for (line, (x, y)) in [(10.0, 0.0), (10.0, 10.0), (0.0, 10.0)].into_iter().enumerate() {
+//!     let to = [Coord::from_mm(x).unwrap(), Coord::from_mm(y).unwrap(), Coord::ZERO];
+//!     planner.push(&Block::line(to, 100.0, line as u32 + 1))?;
+//! }
+//! planner.finish();
+//! loop {
+//!     let progress = planner.poll(); // in the background
+//!     let setpoint = interpolator.tick(); // in the servo interrupt
+//!     // ... drive the axes to setpoint.position_nm(0), ...
+//!     if progress == Progress::Done && setpoint.activity == Activity::Idle {
+//!         assert_eq!(setpoint.position_nm(1), 10_000_000);
+//!         break;
+//!     }
+//! }
+//! # Ok::<(), Box<dyn core::error::Error>>(())
+//! ```
+//!
+//! # Memory
+//!
+//! Nothing is allocated: a `Link<S, N, NODES>` holds 2 x `NODES` pieces, a
+//! `Planner<S, N, BLOCKS, NODES>` `BLOCKS` blocks and `NODES` nodes with the solver's workspace.
+//! `size_of` tells the bytes; the README has a table.
 #![no_std]
 
-#[cfg(any(test,feature="dbg"))]
-extern crate std;
 #[cfg(test)]
-use std::prelude::v1::*;
+extern crate std;
 
 pub mod block;
 pub mod machine;

@@ -9,7 +9,7 @@ use crate::path::hermite;
 use crate::path::node::Node;
 use crate::profile::compile::{self, Place};
 use crate::profile::law::{Law, State};
-use crate::profile::solver::{Outcome, Solver, Stretch};
+use crate::profile::solver::{Solver, Stretch};
 use crate::profile::window::Window;
 use crate::servo::link::PlanSide;
 use crate::servo::piece::Sequel;
@@ -263,7 +263,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     fn poll_moving(&mut self, at: u32) -> Progress {
         self.waiting_since = None;
         let urgent = self.time_ahead(at) < self.config.lead * S::of(URGENT_LEADS);
-        if urgent && self.window.room() >= LEAST_ROOM && !self.builder.is_full() && self.builder.len() > 0 {
+        if urgent
+            && self.window.room() >= LEAST_ROOM
+            && !self.builder.is_full()
+            && self.builder.len() > 0
+        {
             // The blocks that wait for their neighbours must go as they are.
             self.builder.close();
             self.build();
@@ -324,7 +328,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return Progress::Waiting;
         }
         let cold = new == first;
-        let Outcome { steps, .. } =
+        let steps =
             self.solver.improve(&mut self.window, stretch, &limits, self.config.iterations, cold);
         self.counters.steps += u32::from(steps);
         self.publish(stretch);
@@ -354,11 +358,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             } else {
                 compile::standstill(&view, place)
             };
-            #[cfg(feature="dbg")] { for k in 0..N { let e: S = after.node.at[k].minus::<S>(station.node.at[k]) - station.node.tangent[k]*station.cell.length - station.cell.bulge[k]; if e.abs()>S::of(1e-8) { std::eprintln!("GAP {:?} axis {k} straight {} rest {} after.rest {} len {:?} t {:?} t1 {:?} bulge {:?} tag {} kind {}", e, station.cell.straight, station.rest, after.rest, station.cell.length, station.node.tangent, after.node.tangent, station.cell.bulge, station.cell.tag, 0); } } }
-            #[cfg(feature="dbgp")] std::eprintln!("piece {} org {:?} straight {} T {:?} c {:?} from {:?} to {:?} len {:?}", piece.serial, piece.origin.map(|c| c.to_mm()), station.cell.straight, piece.time, piece.path, station.state, to, station.cell.length);
             self.side.write(piece);
         }
-        #[cfg(feature="dbgp")] std::eprintln!("PUB {}..{} end {} progress {} verdictpending", self.window.serial(stretch.first), self.window.serial(stretch.last), self.planned_end, self.side.progress());
         self.side.publish();
         let (branch, end) = (self.window.serial(stretch.first), self.window.serial(stretch.last));
         self.pending = Some((branch, end));

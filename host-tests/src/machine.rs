@@ -128,11 +128,11 @@ impl Machine {
     pub fn axis(&self, index: usize) -> Result<Axis> {
         let letter = LETTERS[index];
         let named = self.axes.iter().find(|(key, _)| axis_index(key) == Some(index));
-        named
-            .map(|(_, axis)| axis)
-            .or_else(|| self.axes.get("default"))
-            .copied()
-            .ok_or_else(|| anyhow!("axes.{letter}: the program moves this axis, but the machine has no limits for it"))
+        named.map(|(_, axis)| axis).or_else(|| self.axes.get("default")).copied().ok_or_else(|| {
+            anyhow!(
+                "axes.{letter}: the program moves this axis, but the machine has no limits for it"
+            )
+        })
     }
 
     /// The core's configuration for the first `N` of `axes`.
@@ -140,7 +140,8 @@ impl Machine {
     /// # Errors
     /// What the core does not accept.
     pub fn config<S: Scalar, const N: usize>(&self, axes: &[usize]) -> Result<Config<S, N>> {
-        let mut limits = [AxisLimits { velocity: S::ONE, acceleration: S::ONE, jerk: S::ONE, rotary: false }; N];
+        let mut limits =
+            [AxisLimits { velocity: S::ONE, acceleration: S::ONE, jerk: S::ONE, rotary: false }; N];
         for (slot, &index) in limits.iter_mut().zip(axes) {
             let axis = self.axis(index)?;
             *slot = AxisLimits {

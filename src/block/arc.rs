@@ -62,7 +62,11 @@ mod tests {
     #[test]
     fn impossible_radii_are_named() {
         let start = (coord(0.0), coord(0.0));
-        for (end, radius) in [((coord(3.0), coord(0.0)), 1.0), ((coord(0.0), coord(0.0)), 1.0), ((coord(1.0), coord(0.0)), 0.0)] {
+        for (end, radius) in [
+            ((coord(3.0), coord(0.0)), 1.0),
+            ((coord(0.0), coord(0.0)), 1.0),
+            ((coord(1.0), coord(0.0)), 0.0),
+        ] {
             assert!(matches!(
                 centre_from_radius(start, end, radius, Turn::Clockwise),
                 Err(BlockError::ArcUnreachable { .. })

@@ -82,11 +82,12 @@ impl fmt::Display for BlockError {
             Self::Coordinate { axis, value } => {
                 write!(f, "coordinate of axis {axis} is {value} mm; it must be within +-1e6")
             }
-            Self::Plane { axes: (p, q) } => write!(f, "arc plane of axes {p} and {q} does not exist"),
-            Self::ArcRadius { start, end } => write!(
-                f,
-                "arc starts {start:.6} mm from its centre but ends {end:.6} mm from it"
-            ),
+            Self::Plane { axes: (p, q) } => {
+                write!(f, "arc plane of axes {p} and {q} does not exist")
+            }
+            Self::ArcRadius { start, end } => {
+                write!(f, "arc starts {start:.6} mm from its centre but ends {end:.6} mm from it")
+            }
             Self::ArcUnreachable { radius, chord } => {
                 write!(f, "no arc of radius {radius} mm joins points {chord:.6} mm apart")
             }

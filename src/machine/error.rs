@@ -75,7 +75,10 @@ impl fmt::Display for ConfigError {
         match *self {
             Self::AxisLimit { axis, quantity, value, least, greatest } => {
                 let (name, unit) = quantity.words();
-                write!(f, "{name} limit of axis {axis} is {value} {unit}; it must be {least} to {greatest}")
+                write!(
+                    f,
+                    "{name} limit of axis {axis} is {value} {unit}; it must be {least} to {greatest}"
+                )
             }
             Self::Setting { quantity, value, least, greatest } => {
                 let (name, unit) = quantity.words();

@@ -97,6 +97,7 @@ macro_rules! scalar {
                 f64::from(self)
             }
             #[inline]
+            #[allow(clippy::cast_lossless)] // lossy for f32
             fn from_u32(x: u32) -> Self {
                 x as Self
             }

@@ -22,14 +22,6 @@ pub fn norm<S: Scalar, const N: usize>(a: &Vector<S, N>) -> S {
     dot(a, a).sqrt()
 }
 
-pub fn scale<S: Scalar, const N: usize>(a: &Vector<S, N>, k: S) -> Vector<S, N> {
-    from_fn(|i| a[i] * k)
-}
-
-pub fn add<S: Scalar, const N: usize>(a: &Vector<S, N>, b: &Vector<S, N>) -> Vector<S, N> {
-    from_fn(|i| a[i] + b[i])
-}
-
 pub fn sub<S: Scalar, const N: usize>(a: &Vector<S, N>, b: &Vector<S, N>) -> Vector<S, N> {
     from_fn(|i| a[i] - b[i])
 }
@@ -45,14 +37,6 @@ pub fn mix<S: Scalar, const N: usize>(
 }
 
 /// The point `offset` mm away from `at`.
-pub fn shifted<S: Scalar, const N: usize>(
-    at: &[Coord; N],
-    offset: &Vector<S, N>,
-) -> [Coord; N] {
+pub fn shifted<S: Scalar, const N: usize>(at: &[Coord; N], offset: &Vector<S, N>) -> [Coord; N] {
     from_fn(|i| at[i].plus(offset[i]))
-}
-
-/// `to - from` in mm.
-pub fn between<S: Scalar, const N: usize>(from: &[Coord; N], to: &[Coord; N]) -> Vector<S, N> {
-    from_fn(|i| to[i].minus(from[i]))
 }

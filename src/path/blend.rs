@@ -10,8 +10,8 @@
 use super::hermite::Hermite;
 use super::node::{Cell, Node};
 use super::segment::Segment;
+use crate::number::Scalar;
 use crate::number::vector::{Vector, norm, shifted};
-use crate::number::{Coord, Scalar};
 use core::array::from_fn;
 
 /// Share of the band that is used; the rest covers the distance between samples.
@@ -120,10 +120,5 @@ impl<S: Scalar, const N: usize> Blend<S, N> {
             straight: false,
             tag,
         }
-    }
-
-    /// Position of the node at which the first curve is left.
-    pub fn start_at(&self) -> [Coord; N] {
-        self.start.at
     }
 }

@@ -103,7 +103,14 @@ pub struct Builder<S, const N: usize, const BLOCKS: usize> {
 impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     pub fn new(start: [Coord; N]) -> Self {
         const { assert!(BLOCKS >= 4, "a look-ahead of fewer than 4 blocks cannot share legs") };
-        Self { items: Deque::new(), end: start, closed: false, stage: Stage::Waiting, kept: 0, rested: true }
+        Self {
+            items: Deque::new(),
+            end: start,
+            closed: false,
+            stage: Stage::Waiting,
+            kept: 0,
+            rested: true,
+        }
     }
 
     /// End point of the last accepted block.
@@ -281,12 +288,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     }
 
     /// Decides the joint behind the front item and starts on its body.
-    fn start_front(
-        &mut self,
-        item: &Item<S, N>,
-        segment: &Segment<S, N>,
-        config: &Config<S, N>,
-    ) {
+    fn start_front(&mut self, item: &Item<S, N>, segment: &Segment<S, N>, config: &Config<S, N>) {
         let next = self.items.get(1).copied();
         let mut joint = item.joint;
         let ahead = next.as_ref().and_then(|next| next.segment.as_ref());
@@ -387,7 +389,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     }
 }
 
-fn in_range<S: Scalar>(field: Field, value: S, least: f64, greatest: f64) -> Result<(), BlockError> {
+fn in_range<S: Scalar>(
+    field: Field,
+    value: S,
+    least: f64,
+    greatest: f64,
+) -> Result<(), BlockError> {
     let value = value.to_f64();
     if value >= least && value <= greatest {
         Ok(())
@@ -489,7 +496,8 @@ fn next_way<S: Scalar, const N: usize>(
     let step = forward.least(backward).least(longest);
     if left < step * S::of(2.0) {
         // From rest to rest there must be a node between.
-        let whole = left <= step * S::of(1.0001) && !(way == item.taken && item.joint == Joint::Stop);
+        let whole =
+            left <= step * S::of(1.0001) && !(way == item.taken && item.joint == Joint::Stop);
         return if whole { until } else { way + (until - way + 1) / 2 };
     }
     // At least a thousandth of what is left, so that the count of cells is bounded.
@@ -589,9 +597,8 @@ fn joint<S: Scalar, const N: usize>(
             (Joint::Corner, mm_to_raw(edge) * 2)
         }
         _ => {
-            let bound = |segment: &Segment<S, N>| {
-                segment.length.least(segment.longest_cell() * S::of(3.0))
-            };
+            let bound =
+                |segment: &Segment<S, N>| segment.length.least(segment.longest_cell() * S::of(3.0));
             let most = bound(a).least(bound(b)) * S::of(0.5);
             (Joint::Blend, mm_to_raw(Blend::longest_reach(a, b, tolerance, most)))
         }

@@ -37,11 +37,6 @@ impl<S: Scalar> Corner<S> {
         Self { cos_turn, sin_turn }
     }
 
-    /// Sine of the turn.
-    pub fn sin_turn(&self) -> S {
-        self.sin_turn
-    }
-
     /// Cosine of the turn.
     pub fn cos_turn(&self) -> S {
         self.cos_turn
@@ -145,10 +140,7 @@ impl<S: Scalar, const N: usize> Transition<S, N> {
             S::of(-2.0) * v * vv - three * vv * u - S::of(1.5) * v * uu - quarter * u * uu,
             quarter * u * uu,
         );
-        let first = (
-            three * (vv + u * v + quarter * uu),
-            S::of(0.75) * uu,
-        );
+        let first = (three * (vv + u * v + quarter * uu), S::of(0.75) * uu);
         let second = (S::of(-3.0) * v - S::of(1.5) * u, S::of(1.5) * u);
         (point, first, second)
     }
@@ -279,7 +271,9 @@ mod tests {
         let (first, last) = (transition.node(0), transition.node(n));
         for i in 0..2 {
             assert!(first.curvature[i].abs() < 1e-12 && last.curvature[i].abs() < 1e-12);
-            assert!((first.tangent[i] - a[i]).abs() < 1e-12 && (last.tangent[i] - b[i]).abs() < 1e-12);
+            assert!(
+                (first.tangent[i] - a[i]).abs() < 1e-12 && (last.tangent[i] - b[i]).abs() < 1e-12
+            );
             assert!((first.at[i].to_mm() + 2.0 * edge * a[i]).abs() < 1e-9);
             assert!((last.at[i].to_mm() - 2.0 * edge * b[i]).abs() < 1e-9);
         }

@@ -10,7 +10,6 @@ use core::array::from_fn;
 /// coefficients: it is unique.
 #[derive(Clone, Copy, Debug)]
 pub struct Hermite<S, const N: usize> {
-    length: S,
     /// Coefficients of u^1 .. u^5, u = s / length.
     coefficients: [Vector<S, N>; 5],
 }
@@ -32,7 +31,6 @@ impl<S: Scalar, const N: usize> Hermite<S, N> {
         };
         let half = S::of(0.5);
         Self {
-            length,
             coefficients: [
                 from_fn(|i| start.0[i] * length),
                 from_fn(|i| start.1[i] * square * half),
@@ -65,9 +63,7 @@ impl<S: Scalar, const N: usize> Hermite<S, N> {
     /// Offset from the start at `u` in [0, 1], mm.
     pub fn offset(&self, u: S) -> Vector<S, N> {
         let c = &self.coefficients;
-        from_fn(|i| {
-            ((((c[4][i] * u + c[3][i]) * u + c[2][i]) * u + c[1][i]) * u + c[0][i]) * u
-        })
+        from_fn(|i| ((((c[4][i] * u + c[3][i]) * u + c[2][i]) * u + c[1][i]) * u + c[0][i]) * u)
     }
 
     /// First derivative by u.
@@ -140,7 +136,10 @@ mod tests {
     fn an_arc_cell_and_its_halves_keep_to_the_circle() {
         let (radius, angle) = (10.0f64, 0.31f64);
         let node = |phi: f64| Node {
-            at: [Coord::from_mm(radius * phi.sin()).unwrap(), Coord::from_mm(radius * (1.0 - phi.cos())).unwrap()],
+            at: [
+                Coord::from_mm(radius * phi.sin()).unwrap(),
+                Coord::from_mm(radius * (1.0 - phi.cos())).unwrap(),
+            ],
             tangent: [phi.cos(), phi.sin()],
             curvature: [-phi.sin() / radius, phi.cos() / radius],
         };

@@ -219,13 +219,7 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
     }
 
     /// The cell between two arc lengths, `from` being the node at the first.
-    pub fn cell(
-        &self,
-        from: &Node<S, N>,
-        way: (i64, i64),
-        feed: S,
-        tag: u32,
-    ) -> Cell<S, N> {
+    pub fn cell(&self, from: &Node<S, N>, way: (i64, i64), feed: S, tag: u32) -> Cell<S, N> {
         let length = raw_to_mm::<S>(way.1 - way.0);
         let (bulge, straight) = match &self.shape {
             Shape::Line(_) => (zero(), true),
@@ -272,7 +266,11 @@ impl<S: Scalar, const N: usize> Helix<S, N> {
 
     /// Position after `way` mm minus `way x tangent`:
     /// in the plane (R sin phi - R phi) along the tangent and R (1 - cos phi) towards the centre.
-    fn bulge_along(&self, (tangent, curvature): (&Vector<S, N>, &Vector<S, N>), way: S) -> Vector<S, N> {
+    fn bulge_along(
+        &self,
+        (tangent, curvature): (&Vector<S, N>, &Vector<S, N>),
+        way: S,
+    ) -> Vector<S, N> {
         let phi = S::of(self.rate) * way;
         let (sin_half, _) = (phi * S::of(0.5)).sin_cos();
         // curvature = rate^2 R towards the centre, so R (1 - cos) = curvature 2 sin^2(phi/2) / rate^2.

@@ -15,7 +15,11 @@ pub struct Place {
 }
 
 /// The piece over a cell: the very polynomials whose bounds the rows are.
-pub fn piece<S: Scalar, const N: usize>(view: &View<'_, S, N>, law: &Law<S>, place: Place) -> Piece<S, N> {
+pub fn piece<S: Scalar, const N: usize>(
+    view: &View<'_, S, N>,
+    law: &Law<S>,
+    place: Place,
+) -> Piece<S, N> {
     let rate = law.rate;
     let half = S::of(0.5);
     let straight = view.cell.straight;

@@ -197,7 +197,11 @@ impl<S: Scalar> Slopes<S> {
 
 /// Hands every row of a cell to the sink.
 #[inline]
-pub fn rows<S: Scalar, const N: usize, K: Sink<S>>(view: &View<'_, S, N>, law: &Law<S>, sink: &mut K) {
+pub fn rows<S: Scalar, const N: usize, K: Sink<S>>(
+    view: &View<'_, S, N>,
+    law: &Law<S>,
+    sink: &mut K,
+) {
     let slopes = if K::GRADIENT {
         Slopes::new(law)
     } else {
@@ -242,7 +246,11 @@ fn speed_rows<S: Scalar, const N: usize, K: Sink<S>>(
 /// discriminant of the duration with v0 v1 left out. They are linear in (b, a), so that the
 /// method is not led into a corner where speed, acceleration and duration all vanish.
 #[inline]
-fn forward_rows<S: Scalar, const N: usize, K: Sink<S>>(view: &View<'_, S, N>, law: &Law<S>, sink: &mut K) {
+fn forward_rows<S: Scalar, const N: usize, K: Sink<S>>(
+    view: &View<'_, S, N>,
+    law: &Law<S>,
+    sink: &mut K,
+) {
     let zero = S::ZERO;
     let per = S::ONE / (view.bounds.speed * view.bounds.speed);
     let third = view.cell.length * S::of(1.0 / 3.0);
@@ -279,8 +287,8 @@ fn straight_rows<S: Scalar, const N: usize, K: Sink<S>>(
     let per = one / view.bounds.acceleration;
     let parts = Ends {
         per,
-        starts: (law.a0, [zero, one, zero, zero]),
-        ends: (law.a1, [zero, zero, zero, one]),
+        start: (law.a0, [zero, one, zero, zero]),
+        finish: (law.a1, [zero, zero, zero, one]),
         jerks: (law.jerk[0], &slopes.jerk[0], law.jerk[2], &slopes.jerk[2]),
     };
     acceleration_rows(law, slopes, &parts, sink);
@@ -312,7 +320,8 @@ fn axis_rows<S: Scalar, const N: usize, K: Sink<S>>(
         if K::GRADIENT {
             let (j, bulge, turn, e0, e1) = mix;
             let (bulge, turn, e0, e1) = (S::of(bulge), S::of(turn), S::of(e0), S::of(e1));
-            let per_rate = (S::of(3.0) * bulge * axis.bulge * w + two * turn * axis.turn * law.v1) * w
+            let per_rate = (S::of(3.0) * bulge * axis.bulge * w + two * turn * axis.turn * law.v1)
+                * w
                 + e0 * axis.e0
                 + e1 * axis.e1;
             let g = &mut jerk_gradient[n];
@@ -328,11 +337,11 @@ fn axis_rows<S: Scalar, const N: usize, K: Sink<S>>(
     }
     let parts = Ends {
         per: S::ONE / (limits.acceleration * view.share),
-        starts: (
+        start: (
             axis.e0 + axis.tangent * law.a0,
             [two * axis.k0 * law.v0, axis.tangent, zero, zero],
         ),
-        ends: (
+        finish: (
             axis.e1 + axis.tangent * law.a1,
             [zero, zero, two * axis.k1 * law.v1, axis.tangent + axis.turn],
         ),
@@ -345,8 +354,8 @@ fn axis_rows<S: Scalar, const N: usize, K: Sink<S>>(
 struct Ends<'a, S> {
     /// 1 / limit.
     per: S,
-    starts: (S, Gradient<S>),
-    ends: (S, Gradient<S>),
+    start: (S, Gradient<S>),
+    finish: (S, Gradient<S>),
     jerks: (S, &'a Gradient<S>, S, &'a Gradient<S>),
 }
 
@@ -362,8 +371,8 @@ fn acceleration_rows<S: Scalar, K: Sink<S>>(
     let reach = law.time * third;
     let per = parts.per;
     let (q0, dq0, q2, dq2) = parts.jerks;
-    let (a0, da0) = &parts.starts;
-    let (a1, da1) = &parts.ends;
+    let (a0, da0) = &parts.start;
+    let (a1, da1) = &parts.finish;
     let scaled = |g: &Gradient<S>| core::array::from_fn(|k| g[k] * per);
     sink.two_sided(*a0 * per, &scaled(da0));
     sink.two_sided(*a1 * per, &scaled(da1));
@@ -381,6 +390,7 @@ mod tests {
     use crate::machine::AxisLimits;
     use crate::number::Coord;
     use crate::profile::law::State;
+    use std::vec::Vec;
 
     #[derive(Default)]
     struct List {
@@ -401,13 +411,19 @@ mod tests {
     }
 
     fn list(straight: bool, x: [f64; 4]) -> Vec<(f64, Gradient<f64>)> {
-        let axis = AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false };
+        let axis =
+            AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false };
         let limits = Limits::new([axis; 2]).unwrap();
         let (h, k) = (0.5f64, if straight { 0.0 } else { 1.0 });
         let phi: f64 = h * k * 0.9;
-        let from = Node { at: [Coord::ZERO; 2], tangent: [0.8, 0.6], curvature: [-0.6 * k, 0.8 * k] };
+        let from =
+            Node { at: [Coord::ZERO; 2], tangent: [0.8, 0.6], curvature: [-0.6 * k, 0.8 * k] };
         let t1 = [0.8 * phi.cos() - 0.6 * phi.sin(), 0.6 * phi.cos() + 0.8 * phi.sin()];
-        let to = Node { at: [Coord::ZERO; 2], tangent: t1, curvature: [-0.5 * k * t1[1], 0.5 * k * t1[0]] };
+        let to = Node {
+            at: [Coord::ZERO; 2],
+            tangent: t1,
+            curvature: [-0.5 * k * t1[1], 0.5 * k * t1[0]],
+        };
         let cell = Cell {
             length: h,
             bulge: [-0.07 * k, 0.09 * k],
@@ -417,9 +433,14 @@ mod tests {
             tag: 0,
         };
         let bounds = Bounds::new(&from, &cell, &to, &limits, 1e-3);
-        let law = Law::new(h, State { b: x[0] * x[0], a: x[1] }, State { b: x[2] * x[2], a: x[3] }).unwrap();
+        let law = Law::new(h, State { b: x[0] * x[0], a: x[1] }, State { b: x[2] * x[2], a: x[3] })
+            .unwrap();
         let mut sink = List::default();
-        rows(&View { from: &from, cell: &cell, to: &to, bounds, limits: &limits, share: 1.0 }, &law, &mut sink);
+        rows(
+            &View { from: &from, cell: &cell, to: &to, bounds, limits: &limits, share: 1.0 },
+            &law,
+            &mut sink,
+        );
         sink.rows
     }
 
@@ -437,7 +458,11 @@ mod tests {
                 for ((row, a), b) in here.iter().zip(list(straight, up)).zip(list(straight, down)) {
                     let difference = (a.0 - b.0) / (2.0 * step);
                     let scale = difference.abs().max(row.1[k].abs()).max(1e-6);
-                    assert!((difference - row.1[k]).abs() < 1e-4 * scale, "{straight} {k}: {difference} {}", row.1[k]);
+                    assert!(
+                        (difference - row.1[k]).abs() < 1e-4 * scale,
+                        "{straight} {k}: {difference} {}",
+                        row.1[k]
+                    );
                 }
             }
         }

@@ -68,15 +68,6 @@ pub struct Solver<S, const NODES: usize> {
     work: [Work<S>; NODES],
 }
 
-/// What an improvement came to.
-#[derive(Clone, Copy, Debug)]
-pub struct Outcome {
-    /// Steps taken.
-    pub steps: u16,
-    /// Whether it ended because nothing more was to gain.
-    pub converged: bool,
-}
-
 /// A stretch of the window to improve: stations strictly between the two are free.
 #[derive(Clone, Copy, Debug)]
 pub struct Stretch {
@@ -182,9 +173,7 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
 
     /// Whether a station's state is to be found.
     fn is_free<const N: usize>(window: &Window<S, N, NODES>, stretch: Stretch, i: usize) -> bool {
-        i > stretch.first
-            && i < stretch.last
-            && window.get(i).is_some_and(|station| !station.rest)
+        i > stretch.first && i < stretch.last && window.get(i).is_some_and(|station| !station.rest)
     }
 
     /// A cell with its limits. The last one before an end that is only the end of what is known
@@ -282,7 +271,6 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
             if found {
                 break;
             }
-            #[cfg(feature="dbg")] if rate.to_f64()<0.2 { std::eprintln!("seed rate {rate:?} new {new}"); self.blame(window,stretch,limits,S::ZERO); }
             rate = rate * S::of(0.5);
         }
         if !found {
@@ -332,22 +320,8 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         }
     }
 
-    /// Whether all limits hold over the whole stretch as it stands.
-    pub fn holds<const N: usize>(
-        &mut self,
-        window: &Window<S, N, NODES>,
-        stretch: Stretch,
-        limits: &Limits<S, N>,
-    ) -> bool {
-        for work in &mut self.work {
-            work.step = [S::ZERO; 2];
-        }
-        self.value(window, stretch, limits, (S::ZERO, S::ZERO), (stretch.first, stretch.last))
-            .is_some()
-    }
-
     /// Improves the states of a stretch, which must keep all limits, by at most `iterations`
-    /// steps.
+    /// steps. Returns how many were taken.
     pub fn improve<const N: usize>(
         &mut self,
         window: &mut Window<S, N, NODES>,
@@ -355,13 +329,13 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         limits: &Limits<S, N>,
         iterations: u16,
         cold: bool,
-    ) -> Outcome {
+    ) -> u16 {
         let scale = limits.time_scale();
         let last_weight = scale * S::of(LAST_WEIGHT);
         let mut weight = scale * S::of(if cold { COLD_WEIGHT } else { WARM_WEIGHT });
         let all = (stretch.first, stretch.last);
         let cells = S::from_u32((stretch.last - stretch.first) as u32);
-        if let Some(time) = self.time(window, stretch) {
+        if let Some(time) = Self::time(window, stretch) {
             // Far from the least time the barrier must keep up with it, or the first steps run
             // into a corner of the limits and stay there.
             weight = weight.greatest(time / cells * S::of(FIRST_SHARE));
@@ -372,7 +346,7 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
                 work.step = [S::ZERO; 2];
             }
             let Some(here) = self.value(window, stretch, limits, (weight, S::ZERO), all) else {
-                return Outcome { steps, converged: false };
+                return steps;
             };
             self.assemble(window, stretch, limits, weight, damping);
             let promise = self.solve(stretch);
@@ -419,21 +393,19 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
                     }
                 }
             }
-            #[cfg(feature="dbg")] std::eprintln!("it {steps} w {weight:?} promise {promise:?} share {share:?} found {found} here {here:?} time {:?}", self.time(window,stretch));
-            #[cfg(feature="dbg")] if share < S::of(0.1) { self.blame(window,stretch,limits,share*S::of(1.99)); }
             let small = promise < weight * S::of(SMALL_STEP) || !found;
             if small {
                 if weight <= last_weight {
-                    return Outcome { steps: steps + 1, converged: true };
+                    return steps + 1;
                 }
                 weight = (weight * S::of(WEIGHT_FALL)).greatest(last_weight);
             }
         }
-        Outcome { steps: iterations, converged: false }
+        iterations
     }
 
     /// Time over a stretch, s.
-    fn time<const N: usize>(&self, window: &Window<S, N, NODES>, stretch: Stretch) -> Option<S> {
+    fn time<const N: usize>(window: &Window<S, N, NODES>, stretch: Stretch) -> Option<S> {
         let mut time = S::ZERO;
         for i in stretch.first..stretch.last {
             let (station, after) = window.pair(i)?;
@@ -486,7 +458,13 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
             let Some(view) = Self::view(window, stretch, i, limits) else { continue };
             rows(&view, &law, &mut model);
             let (g, mut h) = by_square(&model, &law, (free0, free1));
-            add_damping(&mut h, damping * law.time, station.cell.length, (station.state, to), (free0, free1));
+            add_damping(
+                &mut h,
+                damping * law.time,
+                station.cell.length,
+                (station.state, to),
+                (free0, free1),
+            );
             add_time_curvature(&mut h, station.cell.length, (station.state, to), (free0, free1));
             let work = &mut self.work[i];
             for (sum, part) in work.block.iter_mut().zip([h[0], h[1], h[4]]) {
@@ -648,22 +626,3 @@ fn add_time_curvature<S: Scalar>(
         }
     }
 }
-#[cfg(feature="dbg")]
-impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
-    fn blame<const N: usize>(&self, window: &Window<S, N, NODES>, stretch: Stretch, limits: &Limits<S,N>, share: S) {
-        for i in stretch.first..stretch.last {
-            if window.get(i).unwrap().cell.length <= S::ZERO { continue; }
-            let (a,b)=(self.trial(window,stretch,i,share),self.trial(window,stretch,i+1,share));
-            let (a0,b0)=(self.trial(window,stretch,i,S::ZERO),self.trial(window,stretch,i+1,S::ZERO));
-            let h=window.get(i).unwrap().cell.length;
-            let st=window.get(i).unwrap();
-            match Law::new(h,a,b) { None=>std::eprintln!("  blame law {i} of {}..{} h {h:?} {a0:?}->{b0:?} trial {a:?}->{b:?}",stretch.first,stretch.last),
-              Some(law)=>{ let mut sl=Names(std::vec::Vec::new()); rows(&Self::view(window,stretch,i,limits).unwrap(),&law,&mut sl); 
-                 if sl.0.iter().any(|x| !(*x>0.0)) { std::eprintln!("  blame rows {i} of {}..{} str {} h {h:?} {a0:?}->{b0:?} trial {a:?}->{b:?} {:?}",stretch.first,stretch.last,st.cell.straight,sl.0.iter().enumerate().filter(|x| !(*x.1>0.0)).collect::<std::vec::Vec<_>>()); } } }
-        }
-    }
-}
-#[cfg(feature="dbg")]
-struct Names(std::vec::Vec<f64>);
-#[cfg(feature="dbg")]
-impl<S: Scalar> Sink<S> for Names { const GRADIENT: bool=false; fn two_sided(&mut self,r:S,_:&Gradient<S>){self.0.push(1.0-r.to_f64().abs())} fn one_sided(&mut self,r:S,_:&Gradient<S>){self.0.push(1.0-r.to_f64())} fn positive(&mut self,r:S,_:&Gradient<S>){self.0.push(r.to_f64())}}

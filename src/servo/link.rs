@@ -1,7 +1,7 @@
 //! The way from planner to interpolator: plans, handed over whole.
 //!
-//! Two single-producer single-consumer queues are used in turn. The planner writes a complete plan
-//! - from a node that still lies ahead (the branch) to a stop - into the queue that is not in use,
+//! Two single-producer single-consumer queues are used in turn. The planner writes a complete
+//! plan, from a node that still lies ahead (the branch) to a stop, into the queue that is not in use,
 //! and publishes it. The interpolator, on reaching the branch, changes over; if it has passed the
 //! branch already, it refuses the plan and stays on the one it has, which ends at rest too. Then
 //! it empties the queue that is left over, a few pieces a tick, and reports its verdict; only then

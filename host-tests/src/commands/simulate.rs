@@ -97,7 +97,8 @@ impl Simulate {
         {
             bail!("--feed {feed}: it must be greater than 0");
         }
-        let options = ReadOptions { feed: self.feed.unwrap_or(DEFAULT_FEED), segments: self.segments };
+        let options =
+            ReadOptions { feed: self.feed.unwrap_or(DEFAULT_FEED), segments: self.segments };
         let mut program = program::read(&self.file, options)?;
         if let Some(feed) = self.feed {
             for step in &mut program.moves {
@@ -114,7 +115,11 @@ impl Simulate {
         let letters: Vec<char> = program.axes().into_iter().map(|axis| LETTERS[axis]).collect();
         let track = Track::new(&program);
         // Blocks may bring tolerances of their own.
-        let widest = program.moves.iter().filter_map(|step| step.tolerance).fold(machine.tolerance, f64::max);
+        let widest = program
+            .moves
+            .iter()
+            .filter_map(|step| step.tolerance)
+            .fold(machine.tolerance, f64::max);
         let mut judge = Judge::new(&track, &limits, machine.cycle, widest);
         let mut trace = Trace::new(machine.cycle);
         let mut progress = Progress::new(track.length(), self.quiet);
@@ -139,7 +144,8 @@ impl Simulate {
         let report = Report::new(&program, &machine, self.scalar, &track, &verdict, &stats);
         if let Some(path) = &self.report {
             let text = serde_json::to_string_pretty(&report)?;
-            std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?;
+            std::fs::write(path, text)
+                .with_context(|| format!("cannot write {}", path.display()))?;
         }
         if let Some(path) = &self.plot {
             let title = format!(
@@ -148,14 +154,17 @@ impl Simulate {
                 report.time_s,
                 machine.tolerance
             );
-            plot(path, &Scene {
-                title: &title,
-                track: &track,
-                tolerance: machine.tolerance,
-                letters: &letters,
-                limits: &limits,
-                trace: &trace,
-            })?;
+            plot(
+                path,
+                &Scene {
+                    title: &title,
+                    track: &track,
+                    tolerance: machine.tolerance,
+                    letters: &letters,
+                    limits: &limits,
+                    trace: &trace,
+                },
+            )?;
         }
         if !self.quiet {
             print_summary(&report);
@@ -169,9 +178,18 @@ impl Simulate {
 }
 
 fn print_summary(report: &Report) {
-    println!("time            {:.3} s ({} cycles, {} blocks)", report.time_s, report.cycles, report.blocks);
-    println!("path length     {:.3} mm, mean speed {:.2} mm/s", report.path_length_mm, report.feed.mean);
-    println!("deviation       {:.6} mm (tolerance {} mm)", report.max_deviation_mm, report.tolerance_mm);
+    println!(
+        "time            {:.3} s ({} cycles, {} blocks)",
+        report.time_s, report.cycles, report.blocks
+    );
+    println!(
+        "path length     {:.3} mm, mean speed {:.2} mm/s",
+        report.path_length_mm, report.feed.mean
+    );
+    println!(
+        "deviation       {:.6} mm (tolerance {} mm)",
+        report.max_deviation_mm, report.tolerance_mm
+    );
     println!("axis            velocity   acceleration   jerk   (peaks over limits)");
     for (letter, axis) in &report.axes {
         println!(

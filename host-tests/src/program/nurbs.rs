@@ -1,6 +1,6 @@
 //! NURBS curves as JSON, cut into chords.
 
-use super::{Move, Course, Program, ReadOptions, Speed};
+use super::{Course, Move, Program, ReadOptions, Speed};
 use anyhow::{Context, Result, bail, ensure};
 use serde::Deserialize;
 
@@ -27,7 +27,12 @@ impl Nurbs {
             self.degree
         );
         for (i, pair) in self.knots.windows(2).enumerate() {
-            ensure!(pair[0] <= pair[1], "knots[{}] = {} is less than the knot before it", i + 1, pair[1]);
+            ensure!(
+                pair[0] <= pair[1],
+                "knots[{}] = {} is less than the knot before it",
+                i + 1,
+                pair[1]
+            );
         }
         let (from, to) = self.domain();
         ensure!(from < to, "the knots span no interval");
@@ -40,7 +45,10 @@ impl Nurbs {
         if let Some(weights) = &self.weights {
             ensure!(weights.len() == n, "{} weights for {n} control points", weights.len());
             for (i, weight) in weights.iter().enumerate() {
-                ensure!(*weight > 0.0 && weight.is_finite(), "weights[{i}] is {weight}; it must be greater than 0");
+                ensure!(
+                    *weight > 0.0 && weight.is_finite(),
+                    "weights[{i}] is {weight}; it must be greater than 0"
+                );
             }
         }
         Ok(())
@@ -135,8 +143,14 @@ mod tests {
         for (text, part) in [
             ("{", "not a NURBS curve"),
             (r#"{"degree": 3, "control_points": [[0, 0]], "knots": []}"#, "too few"),
-            (r#"{"degree": 1, "control_points": [[0], [1]], "knots": [0, 0, 1]}"#, "4 are expected"),
-            (r#"{"degree": 1, "control_points": [[0], [1]], "weights": [1, 0], "knots": [0, 0, 1, 1]}"#, "weights[1]"),
+            (
+                r#"{"degree": 1, "control_points": [[0], [1]], "knots": [0, 0, 1]}"#,
+                "4 are expected",
+            ),
+            (
+                r#"{"degree": 1, "control_points": [[0], [1]], "weights": [1, 0], "knots": [0, 0, 1, 1]}"#,
+                "weights[1]",
+            ),
         ] {
             let error = format!("{:#}", parse(text, OPTIONS).unwrap_err());
             assert!(error.contains(part), "{error}");

@@ -1,6 +1,6 @@
 //! Poly-line paths: `# vmax amax jmax tol cycle`, then `x y z feed` per vertex.
 
-use super::{Header, Move, Course, Program, Speed};
+use super::{Course, Header, Move, Program, Speed};
 use anyhow::{Result, anyhow, bail};
 
 /// Reads a poly-line. The first vertex is where the motion starts.
@@ -18,7 +18,8 @@ pub fn parse(text: &str) -> Result<Program> {
         }
         if let Some(header) = content.strip_prefix('#') {
             if index == 0 {
-                let [velocity, acceleration, jerk, tolerance, cycle] = numbers(line, header, number)?;
+                let [velocity, acceleration, jerk, tolerance, cycle] =
+                    numbers(line, header, number)?;
                 program.header = Some(Header { velocity, acceleration, jerk, tolerance, cycle });
             }
             continue;

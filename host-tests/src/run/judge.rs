@@ -77,10 +77,7 @@ impl<'a> Judge<'a> {
             band: tolerance * 1.001 + 1.0e-6,
             follower: Follower::default(),
             history: std::collections::VecDeque::with_capacity(BACK + 1),
-            verdict: Verdict {
-                peaks: vec![Peaks::default(); limits.len()],
-                ..Verdict::default()
-            },
+            verdict: Verdict { peaks: vec![Peaks::default(); limits.len()], ..Verdict::default() },
         }
     }
 
@@ -133,7 +130,8 @@ impl Observer for Judge<'_> {
             let p = |back: usize| past(back, axis);
             let v = (p(0) - p(1)) / h;
             let a = (p(0) - 2.0 * p(1) + p(2)) / (h * h);
-            let third = |n: usize| (p(0) - 3.0 * p(n) + 3.0 * p(2 * n) - p(3 * n)) / (n as f64 * h).powi(3);
+            let third =
+                |n: usize| (p(0) - 3.0 * p(n) + 3.0 * p(2 * n) - p(3 * n)) / (n as f64 * h).powi(3);
             let (j, j4) = (third(1), third(4));
             square += v * v;
             let peak = &mut self.verdict.peaks[axis];

@@ -154,21 +154,25 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     let mut idle = 0;
     let first: Vec<f64> = axes.iter().map(|&axis| program.start[axis]).collect();
     let zero = vec![0.0; axes.len()];
-    show(observers, &Sample {
-        time: 0.0,
-        position: &first,
-        velocity: &zero,
-        acceleration: &zero,
-        path: 0.0,
-        speed: 0.0,
-        tag: 0,
-        activity: Activity::Idle,
-    })?;
+    show(
+        observers,
+        &Sample {
+            time: 0.0,
+            position: &first,
+            velocity: &zero,
+            acceleration: &zero,
+            path: 0.0,
+            speed: 0.0,
+            tag: 0,
+            activity: Activity::Idle,
+        },
+    )?;
     let mut position = first.clone();
     let (mut velocity, mut acceleration) = (zero.clone(), zero.clone());
     loop {
         while let Some(step) = moves.peek() {
-            let block = block::<S, N>(step, &axes).with_context(|| format!("line {}", step.line))?;
+            let block =
+                block::<S, N>(step, &axes).with_context(|| format!("line {}", step.line))?;
             match planner.push(&block) {
                 Ok(()) => {
                     stats.blocks += 1;
@@ -198,16 +202,19 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             velocity[k] = setpoint.velocity[k].to_f64();
             acceleration[k] = setpoint.acceleration[k].to_f64();
         }
-        show(observers, &Sample {
-            time: cycle as f64 * machine.cycle,
-            position: &position,
-            velocity: &velocity,
-            acceleration: &acceleration,
-            path: setpoint.path_mm(),
-            speed: setpoint.path_speed.to_f64(),
-            tag: setpoint.tag,
-            activity: setpoint.activity,
-        })?;
+        show(
+            observers,
+            &Sample {
+                time: cycle as f64 * machine.cycle,
+                position: &position,
+                velocity: &velocity,
+                acceleration: &acceleration,
+                path: setpoint.path_mm(),
+                speed: setpoint.path_speed.to_f64(),
+                tag: setpoint.tag,
+                activity: setpoint.activity,
+            },
+        )?;
         if setpoint.activity == Activity::Idle {
             if progress == Progress::Done {
                 break;

@@ -146,21 +146,21 @@ impl Follower {
             let (a, b) = (track.point(k), track.point(k + 1));
             let length = track.way[k + 1] - track.way[k];
             let along: f64 = a.iter().zip(b).zip(x).map(|((a, b), x)| (x - a) * (b - a)).sum();
+            let off = |t: f64| {
+                let square = |((a, b), x): ((&f64, &f64), &f64)| (a + t * (b - a) - x).powi(2);
+                a.iter().zip(b).zip(x).map(square).sum::<f64>().sqrt()
+            };
             let t = (along / (length * length)).clamp(0.0, 1.0);
-            let off = a
-                .iter()
-                .zip(b)
-                .zip(x)
-                .map(|((a, b), x)| (a + t * (b - a) - x).powi(2))
-                .sum::<f64>()
-                .sqrt();
-            let here = (k, track.way[k] + t * length);
-            if off < best {
-                best = off;
-                nearest = here;
+            if off(t) < best {
+                best = off(t);
+                nearest = (k, track.way[k] + t * length);
             }
-            if k >= self.segment && off <= band && place.is_none() {
-                place = Some(here);
+            if k >= self.segment && place.is_none() {
+                // Never back: a path that is run to and fro is passed twice.
+                let t = t.max((self.way - track.way[k]) / length).min(1.0);
+                if off(t) <= band {
+                    place = Some((k, track.way[k] + t * length));
+                }
             }
         }
         let (segment, way) = place.unwrap_or(nearest);

@@ -18,7 +18,8 @@ impl CsvOut {
     /// # Errors
     /// If it cannot be written.
     pub fn new(path: &Path, letters: &[char]) -> Result<Self> {
-        let file = File::create(path).with_context(|| format!("cannot write {}", path.display()))?;
+        let file =
+            File::create(path).with_context(|| format!("cannot write {}", path.display()))?;
         let mut writer = csv::Writer::from_writer(file);
         let mut header = vec!["t".to_owned()];
         header.extend(letters.iter().map(|letter| letter.to_ascii_lowercase().to_string()));

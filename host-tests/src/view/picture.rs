@@ -35,7 +35,8 @@ pub fn png(scene: &Scene<'_>) -> Result<Vec<u8>> {
     let mut options = usvg::Options::default();
     options.fontdb_mut().load_system_fonts();
     let tree = usvg::Tree::from_str(&svg(scene)?, &options)?;
-    let mut pixels = tiny_skia::Pixmap::new(SIZE.0, SIZE.1).ok_or_else(|| anyhow!("no picture of this size"))?;
+    let mut pixels =
+        tiny_skia::Pixmap::new(SIZE.0, SIZE.1).ok_or_else(|| anyhow!("no picture of this size"))?;
     resvg::render(&tree, tiny_skia::Transform::identity(), &mut pixels.as_mut());
     Ok(pixels.encode_png()?)
 }
@@ -56,7 +57,13 @@ fn draw(text: &mut String, scene: &Scene<'_>) -> Result<(), Box<dyn std::error::
     let speed = vec![scene.trace.points.iter().map(|p| (p.time, p.speed)).collect()];
     draw_panel(&panels[0], "path speed, mm/s", &speed, &[], &[])?;
     let bounds: Vec<f64> = limits.iter().map(|axis| axis.acceleration).collect();
-    draw_panel(&panels[1], "acceleration, mm/s2", &per_axis(|p| &p.acceleration), &bounds, scene.letters)?;
+    draw_panel(
+        &panels[1],
+        "acceleration, mm/s2",
+        &per_axis(|p| &p.acceleration),
+        &bounds,
+        scene.letters,
+    )?;
     let bounds: Vec<f64> = limits.iter().map(|axis| axis.jerk).collect();
     draw_panel(&panels[2], "jerk, mm/s3", &per_axis(|p| &p.jerk), &bounds, scene.letters)?;
     root.present()?;
@@ -80,8 +87,9 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
 
 fn draw_path(area: &Area<'_>, scene: &Scene<'_>) -> Result<(), Box<dyn std::error::Error>> {
     let (p, q) = view_axes(scene);
-    let programmed: Vec<(f64, f64)> =
-        (0..scene.track.len()).map(|k| (scene.track.point(k)[p], scene.track.point(k)[q])).collect();
+    let programmed: Vec<(f64, f64)> = (0..scene.track.len())
+        .map(|k| (scene.track.point(k)[p], scene.track.point(k)[q]))
+        .collect();
     let (x0, x1) = range(programmed.iter().map(|point| point.0));
     let (y0, y1) = range(programmed.iter().map(|point| point.1));
     // Equal scales on both axes.
@@ -102,7 +110,8 @@ fn draw_path(area: &Area<'_>, scene: &Scene<'_>) -> Result<(), Box<dyn std::erro
         .light_line_style(WHITE)
         .draw()?;
     let band = (2.0 * scene.tolerance / scale).clamp(1.0, 60.0);
-    chart.draw_series(LineSeries::new(programmed.clone(), BAND.stroke_width(band.round() as u32)))?;
+    chart
+        .draw_series(LineSeries::new(programmed.clone(), BAND.stroke_width(band.round() as u32)))?;
     chart.draw_series(LineSeries::new(programmed, GREY))?;
     let run = scene.trace.points.iter().map(|point| (point.position[p], point.position[q]));
     chart.draw_series(LineSeries::new(run, COLOURS[0]))?;
@@ -136,11 +145,17 @@ fn draw_panel(
         let colour = COLOURS[n];
         let drawn = chart.draw_series(LineSeries::new(points.iter().copied(), colour))?;
         if let Some(letter) = letters.get(n) {
-            drawn.label(letter.to_string()).legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], colour));
+            drawn
+                .label(letter.to_string())
+                .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], colour));
         }
     }
     if !letters.is_empty() {
-        chart.configure_series_labels().background_style(WHITE.mix(0.8)).border_style(GREY).draw()?;
+        chart
+            .configure_series_labels()
+            .background_style(WHITE.mix(0.8))
+            .border_style(GREY)
+            .draw()?;
     }
     Ok(())
 }

@@ -110,12 +110,15 @@ impl Report {
         let axes = letters
             .zip(verdict.peaks.iter().zip(&verdict.ratios))
             .map(|(letter, (peak, ratio))| {
-                (letter, AxisReport {
-                    velocity: Peak { peak: peak.velocity, ratio: ratio.velocity },
-                    acceleration: Peak { peak: peak.acceleration, ratio: ratio.acceleration },
-                    jerk: Peak { peak: peak.jerk, ratio: ratio.jerk },
-                    jerk_every_fourth_cycle: Peak { peak: peak.jerk4, ratio: ratio.jerk4 },
-                })
+                (
+                    letter,
+                    AxisReport {
+                        velocity: Peak { peak: peak.velocity, ratio: ratio.velocity },
+                        acceleration: Peak { peak: peak.acceleration, ratio: ratio.acceleration },
+                        jerk: Peak { peak: peak.jerk, ratio: ratio.jerk },
+                        jerk_every_fourth_cycle: Peak { peak: peak.jerk4, ratio: ratio.jerk4 },
+                    },
+                )
             })
             .collect();
         let steps = f64::from(stats.counters.plans.max(1));

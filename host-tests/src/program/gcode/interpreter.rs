@@ -113,8 +113,8 @@ impl Reader {
         }
     }
 
-    fn warn(&mut self, number: u32, message: String) {
-        if self.warned.insert(message.clone()) {
+    fn warn(&mut self, number: u32, message: &str) {
+        if self.warned.insert(message.to_owned()) {
             self.program.warnings.push(format!("line {number}: {message}"));
         }
     }
@@ -127,15 +127,19 @@ impl Reader {
                 'G' => self.g_word(number, word, &mut line)?,
                 'F' => {
                     if !(word.value > 0.0) {
-                        bail!("column {}: feed F{} must be greater than 0", word.column, word.value);
+                        bail!(
+                            "column {}: feed F{} must be greater than 0",
+                            word.column,
+                            word.value
+                        );
                     }
                     self.feed = Some(word.value);
                 }
                 'M' => self.m_word(number, word),
-                'E' => self.warn(number, "E words (extruder) are ignored".to_owned()),
+                'E' => self.warn(number, "E words (extruder) are ignored"),
                 'N' | 'O' | 'S' | 'T' | 'D' | 'H' | 'P' | 'Q' | 'I' | 'J' | 'K' | 'R' => {}
                 letter if LETTERS.contains(&letter) => {}
-                letter => self.warn(number, format!("unknown word {letter} is ignored")),
+                letter => self.warn(number, &format!("unknown word {letter} is ignored")),
             }
         }
         if line.blend {
@@ -186,14 +190,19 @@ impl Reader {
             930 => self.inverse_time = true,
             940 => self.inverse_time = false,
             410 | 420 => {
-                self.warn(number, format!("G{} (tool radius compensation) is ignored", word.value));
+                self.warn(
+                    number,
+                    &format!("G{} (tool radius compensation) is ignored", word.value),
+                );
             }
             550..=599 => {
-                self.warn(number, format!("G{} (work offset) is taken as G54", word.value));
+                self.warn(number, &format!("G{} (work offset) is taken as G54", word.value));
             }
-            810..=899 | 730 => bail!("column {}: canned cycle G{} is not supported", word.column, word.value),
+            810..=899 | 730 => {
+                bail!("column {}: canned cycle G{} is not supported", word.column, word.value)
+            }
             950 => bail!("column {}: G95 (feed per revolution) needs a spindle", word.column),
-            _ => self.warn(number, format!("unknown word G{} is ignored", word.value)),
+            _ => self.warn(number, &format!("unknown word G{} is ignored", word.value)),
         }
         Ok(())
     }
@@ -203,7 +212,7 @@ impl Reader {
             2 | 30 => self.ended = true,
             // Stops, spindle, tool, coolant, heaters and extruder mode: nothing to do with the path.
             0 | 1 | 3..=9 | 82..=84 | 104..=109 | 140 | 190 => {}
-            code => self.warn(number, format!("unknown word M{code} is ignored")),
+            code => self.warn(number, &format!("unknown word M{code} is ignored")),
         }
     }
 
@@ -264,13 +273,13 @@ impl Reader {
     }
 
     fn go(&mut self, number: u32, to: Point) -> Result<()> {
-        self.check(&to)?;
+        Self::check(&to)?;
         self.position = to;
         self.push(number, Course::Line { to }, Speed::Rapid, false);
         Ok(())
     }
 
-    fn check(&self, to: &Point) -> Result<()> {
+    fn check(to: &Point) -> Result<()> {
         for (axis, value) in to.iter().enumerate() {
             if Coord::from_mm(*value).is_none() {
                 bail!("{} would go to {value} mm; coordinates must be within +-1e6", LETTERS[axis]);
@@ -298,24 +307,26 @@ impl Reader {
 
     fn motion(&mut self, number: u32, line: &Line<'_>) -> Result<()> {
         let axis_words = LETTERS.into_iter().any(|letter| line.get(letter).is_some());
-        let centre_words = ['I', 'J', 'K', 'R'].into_iter().any(|letter| line.get(letter).is_some());
+        let centre_words =
+            ['I', 'J', 'K', 'R'].into_iter().any(|letter| line.get(letter).is_some());
         let arc = matches!(self.mode, Mode::Clockwise | Mode::CounterClockwise);
         if !(axis_words || arc && centre_words) {
             return Ok(());
         }
         if self.mode == Mode::None {
-            self.warn(number, "axis words before any of G0 to G3 are taken as G1".to_owned());
+            self.warn(number, "axis words before any of G0 to G3 are taken as G1");
             self.mode = Mode::Feed;
         }
         let from = self.position;
         let to = self.target(line);
-        self.check(&to)?;
+        Self::check(&to)?;
         let curve = if arc { self.arc(line, &from, to)? } else { None };
         if arc && curve.is_none() {
-            self.warn(number, "an arc without centre (I J K) or radius (R) is taken as a line".to_owned());
+            self.warn(number, "an arc without centre (I J K) or radius (R) is taken as a line");
         }
         let path = curve.unwrap_or(Course::Line { to });
-        let linear = arc || (0..AXES).any(|axis| !is_rotary(axis) && to[axis] != from[axis]);
+        let linear =
+            arc || (0..AXES).any(|axis| !is_rotary(axis) && (to[axis] - from[axis]).abs() > 0.0);
         let speed = self.speed(number, line, linear)?;
         self.position = to;
         self.push(number, path, speed, line.exact_stop);
@@ -333,7 +344,7 @@ impl Reader {
         }
         let Some(feed) = self.feed else {
             let feed = self.default_feed;
-            self.warn(number, format!("no F word yet; moves run at {feed} mm/s"));
+            self.warn(number, &format!("no F word yet; moves run at {feed} mm/s"));
             return Ok(Speed::PerSecond(feed));
         };
         let scale = if linear { self.scale() } else { 1.0 };
@@ -348,7 +359,9 @@ impl Reader {
         let scale = self.scale();
         let centre = if let Some(radius) = line.get('R') {
             let point = |at: &Point| -> Result<(Coord, Coord)> {
-                let coord = |mm: f64| Coord::from_mm(mm).ok_or_else(|| anyhow!("coordinate {mm} mm is out of range"));
+                let coord = |mm: f64| {
+                    Coord::from_mm(mm).ok_or_else(|| anyhow!("coordinate {mm} mm is out of range"))
+                };
                 Ok((coord(at[p])?, coord(at[q])?))
             };
             let turn = if clockwise { Turn::Clockwise } else { Turn::CounterClockwise };
@@ -403,19 +416,25 @@ mod tests {
 
     #[test]
     fn modal_motion_units_and_offsets() {
-        assert_eq!(ends("G20 G0 X1\nY1\nG21 G91 G1 X1 F60\nG90 X0 Y0"), [
-            (25.4, 0.0, 0.0),
-            (25.4, 25.4, 0.0),
-            (26.4, 25.4, 0.0),
-            (0.0, 0.0, 0.0)
-        ]);
-        assert_eq!(ends("G1 X5 F1\nG92 X0\nX1\nG92.1\nX1"), [(5.0, 0.0, 0.0), (6.0, 0.0, 0.0), (1.0, 0.0, 0.0)]);
-        assert_eq!(ends("G1 X5 Y5 F1\nG28 X6"), [(5.0, 5.0, 0.0), (6.0, 5.0, 0.0), (0.0, 5.0, 0.0)]);
+        assert_eq!(
+            ends("G20 G0 X1\nY1\nG21 G91 G1 X1 F60\nG90 X0 Y0"),
+            [(25.4, 0.0, 0.0), (25.4, 25.4, 0.0), (26.4, 25.4, 0.0), (0.0, 0.0, 0.0)]
+        );
+        assert_eq!(
+            ends("G1 X5 F1\nG92 X0\nX1\nG92.1\nX1"),
+            [(5.0, 0.0, 0.0), (6.0, 0.0, 0.0), (1.0, 0.0, 0.0)]
+        );
+        assert_eq!(
+            ends("G1 X5 Y5 F1\nG28 X6"),
+            [(5.0, 5.0, 0.0), (6.0, 5.0, 0.0), (0.0, 5.0, 0.0)]
+        );
     }
 
     #[test]
     fn arcs_in_three_planes() {
-        let program = parse("G17 G2 X1 Y1 I1 F60\nG18 G3 X2 Z1 I1 K0\nG19 G2 Y2 Z2 R1\nG2 J1 P3", 10.0).unwrap();
+        let program =
+            parse("G17 G2 X1 Y1 I1 F60\nG18 G3 X2 Z1 I1 K0\nG19 G2 Y2 Z2 R1\nG2 J1 P3", 10.0)
+                .unwrap();
         let planes: Vec<(usize, usize)> = program
             .moves
             .iter()
@@ -430,14 +449,19 @@ mod tests {
 
     #[test]
     fn feeds_and_stops() {
-        let program = parse("G1 X1\nF120 X2\nG93 X3 F2\nG94 G61 X4 F60\nG64 P0.02 X5\nG9 X6\nG4 P1.5", 7.0).unwrap();
+        let program =
+            parse("G1 X1\nF120 X2\nG93 X3 F2\nG94 G61 X4 F60\nG64 P0.02 X5\nG9 X6\nG4 P1.5", 7.0)
+                .unwrap();
         let speeds: Vec<Speed> = program.moves.iter().map(|step| step.speed).collect();
-        assert_eq!(speeds[..4], [
-            Speed::PerSecond(7.0),
-            Speed::PerSecond(2.0),
-            Speed::Duration(30.0),
-            Speed::PerSecond(1.0)
-        ]);
+        assert_eq!(
+            speeds[..4],
+            [
+                Speed::PerSecond(7.0),
+                Speed::PerSecond(2.0),
+                Speed::Duration(30.0),
+                Speed::PerSecond(1.0)
+            ]
+        );
         let stops: Vec<bool> = program.moves.iter().map(|step| step.exact_stop).collect();
         assert_eq!(stops, [false, false, false, true, false, true, true]);
         assert_eq!(program.moves[4].tolerance, Some(0.02));

@@ -23,7 +23,8 @@ pub fn split(line: &str) -> Result<Vec<Word>> {
     let mut i = 0;
     while let Some(&byte) = bytes.get(i) {
         match byte {
-            b';' | b'%' => break,
+            // Comments, program marks, and the checksum of a serial protocol.
+            b';' | b'%' | b'*' => break,
             b'(' => match line[i..].find(')') {
                 Some(length) => i += length + 1,
                 None => bail!("column {}: the comment is not closed", i + 1),
@@ -44,9 +45,13 @@ pub fn split(line: &str) -> Result<Vec<Word>> {
                 let Ok(value) = text.parse::<f64>() else {
                     let found = line[start..].chars().next();
                     match found {
-                        _ if !text.is_empty() => bail!("column {column}: \"{letter}{text}\" is not a number"),
+                        _ if !text.is_empty() => {
+                            bail!("column {column}: \"{letter}{text}\" is not a number")
+                        }
                         Some(c @ ('#' | '[')) => {
-                            bail!("column {column}: parameters and expressions (\"{c}\") are not supported")
+                            bail!(
+                                "column {column}: parameters and expressions (\"{c}\") are not supported"
+                            )
                         }
                         _ => bail!("column {column}: no number behind \"{letter}\""),
                     }
@@ -54,7 +59,6 @@ pub fn split(line: &str) -> Result<Vec<Word>> {
                 words.push(Word { letter, value, column });
             }
             b'#' => bail!("column {}: parameters are not supported", i + 1),
-            b'*' => break, // checksum of a serial protocol
             _ => {
                 let character = line[i..].chars().next().unwrap_or('?');
                 bail!("column {}: unexpected character \"{character}\"", i + 1)
