@@ -318,8 +318,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     fn plan(&mut self, branch: u32) -> Progress {
         let first = self.window.index(branch);
         let new = self.window.index(self.planned_end).max(first);
-        let stretch = Stretch { first, last: self.window.len() - 1 };
-        if stretch.first >= stretch.last {
+        let mut stretch = Stretch { first, last: self.window.len() - 1 };
+        if self.is_lone_start(stretch) {
+            stretch.last -= 1;
+        }
+        if self.window.serial(stretch.last) == self.planned_end {
             return Progress::NeedsBlocks;
         }
         let limits = self.config.limits;
@@ -333,6 +336,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         self.counters.steps += u32::from(steps);
         self.publish(stretch);
         Progress::Planned
+    }
+
+    /// Whether the last cell starts at rest and ends where the window does: from rest to rest in a
+    /// single cell there is no motion, so it must wait for the next.
+    fn is_lone_start(&self, Stretch { first, last }: Stretch) -> bool {
+        let Some((station, after)) = last.checked_sub(1).and_then(|i| self.window.pair(i)) else {
+            return false;
+        };
+        (station.rest || first + 1 == last) && !after.rest && station.cell.length > S::ZERO
     }
 
     fn publish(&mut self, stretch: Stretch) {

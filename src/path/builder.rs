@@ -490,7 +490,7 @@ fn next_way<S: Scalar, const N: usize>(
     let growth = S::of(GROWTH);
     let done = raw_to_mm::<S>(way - item.taken);
     let left = raw_to_mm::<S>(until - way);
-    let longest = segment.longest_cell().least(item.feed * S::of(LONGEST_CELL_TIME));
+    let longest = segment.longest_cell(item.tolerance).least(item.feed * S::of(LONGEST_CELL_TIME));
     let forward = first.greatest(growth * done);
     let backward = last.greatest(left * S::of(GROWTH / (1.0 + GROWTH)));
     let step = forward.least(backward).least(longest);
@@ -597,8 +597,9 @@ fn joint<S: Scalar, const N: usize>(
             (Joint::Corner, mm_to_raw(edge) * 2)
         }
         _ => {
-            let bound =
-                |segment: &Segment<S, N>| segment.length.least(segment.longest_cell() * S::of(3.0));
+            let bound = |segment: &Segment<S, N>| {
+                segment.length.least(segment.longest_angle() * S::of(3.0))
+            };
             let most = bound(a).least(bound(b)) * S::of(0.5);
             (Joint::Blend, mm_to_raw(Blend::longest_reach(a, b, tolerance, most)))
         }

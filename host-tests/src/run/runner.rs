@@ -93,7 +93,7 @@ pub struct Stats {
 }
 
 /// Gives up after this many cycles at rest without an end in sight.
-const PATIENCE: u32 = 100_000;
+const PATIENCE: u32 = 1000;
 
 /// Runs a program from rest to rest and shows every cycle to the observers.
 ///
