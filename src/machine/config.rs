@@ -50,7 +50,7 @@ impl<S: Scalar, const N: usize> Config<S, N> {
             corner: CornerMode::Band,
             lead: S::of(0.01),
             start_delay: S::of(0.05),
-            iterations: 40,
+            iterations: 60,
         }
     }
 

@@ -494,7 +494,7 @@ fn next_way<S: Scalar, const N: usize>(
     let forward = first.greatest(growth * done);
     let backward = last.greatest(left * S::of(GROWTH / (1.0 + GROWTH)));
     let step = forward.least(backward).least(longest);
-    if left < step * S::of(2.0) {
+    if left < step * S::of(2.1) {
         // From rest to rest there must be a node between.
         let whole =
             left <= step * S::of(1.0001) && !(way == item.taken && item.joint == Joint::Stop);
@@ -634,6 +634,10 @@ fn reach<S: Scalar, const N: usize>(
     let granted = item.want.min(left).min(free);
     // Either nothing of the body is left, or a stretch long enough to be a cell of its own.
     let body = left - granted;
+    if body <= granted / 1024 {
+        // Within rounding: the band has room for it.
+        return left;
+    }
     let least = granted / 8;
-    if body > 0 && body < least { granted - (least - body) } else { granted }
+    if body < least { granted - (least - body) } else { granted }
 }

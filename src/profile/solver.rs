@@ -30,6 +30,8 @@ const WARM_WEIGHT: f64 = 7.5e-4;
 const COLD_WEIGHT: f64 = 2.5e-2;
 /// mu at the start, at least this share of the mean time of a cell.
 const FIRST_SHARE: f64 = 0.05;
+/// Steps in a row that found nothing better, with more damping each time, before the weight falls.
+const MOST_FAILURES: u32 = 4;
 /// Damping after the first step that a limit has shortened.
 const LEAST_DAMPING: f64 = 0.05;
 /// Share of a step that is taken when more than all of it would break a limit.
@@ -341,6 +343,7 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
             weight = weight.greatest(time / cells * S::of(FIRST_SHARE));
         }
         let mut damping = S::ZERO;
+        let mut failures = 0;
         for steps in 0..iterations {
             for work in &mut self.work[stretch.first..=stretch.last] {
                 work.step = [S::ZERO; 2];
@@ -370,7 +373,9 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
                 blocked |= there.is_none();
                 share = share * S::of(0.5);
             }
-            if blocked {
+            if !found {
+                damping = (damping * S::of(16.0)).greatest(S::of(LEAST_DAMPING));
+            } else if blocked {
                 damping = (damping * S::of(4.0)).greatest(S::of(LEAST_DAMPING));
             } else {
                 damping = damping * S::of(0.25);
@@ -393,7 +398,8 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
                     }
                 }
             }
-            let small = promise < weight * S::of(SMALL_STEP) || !found;
+            failures = if found { 0 } else { failures + 1 };
+            let small = promise < weight * S::of(SMALL_STEP) || failures >= MOST_FAILURES;
             if small {
                 if weight <= last_weight {
                     return steps + 1;

@@ -1,0 +1,393 @@
+//! The core through its public interface: the paper's paths, starvation, errors, contexts.
+
+use splineway::block::{BlockError, Field};
+use splineway::{
+    Activity, AxisLimits, Block, Config, Coord, CornerMode, Feed, Interpolator, Limits, Link,
+    Motion, Planner, Progress, PushError, Setpoint, Turn,
+};
+
+const NODES: usize = 128;
+const BLOCKS: usize = 16;
+
+type TestLink<S> = Link<S, 3, NODES>;
+type TestPlanner<'a, S> = Planner<'a, S, 3, BLOCKS, NODES>;
+
+fn config() -> Config<f64, 3> {
+    let axis = AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false };
+    let mut config = Config::new(Limits::new([axis; 3]).unwrap());
+    config.tolerance = 0.05;
+    config
+}
+
+fn at(x: f64, y: f64, z: f64) -> [Coord; 3] {
+    [x, y, z].map(|mm| Coord::from_mm(mm).unwrap())
+}
+
+fn place(setpoint: &Setpoint<f64, 3>) -> [f64; 3] {
+    [0, 1, 2].map(|axis| setpoint.position_mm(axis))
+}
+
+/// Runs until everything pushed has been run; returns every setpoint.
+fn run_out(
+    planner: &mut TestPlanner<'_, f64>,
+    interpolator: &mut Interpolator<'_, f64, 3>,
+) -> Vec<Setpoint<f64, 3>> {
+    let mut setpoints = Vec::new();
+    planner.finish();
+    for _ in 0..2_000_000 {
+        let progress = planner.poll();
+        let setpoint = interpolator.tick();
+        setpoints.push(setpoint);
+        if progress == Progress::Done && setpoint.activity == Activity::Idle {
+            return setpoints;
+        }
+    }
+    panic!("the run did not end");
+}
+
+fn distance_to_poly(points: &[[f64; 3]], x: &[f64; 3]) -> f64 {
+    let one = |a: &[f64; 3], b: &[f64; 3]| {
+        let d: Vec<f64> = (0..3).map(|i| b[i] - a[i]).collect();
+        let length: f64 = d.iter().map(|v| v * v).sum();
+        let along: f64 = (0..3).map(|i| (x[i] - a[i]) * d[i]).sum();
+        let t = (along / length).clamp(0.0, 1.0);
+        (0..3).map(|i| (a[i] + t * d[i] - x[i]).powi(2)).sum::<f64>().sqrt()
+    };
+    points.windows(2).map(|pair| one(&pair[0], &pair[1])).fold(f64::INFINITY, f64::min)
+}
+
+/// Largest jump of velocity and acceleration between cycles: both are continuous.
+fn check_continuity(setpoints: &[Setpoint<f64, 3>]) {
+    for pair in setpoints.windows(2) {
+        for axis in 0..3 {
+            let dv = (pair[1].velocity[axis] - pair[0].velocity[axis]).abs();
+            let da = (pair[1].acceleration[axis] - pair[0].acceleration[axis]).abs();
+            let dx = pair[1].position_mm(axis) - pair[0].position_mm(axis);
+            assert!(dv <= 2000.0 * 1e-3 * 1.001, "velocity jumps by {dv}");
+            assert!(da <= 50_000.0 * 1e-3 * 1.001, "acceleration jumps by {da}");
+            // The velocity is the derivative of the position.
+            let mean = f64::midpoint(pair[0].velocity[axis], pair[1].velocity[axis]);
+            assert!((dx / 1e-3 - mean).abs() < 0.01, "{} and {mean}", dx / 1e-3);
+        }
+    }
+}
+
+/// Section 4.2: a closed hexagon in space, delta 0.05, five transitions; in both modes.
+#[test]
+fn closed_hexagon_of_the_paper() {
+    let points: Vec<[f64; 3]> = (0..=6)
+        .map(|k| {
+            let phi = f64::from(k) * std::f64::consts::TAU / 6.0;
+            [10.0 * phi.cos(), 10.0 * phi.sin(), if k % 2 == 0 { 0.0 } else { 4.0 }]
+        })
+        .collect();
+    let mut times = Vec::new();
+    for corner in [CornerMode::Band, CornerMode::Paper { lambda: 0.0 }] {
+        let mut config = config();
+        config.corner = corner;
+        let mut link = TestLink::new();
+        let start = at(points[0][0], points[0][1], points[0][2]);
+        let (mut planner, mut interpolator) = link.handles::<BLOCKS>(config, start).unwrap();
+        for (k, p) in points.iter().enumerate().skip(1) {
+            planner.push(&Block::line(at(p[0], p[1], p[2]), 200.0, k as u32)).unwrap();
+        }
+        let setpoints = run_out(&mut planner, &mut interpolator);
+        check_continuity(&setpoints);
+        let worst =
+            setpoints.iter().map(|s| distance_to_poly(&points, &place(s))).fold(0.0, f64::max);
+        // The full band by default, half of it and less in the paper's mode (e* = delta / 2).
+        let (least, most) =
+            if corner == CornerMode::Band { (0.045, 0.05) } else { (0.015, 0.0251) };
+        assert!(worst > least && worst <= most, "{corner:?}: {worst}");
+        // Five corners are passed without stopping.
+        let slowest = setpoints[20..setpoints.len() - 40]
+            .iter()
+            .map(|s| s.path_speed)
+            .fold(f64::INFINITY, f64::min);
+        assert!(slowest > 2.0, "{slowest}");
+        let end = place(setpoints.last().unwrap());
+        assert!((0..3).all(|i| (end[i] - points[6][i]).abs() < 1e-9));
+        times.push(setpoints.len());
+    }
+    assert!(times[0] < times[1], "the full band must be faster: {times:?}");
+}
+
+/// Figures 6 and 7: transitions that would overlap, and one that would use up the next leg.
+#[test]
+fn overlapping_corners_share_the_leg() {
+    for (leg, corner) in [
+        (0.3, CornerMode::Band),
+        (0.3, CornerMode::Paper { lambda: 0.0 }),
+        (0.3, CornerMode::Paper { lambda: 0.3 }),
+        (0.05, CornerMode::Band),
+        (0.05, CornerMode::Paper { lambda: 0.0 }),
+    ] {
+        let mut config = config();
+        config.corner = corner;
+        let mut link = TestLink::new();
+        let (mut planner, mut interpolator) =
+            link.handles::<BLOCKS>(config, at(0.0, 0.0, 0.0)).unwrap();
+        let points = [
+            [0.0, 0.0, 0.0],
+            [4.0, 0.0, 0.0],
+            [4.0, leg, 0.0],
+            [8.0, leg, 0.0],
+            [8.0 + leg, leg, leg],
+            [8.0 + leg, 5.0, leg],
+        ];
+        for (k, p) in points.iter().enumerate().skip(1) {
+            planner.push(&Block::line(at(p[0], p[1], p[2]), 200.0, k as u32)).unwrap();
+        }
+        let setpoints = run_out(&mut planner, &mut interpolator);
+        check_continuity(&setpoints);
+        let worst =
+            setpoints.iter().map(|s| distance_to_poly(&points, &place(s))).fold(0.0, f64::max);
+        assert!(worst <= 0.05, "{corner:?}, leg {leg}: {worst}");
+    }
+}
+
+/// A producer that is too slow: the machine comes to rest on the path within limits and goes on
+/// when blocks arrive; nothing is lost.
+#[test]
+fn starvation_and_resume() {
+    let mut link = TestLink::new();
+    let (mut planner, mut interpolator) =
+        link.handles::<BLOCKS>(config(), at(0.0, 0.0, 0.0)).unwrap();
+    let mut points = vec![[0.0, 0.0, 0.0]];
+    let mut setpoints = Vec::new();
+    let mut rests = 0;
+    let mut idle = false;
+    for cycle in 0..6000u32 {
+        if cycle % 150 == 0 && points.len() <= 30 {
+            let k = points.len() as f64;
+            let p = [k * 3.0, if points.len().is_multiple_of(2) { 0.0 } else { 2.0 }, 0.0];
+            planner.push(&Block::line(at(p[0], p[1], p[2]), 200.0, points.len() as u32)).unwrap();
+            points.push(p);
+        }
+        planner.poll();
+        let setpoint = interpolator.tick();
+        rests += u32::from(!idle && setpoint.activity == Activity::Idle);
+        idle = setpoint.activity == Activity::Idle;
+        setpoints.push(setpoint);
+    }
+    assert!(rests > 5, "the producer was meant to be too slow");
+    check_continuity(&setpoints);
+    let end = place(setpoints.last().unwrap());
+    let last = points.last().unwrap();
+    assert!((0..3).all(|i| (end[i] - last[i]).abs() < 1e-9), "{end:?}");
+    for setpoint in &setpoints {
+        assert!(distance_to_poly(&points, &place(setpoint)) <= 0.05);
+    }
+    // Every block was under way once, in order.
+    let mut tags: Vec<u32> = setpoints.iter().map(|s| s.tag).collect();
+    assert!(tags.is_sorted());
+    tags.dedup();
+    assert_eq!(tags.len(), 31);
+}
+
+/// A planner that falls silent in full motion: the plan at hand ends at rest, on the path.
+#[test]
+fn a_silent_planner_is_survived() {
+    let mut link = TestLink::new();
+    let (mut planner, mut interpolator) =
+        link.handles::<BLOCKS>(config(), at(0.0, 0.0, 0.0)).unwrap();
+    for k in 0..BLOCKS {
+        let x = 10.0 * (k + 1) as f64;
+        planner
+            .push(&Block::line(at(x, if k % 2 == 0 { 1.0 } else { 0.0 }, 0.0), 200.0, k as u32))
+            .unwrap();
+    }
+    let mut setpoints = Vec::new();
+    for cycle in 0..5000 {
+        // From cycle 100 on nobody plans for four seconds.
+        if !(100..4100).contains(&cycle) {
+            planner.finish();
+            planner.poll();
+        }
+        setpoints.push(interpolator.tick());
+    }
+    check_continuity(&setpoints);
+    assert_eq!(setpoints[4000].activity, Activity::Idle);
+    assert_eq!(setpoints[4999].activity, Activity::Idle);
+    assert!((setpoints[4999].position_mm(0) - 10.0 * BLOCKS as f64).abs() < 1e-9);
+}
+
+/// Producer and interrupt in two threads.
+#[test]
+fn handles_live_in_two_threads() {
+    let mut link = TestLink::new();
+    let (mut planner, mut interpolator) =
+        link.handles::<BLOCKS>(config(), at(0.0, 0.0, 0.0)).unwrap();
+    let done = std::sync::atomic::AtomicBool::new(false);
+    let setpoints = std::thread::scope(|scope| {
+        let servo = scope.spawn(|| {
+            let mut setpoints = Vec::new();
+            while !done.load(std::sync::atomic::Ordering::Acquire) {
+                setpoints.push(interpolator.tick());
+                std::thread::sleep(std::time::Duration::from_micros(50));
+            }
+            setpoints
+        });
+        for k in 0..60u32 {
+            let p = at(f64::from(k + 1), if k % 2 == 0 { 1.0 } else { 0.0 }, 0.0);
+            while let Err(error) = planner.push(&Block::line(p, 200.0, k)) {
+                assert_eq!(error, PushError::Full);
+                planner.poll();
+            }
+        }
+        planner.finish();
+        while planner.poll() != Progress::Done {
+            std::thread::yield_now();
+        }
+        done.store(true, std::sync::atomic::Ordering::Release);
+        servo.join().unwrap()
+    });
+    check_continuity(&setpoints);
+    assert!((setpoints.last().unwrap().position_mm(0) - 60.0).abs() < 1e-9);
+}
+
+/// Both handles may be sent to another context.
+#[test]
+fn handles_are_send() {
+    fn is_send<T: Send>() {}
+    is_send::<Planner<'static, f32, 3, 16, 64>>();
+    is_send::<Interpolator<'static, f32, 3>>();
+}
+
+/// Dwell, exact stop and G61 by tolerance 0: at rest, exactly on the vertex, for as long as asked.
+#[test]
+fn dwells_and_exact_stops_rest_on_the_vertex() {
+    let mut link = TestLink::new();
+    let (mut planner, mut interpolator) =
+        link.handles::<BLOCKS>(config(), at(0.0, 0.0, 0.0)).unwrap();
+    planner.push(&Block::line(at(5.0, 0.0, 0.0), 200.0, 1)).unwrap();
+    planner.push(&Block::dwell(0.25, 2)).unwrap();
+    let mut block = Block::line(at(5.0, 5.0, 0.0), 200.0, 3);
+    block.exact_stop = true;
+    planner.push(&block).unwrap();
+    let mut block = Block::line(at(0.0, 5.0, 0.0), 200.0, 4);
+    block.tolerance = Some(0.0);
+    planner.push(&block).unwrap();
+    planner.push(&Block::line(at(0.0, 0.0, 0.0), 200.0, 5)).unwrap();
+    let setpoints = run_out(&mut planner, &mut interpolator);
+    check_continuity(&setpoints);
+    let dwelling: Vec<_> = setpoints.iter().filter(|s| s.activity == Activity::Dwelling).collect();
+    assert!((249..=251).contains(&dwelling.len()), "{}", dwelling.len());
+    assert!(dwelling.iter().all(|s| s.tag == 2 && place(s) == [5.0, 0.0, 0.0]));
+    for vertex in [[5.0, 5.0, 0.0], [0.0, 5.0, 0.0]] {
+        let nearest = setpoints
+            .iter()
+            .map(|s| (0..3).map(|i| (place(s)[i] - vertex[i]).powi(2)).sum::<f64>().sqrt())
+            .fold(f64::INFINITY, f64::min);
+        assert!(nearest < 2e-5, "{vertex:?} is passed at {nearest}");
+    }
+}
+
+/// A refused block is explained and changes nothing.
+#[test]
+fn bad_blocks_are_refused_and_leave_the_rest_intact() {
+    let mut link = TestLink::new();
+    let (mut planner, mut interpolator) =
+        link.handles::<BLOCKS>(config(), at(0.0, 0.0, 0.0)).unwrap();
+    planner.push(&Block::line(at(5.0, 0.0, 0.0), 100.0, 1)).unwrap();
+    let arc = |to, centre: (f64, f64), plane| Block {
+        motion: Motion::Arc {
+            to,
+            plane,
+            centre: (Coord::from_mm(centre.0).unwrap(), Coord::from_mm(centre.1).unwrap()),
+            turn: Turn::Clockwise,
+            extra_turns: 0,
+        },
+        feed: Feed::PerSecond(100.0),
+        tolerance: None,
+        exact_stop: false,
+        tag: 7,
+    };
+    let line = Block::line(at(6.0, 0.0, 0.0), 100.0, 7);
+    let field = |block: &Block<f64, 3>| match TestPlanner::push(&mut planner, block) {
+        Err(PushError::Rejected { tag: 7, reason }) => reason,
+        other => panic!("{block:?} gave {other:?}"),
+    };
+    let mut field = field;
+    for feed in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let reason = field(&Block { feed: Feed::PerSecond(feed), ..line });
+        assert!(matches!(reason, BlockError::OutOfRange { field: Field::Feed, .. }));
+    }
+    let reason = field(&Block { feed: Feed::Duration(0.0), ..line });
+    assert!(matches!(reason, BlockError::OutOfRange { field: Field::Duration, .. }));
+    let reason = field(&Block { tolerance: Some(-0.1), ..line });
+    assert!(matches!(reason, BlockError::OutOfRange { field: Field::Tolerance, .. }));
+    let reason = field(&Block::dwell(f64::NAN, 7));
+    assert!(matches!(reason, BlockError::OutOfRange { field: Field::Dwell, .. }));
+    let far = [Coord::from_raw(i64::MAX), Coord::ZERO, Coord::ZERO];
+    assert!(matches!(field(&Block::line(far, 1.0, 7)), BlockError::Coordinate { axis: 0, .. }));
+    let reason = field(&arc(at(9.0, 0.0, 0.0), (6.0, 0.0), (0, 1)));
+    assert!(matches!(reason, BlockError::ArcRadius { .. }));
+    let reason = field(&arc(at(5.0, 0.0, 0.0), (5.0, 0.0), (0, 1)));
+    assert!(matches!(reason, BlockError::ArcUnreachable { .. }));
+    assert!(matches!(
+        field(&arc(at(9.0, 0.0, 0.0), (7.0, 0.0), (0, 3))),
+        BlockError::Plane { axes: (0, 3) }
+    ));
+    assert_eq!(planner.end(), &at(5.0, 0.0, 0.0));
+    // Zero length is accepted and ignored.
+    planner.push(&Block::line(at(5.0, 0.0, 0.0), 100.0, 8)).unwrap();
+    let setpoints = run_out(&mut planner, &mut interpolator);
+    assert_eq!(place(setpoints.last().unwrap()), [5.0, 0.0, 0.0]);
+}
+
+/// A full buffer refuses and keeps everything.
+#[test]
+fn a_full_buffer_would_block_and_loses_nothing() {
+    let mut link = TestLink::new();
+    let (mut planner, mut interpolator) =
+        link.handles::<BLOCKS>(config(), at(0.0, 0.0, 0.0)).unwrap();
+    let mut taken = 0;
+    while planner.push(&Block::line(at(f64::from(taken + 1), 0.0, 0.0), 50.0, taken)).is_ok() {
+        taken += 1;
+    }
+    assert_eq!(taken as usize, BLOCKS);
+    assert_eq!(planner.push(&Block::line(at(99.0, 0.0, 0.0), 50.0, 99)), Err(PushError::Full));
+    let setpoints = run_out(&mut planner, &mut interpolator);
+    assert_eq!(place(setpoints.last().unwrap()), [f64::from(taken), 0.0, 0.0]);
+}
+
+/// Two metres away from the origin, in f32: every stop is exact to the nanometre after thousands
+/// of blocks, and so it stays, because every position is an absolute fixed-point number.
+#[test]
+fn f32_keeps_nanometres_on_a_two_metre_axis() {
+    let axis =
+        AxisLimits { velocity: 500.0f32, acceleration: 10_000.0, jerk: 1.0e6, rotary: false };
+    let mut config = Config::new(Limits::new([axis; 3]).unwrap());
+    config.tolerance = 0.0;
+    let home = [
+        Coord::from_nm(1_999_999_999).unwrap(),
+        Coord::from_nm(-1_999_999_999).unwrap(),
+        Coord::ZERO,
+    ];
+    let mut link = Link::<f32, 3, NODES>::new();
+    let (mut planner, mut interpolator) = link.handles::<BLOCKS>(config, home).unwrap();
+    let mut stops = 0;
+    for k in 0..3000i64 {
+        // A vertex no f32 could hold: 1,999,999,999 nm and a few.
+        let to = [
+            Coord::from_nm(1_999_999_999 + (k * 7919) % 100_003).unwrap(),
+            Coord::from_nm(-1_999_999_999 - (k * 104_729) % 99_991).unwrap(),
+            Coord::from_nm(k % 17).unwrap(),
+        ];
+        planner.push(&Block::rapid(to, k as u32)).unwrap();
+        planner.finish();
+        for _ in 0..100_000 {
+            let progress = planner.poll();
+            let setpoint = interpolator.tick();
+            if progress == Progress::Done && setpoint.activity == Activity::Idle {
+                for (axis, coord) in to.iter().enumerate() {
+                    assert_eq!(setpoint.position_nm(axis), coord.to_nm(), "block {k}, axis {axis}");
+                }
+                stops += 1;
+                break;
+            }
+        }
+    }
+    assert_eq!(stops, 3000);
+}
