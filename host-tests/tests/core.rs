@@ -333,7 +333,7 @@ fn bad_blocks_are_refused_and_leave_the_rest_intact() {
     // Zero length is accepted and ignored.
     planner.push(&Block::line(at(5.0, 0.0, 0.0), 100.0, 8)).unwrap();
     let setpoints = run_out(&mut planner, &mut interpolator);
-    assert_eq!(place(setpoints.last().unwrap()), [5.0, 0.0, 0.0]);
+    assert_eq!(setpoints.last().unwrap().position_nm(0), 5_000_000);
 }
 
 /// A full buffer refuses and keeps everything.
@@ -349,7 +349,7 @@ fn a_full_buffer_would_block_and_loses_nothing() {
     assert_eq!(taken as usize, BLOCKS);
     assert_eq!(planner.push(&Block::line(at(99.0, 0.0, 0.0), 50.0, 99)), Err(PushError::Full));
     let setpoints = run_out(&mut planner, &mut interpolator);
-    assert_eq!(place(setpoints.last().unwrap()), [f64::from(taken), 0.0, 0.0]);
+    assert_eq!(setpoints.last().unwrap().position_nm(0), i64::from(taken) * 1_000_000);
 }
 
 /// Two metres away from the origin, in f32: every stop is exact to the nanometre after thousands

@@ -1,0 +1,79 @@
+//! Machining times of the common bench paths beside stops at every corner, as a table.
+//!
+//! `cargo bench --bench paths [-- FOLDER]`; the paths lie in `../shared/bench/paths` beside the
+//! checkout. Without them there is nothing to do, and it says so.
+
+use splineway_host::machine::Machine;
+use splineway_host::program::{self, Program, ReadOptions};
+use splineway_host::run::{Judge, Precision, Stats, Track, Verdict, run};
+use splineway_host::view::violations;
+use std::path::{Path, PathBuf};
+
+fn judge(
+    program: &Program,
+    machine: &Machine,
+    precision: Precision,
+) -> anyhow::Result<(Verdict, Stats)> {
+    let limits = machine.axes_of(program)?;
+    let track = Track::new(program);
+    let mut judge = Judge::new(&track, &limits, machine.cycle, machine.tolerance);
+    let stats = run(program, machine, precision, &mut [&mut judge])?;
+    Ok((judge.verdict(), stats))
+}
+
+fn row(path: &Path) -> anyhow::Result<()> {
+    let program = program::read(path, ReadOptions { feed: 200.0, segments: 80 })?;
+    let mut machine = Machine::default();
+    if let Some(header) = &program.header {
+        machine.apply(header);
+    }
+    let (wide, stats) = judge(&program, &machine, Precision::F64)?;
+    let (narrow, _) = judge(&program, &machine, Precision::F32)?;
+    let mut stops = program.clone();
+    for step in &mut stops.moves {
+        step.exact_stop = true;
+    }
+    let (stopping, _) = judge(&stops, &machine, Precision::F64)?;
+    let worst = wide.worst();
+    let broken = [
+        violations(&wide, Precision::F64, machine.tolerance),
+        violations(&narrow, Precision::F32, machine.tolerance),
+    ]
+    .concat();
+    println!(
+        "{:<20} {:>9.3} {:>9.3} {:>10.3} {:>8.3} {:>7.4} {:>7.4} {:>7.4} {:>10.0}  {}",
+        path.file_stem().unwrap_or_default().to_string_lossy(),
+        wide.time,
+        narrow.time,
+        stopping.time,
+        wide.deviation / machine.tolerance,
+        worst.velocity,
+        worst.acceleration,
+        worst.jerk,
+        stats.planning.total() / stats.blocks.max(1) as f64,
+        if broken.is_empty() { "ok".to_owned() } else { broken.join("; ") }
+    );
+    anyhow::ensure!(broken.is_empty(), "{}: a limit is broken", path.display());
+    anyhow::ensure!(wide.time <= stopping.time, "{}: slower than stopping", path.display());
+    Ok(())
+}
+
+fn main() -> anyhow::Result<()> {
+    let given = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
+    let folder = given.map_or_else(
+        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/bench/paths"),
+        PathBuf::from,
+    );
+    let Ok(entries) = std::fs::read_dir(&folder) else {
+        println!("skipped: the bench paths are not at {}", folder.display());
+        return Ok(());
+    };
+    let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    paths.retain(|path| path.extension().is_some_and(|ending| ending == "txt"));
+    paths.sort();
+    println!(
+        "{:<20} {:>9} {:>9} {:>10} {:>8} {:>7} {:>7} {:>7} {:>10}",
+        "path", "f64, s", "f32, s", "stops, s", "dev/tol", "v", "a", "j", "ns/block"
+    );
+    paths.iter().try_for_each(|path| row(path))
+}

@@ -1,0 +1,141 @@
+//! The program as a user meets it: files in, files out, messages, exit codes.
+
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+fn splineway(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_splineway")).args(arguments).output().unwrap()
+}
+
+/// A file of its own for each test.
+fn file(name: &str, text: &str) -> PathBuf {
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+fn example() -> String {
+    format!("{}/examples/butterfly.json", env!("CARGO_MANIFEST_DIR"))
+}
+
+fn error_of(arguments: &[&str], code: i32) -> String {
+    let output = splineway(arguments);
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(code), "{text}");
+    text
+}
+
+#[test]
+fn help_names_options_and_examples() {
+    let output = splineway(&["simulate", "--help"]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(output.status.code(), Some(0));
+    for word in [
+        "--machine",
+        "--tolerance",
+        "--scalar",
+        "--mode",
+        "--setpoints",
+        "--report",
+        "--plot",
+        "Examples:",
+    ] {
+        assert!(text.contains(word), "{word} is missing");
+    }
+}
+
+#[test]
+fn the_example_writes_setpoints_report_and_plots() {
+    let out =
+        |name: &str| PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name).display().to_string();
+    let (csv, json, html, svg) = (out("b.csv"), out("b.json"), out("b.html"), out("b.svg"));
+    for (plot, scalar) in [(&html, "f64"), (&svg, "f32")] {
+        let output = splineway(&[
+            "simulate",
+            &example(),
+            "--tolerance",
+            "0.05",
+            "--feed",
+            "200",
+            "--scalar",
+            scalar,
+            "--setpoints",
+            &csv,
+            "--report",
+            &json,
+            "--plot",
+            plot,
+        ]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(std::fs::metadata(plot).unwrap().len() > 10_000);
+    }
+    let rows = std::fs::read_to_string(csv).unwrap();
+    let mut rows = rows.lines();
+    assert_eq!(rows.next(), Some("t,x,y,z"));
+    let first: Vec<&str> = rows.next().unwrap().split(',').collect();
+    assert_eq!(first.len(), 4);
+    let digits = first[1].split('e').next().unwrap().chars().filter(char::is_ascii_digit).count();
+    assert_eq!(digits, 15);
+    let report: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(json).unwrap()).unwrap();
+    assert_eq!(report["blocks"], 80);
+    assert_eq!(report["cycles"].as_u64().unwrap() as usize, rows.count() + 1);
+    assert!(report["max_deviation_mm"].as_f64().unwrap() <= 0.05);
+    assert!(report["axes"]["X"]["jerk_every_fourth_cycle"]["ratio"].as_f64().unwrap() < 1.01);
+    let page = std::fs::read_to_string(html).unwrap();
+    assert!(!page.contains("{{") && !page.contains("http"), "the page must stand alone");
+}
+
+#[test]
+fn wrong_files_are_explained() {
+    let bad = file("bad.ngc", "G1 X1 F60\nG1 Xfoo\n").display().to_string();
+    assert!(error_of(&["simulate", &bad], 1).contains("bad.ngc: line 2: column 4"));
+    let arc = file("arc.ngc", "G2 X10 I1 F60\n").display().to_string();
+    assert!(
+        error_of(&["simulate", &arc], 1).contains("line 1: arc starts 1.000000 mm from its centre")
+    );
+    let odd = file("odd.xyz", "").display().to_string();
+    assert!(error_of(&["simulate", &odd], 1).contains("unknown kind of file"));
+    assert!(error_of(&["simulate", "nowhere.ngc"], 1).contains("cannot read nowhere.ngc"));
+    let machine = file("bad.toml", "cycle = -1\n").display().to_string();
+    assert!(
+        error_of(&["simulate", &example(), "--machine", &machine], 1).contains("servo cycle is -1")
+    );
+    let machine = file("typo.toml", "jerks = 1\n").display().to_string();
+    assert!(error_of(&["simulate", &example(), "--machine", &machine], 1).contains("typo.toml"));
+    assert!(
+        error_of(&["simulate", &example(), "--plot", "x.bmp"], 1).contains(".svg, .png or .html")
+    );
+    error_of(&["simulate"], 2);
+    error_of(&["simulate", &example(), "--scalar", "f16"], 2);
+}
+
+#[test]
+fn a_tolerance_of_zero_stops_at_every_corner() {
+    let square = file("square.ngc", "G1 X10 F6000\nY10\nX0\nY0\n").display().to_string();
+    let time = |tolerance: &str| {
+        let json =
+            PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("square{tolerance}.json"));
+        let json = json.display().to_string();
+        let output = splineway(&["simulate", &square, "--tolerance", tolerance, "--report", &json]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let report: serde_json::Value =
+            serde_json::from_str(&std::fs::read_to_string(json).unwrap()).unwrap();
+        (report["time_s"].as_f64().unwrap(), report["max_deviation_mm"].as_f64().unwrap())
+    };
+    let (stopping, off) = time("0");
+    assert!(off < 1e-6, "{off}");
+    let (rounding, _) = time("0.05");
+    assert!(rounding < 0.9 * stopping, "{rounding} s against {stopping} s");
+}
+
+#[test]
+fn arcs_helices_dwells_and_inverse_time_run() {
+    let text = "G21 G17 G90\nG0 X10 Z5\nG3 X0 Y10 Z3 I-10 J0 F1200\nG3 X0 Y10 I0 J-10 P2\nG4 P0.1\nG18 G2 X5 Z8 I5 K0\n\
+                G19 G3 Y12 Z10 J0 K2\nG93 G1 X0 F60\nG94 G1 A90 F3600\nG61 X1 Y1 F600\nG64 P0.1 X2\nG28\nM2\n";
+    let program = file("all.ngc", text).display().to_string();
+    for scalar in ["f64", "f32"] {
+        let output = splineway(&["simulate", &program, "--scalar", scalar]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+}
