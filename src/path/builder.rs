@@ -26,6 +26,16 @@ const LONGEST_CELL_TIME: f64 = 0.25;
 /// Each cell of a line may be longer than the one before by this share of the way from the end.
 const GROWTH: f64 = 0.8;
 
+/// Most vertices merged into one line.
+const MERGED: usize = 16;
+/// Lines are merged only if the new one takes less than this at its feed, s, and both together
+/// twice as much.
+const MERGE_TIME: f64 = 0.01;
+/// Share of the tolerance that merging may take.
+const MERGE_SHARE: f64 = 0.15;
+/// Least cosine of the turn between lines that are merged.
+const MERGE_COSINE: f64 = 0.7;
+
 /// How two segments meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Joint {
@@ -46,6 +56,9 @@ struct Item<S, const N: usize> {
     segment: Option<Segment<S, N>>,
     dwell: S,
     feed: S,
+    /// Tolerance as programmed.
+    programmed: S,
+    /// What is left of it for corners and passed joints.
     tolerance: S,
     stop_after: bool,
     tag: u32,
@@ -96,6 +109,8 @@ pub struct Builder<S, const N: usize, const BLOCKS: usize> {
     stage: Stage<S, N>,
     /// Length kept free of the front segment's end by the joint under way, 1e-12 mm.
     kept: i64,
+    /// Vertices that the last block has merged.
+    passed: heapless::Vec<[Coord; N], MERGED>,
     /// Whether the last cell ended at rest, so that the direction may change.
     rested: bool,
 }
@@ -109,6 +124,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             closed: false,
             stage: Stage::Waiting,
             kept: 0,
+            passed: heapless::Vec::new(),
             rested: true,
         }
     }
@@ -142,13 +158,17 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             }
             return Ok(());
         };
+        self.closed = false;
+        if let Some(segment) = &item.segment {
+            self.end = segment.end;
+            if self.merge(&item, segment, config) {
+                return Ok(());
+            }
+        }
+        self.passed.clear();
         if let Some(last) = self.items.back_mut() {
             (last.joint, last.want) = joint(last, &item, config.corner);
         }
-        if let Some(segment) = &item.segment {
-            self.end = segment.end;
-        }
-        self.closed = false;
         // Cannot fail: room was checked.
         let _ = self.items.push_back(item);
         Ok(())
@@ -170,6 +190,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             segment: None,
             dwell: S::ZERO,
             feed: S::ONE,
+            programmed: tolerance,
             tolerance,
             stop_after: block.exact_stop,
             tag: block.tag,
@@ -199,6 +220,68 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         item.feed = path_speed(&segment, block.feed, &config.limits);
         item.segment = Some(segment);
         Ok(Some(item))
+    }
+
+    /// Makes one line of the last block and a short one that goes on from it, if the vertices in
+    /// between stay within [`MERGE_SHARE`] of the tolerance. Returns whether it did.
+    ///
+    /// Dense programs would fill the window with a few millimetres of path otherwise. What merging
+    /// takes of the band is taken off the tolerance that corners and passed joints may use.
+    fn merge(&mut self, item: &Item<S, N>, segment: &Segment<S, N>, config: &Config<S, N>) -> bool {
+        let back = self.items.len().wrapping_sub(1);
+        // What is being cut, and what its joint leads to, must stay.
+        let fixed = if matches!(self.stage, Stage::Waiting) { 0 } else { 2 };
+        if self.items.is_empty()
+            || back < fixed
+            || config.corner != CornerMode::Band
+            || self.passed.is_full()
+        {
+            return false;
+        }
+        let Some(last) = self.items.get(back) else { return false };
+        let Some(before) = &last.segment else { return false };
+        // Equal but for the rounding of directions.
+        let same_feed = (last.feed - item.feed).abs() <= item.feed * S::of(1.0e-3);
+        let alike = same_feed && last.programmed == item.programmed && !last.stop_after;
+        let (Shape::Line(a), Shape::Line(b)) = (&before.shape, &segment.shape) else {
+            return false;
+        };
+        let short = segment.length < item.feed * S::of(MERGE_TIME)
+            && before.length + segment.length < item.feed * S::of(2.0 * MERGE_TIME);
+        if !(alike && short && dot(a, b) > S::of(MERGE_COSINE)) {
+            return false;
+        }
+        let Some(whole) = Segment::line(before.start, segment.end) else { return false };
+        let Shape::Line(tangent) = &whole.shape else { return false };
+        let most = item.programmed * S::of(MERGE_SHARE);
+        let mut along = S::ZERO;
+        for vertex in self.passed.iter().chain(core::iter::once(&before.end)) {
+            let way: [S; N] = from_fn(|i| vertex[i].minus(before.start[i]));
+            let on = dot(&way, tangent);
+            let off: [S; N] = from_fn(|i| way[i] - on * tangent[i]);
+            // In order along the line, so that every point of it has one of the path beside it.
+            if on < along || on > whole.length || norm(&off) > most {
+                return false;
+            }
+            along = on;
+        }
+        let _ = self.passed.push(before.end);
+        let merged = Item {
+            segment: Some(whole),
+            tolerance: item.programmed * S::of(1.0 - MERGE_SHARE),
+            feed: last.feed.least(item.feed),
+            entered: last.entered,
+            length_before: last.length_before,
+            taken: last.taken,
+            ..*item
+        };
+        if let Some(last) = self.items.back_mut() {
+            *last = merged;
+        }
+        if let Some(previous) = back.checked_sub(1).and_then(|i| self.items.get_mut(i)) {
+            (previous.joint, previous.want) = joint(previous, &merged, config.corner);
+        }
+        true
     }
 
     /// No more blocks for now: the path ends, at rest, where the last block ends.
