@@ -1,8 +1,9 @@
-//! Machining times of the common bench paths beside stops at every corner, as a table.
+//! Memory of the core, and machining times of the common bench paths beside stops at every corner.
 //!
 //! `cargo bench --bench paths [-- FOLDER]`; the paths lie in `../shared/bench/paths` beside the
 //! checkout. Without them there is nothing to do, and it says so.
 
+use splineway::{Link, Planner, Scalar};
 use splineway_host::machine::Machine;
 use splineway_host::program::{self, Program, ReadOptions};
 use splineway_host::run::{Judge, Precision, Stats, Track, Verdict, run};
@@ -58,7 +59,21 @@ fn row(path: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Bytes of the two parts of a core.
+fn print_memory<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>() {
+    println!(
+        "{:<4} {N} axes {BLOCKS:>4} blocks {NODES:>4} nodes   link {:>7} bytes   planner {:>7} bytes",
+        S::NAME,
+        size_of::<Link<S, N, NODES>>(),
+        size_of::<Planner<'static, S, N, BLOCKS, NODES>>(),
+    );
+}
+
 fn main() -> anyhow::Result<()> {
+    print_memory::<f32, 3, 16, 48>();
+    print_memory::<f32, 3, 16, 64>();
+    print_memory::<f32, 6, 16, 64>();
+    print_memory::<f64, 3, 64, 192>();
     let given = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
     let folder = given.map_or_else(
         || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/bench/paths"),
