@@ -155,9 +155,6 @@ impl Machine {
         config.tolerance = S::of(self.tolerance);
         config.cycle = S::of(self.cycle);
         config.lead = S::of(self.lead);
-        if let Ok(x) = std::env::var("ITER") {
-            config.iterations = x.parse().unwrap();
-        }
         config.corner = match self.mode {
             Mode::Band => CornerMode::Band,
             Mode::Paper => CornerMode::Paper { lambda: S::of(self.lambda) },
