@@ -273,7 +273,11 @@ fn dwells_and_exact_stops_rest_on_the_vertex() {
     check_continuity(&setpoints);
     let dwelling: Vec<_> = setpoints.iter().filter(|s| s.activity == Activity::Dwelling).collect();
     assert!((249..=251).contains(&dwelling.len()), "{}", dwelling.len());
-    assert!(dwelling.iter().all(|s| s.tag == 2 && place(s) == [5.0, 0.0, 0.0]));
+    assert!(
+        dwelling
+            .iter()
+            .all(|s| s.tag == 2 && s.position_nm(0) == 5_000_000 && s.position_nm(1) == 0)
+    );
     for vertex in [[5.0, 5.0, 0.0], [0.0, 5.0, 0.0]] {
         let nearest = setpoints
             .iter()

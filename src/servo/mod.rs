@@ -1,7 +1,7 @@
 //! The interrupt side: pieces of motion in, one setpoint per servo cycle out.
 //!
-//! Nothing in here plans. A [`piece`] is a polynomial per axis; the [`interpolator`] evaluates it
-//! and moves on to the next; the [`link`] carries whole plans over from the planner, each ending
+//! Nothing in here plans. A piece is a polynomial per axis; the [`Interpolator`] evaluates it
+//! and moves on to the next; the [`Link`] carries whole plans over from the planner, each ending
 //! at rest, so that the interrupt can always come to a stop with what it has.
 
 mod interpolator;
