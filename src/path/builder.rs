@@ -5,26 +5,17 @@
 
 use super::blend::{self, Blend};
 use super::corner::{Corner, Transition};
-use super::node::{Cell, Node};
-use super::segment::{Segment, Shape, mm_to_raw, raw_to_mm};
-use crate::block::{Block, BlockError, Feed, Field, Motion, PushError};
-use crate::machine::{Config, CornerMode, Limits};
-use crate::number::vector::{dot, norm, zero};
+use super::cut::{Emitted, next_way, rest_cell, standstill};
+use super::item::{Item, Joint};
+use super::joint::{bent_lengths, joint, mean_node, reach};
+use super::node::Node;
+use super::segment::{Segment, Shape, raw_to_mm};
+use crate::block::{Block, PushError};
+use crate::machine::{Config, CornerMode};
+use crate::number::vector::{dot, norm};
 use crate::number::{Coord, Scalar};
 use core::array::from_fn;
 use heapless::Deque;
-
-/// Cosine of the turn (160 degrees) beyond which a joint is an exact stop: there a stop is faster
-/// than the rounding.
-const STOP_COSINE: f64 = -0.94;
-/// Turn, rad, up to which a joint is simply passed, however tight the tolerance.
-const STRAIGHT: f64 = 1.0e-6;
-/// Turn, rad, up to which a joint may be passed if the tolerance allows.
-const SLIGHT_TURN: f64 = 0.4;
-/// Longest time one cell may take at the programmed feed, s.
-const LONGEST_CELL_TIME: f64 = 0.25;
-/// Each cell of a line may be longer than the one before by this share of the way from the end.
-const GROWTH: f64 = 0.8;
 
 /// Most vertices merged into one line.
 const MERGED: usize = 16;
@@ -35,47 +26,6 @@ const MERGE_TIME: f64 = 0.01;
 const MERGE_SHARE: f64 = 0.15;
 /// Least cosine of the turn between lines that are merged.
 const MERGE_COSINE: f64 = 0.7;
-
-/// How two segments meet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Joint {
-    /// At rest.
-    Stop,
-    /// Through the common point: tangents (and curvatures) agree.
-    Through,
-    /// B-spline corner between lines.
-    Corner,
-    /// Quintic blend where an arc takes part.
-    Blend,
-}
-
-/// A block that waits for its neighbours.
-#[derive(Clone, Copy, Debug)]
-struct Item<S, const N: usize> {
-    /// `None` for a dwell.
-    segment: Option<Segment<S, N>>,
-    dwell: S,
-    feed: S,
-    /// Tolerance as programmed.
-    programmed: S,
-    /// What is left of it for corners and passed joints.
-    tolerance: S,
-    stop_after: bool,
-    tag: u32,
-    /// Joint to the next item, once that is known.
-    joint: Joint,
-    /// Length the joint would like of either segment, 1e-12 mm.
-    want: i64,
-    /// Joint through which it was entered.
-    entered: Joint,
-    /// Length of the segment before that joint, mm.
-    length_before: S,
-    /// Length that joint has taken, 1e-12 mm.
-    taken: i64,
-}
-
-/// Tangent and curvature.
-type Frame<S, const N: usize> = ([S; N], [S; N]);
 
 /// What is being cut at the moment.
 #[derive(Clone, Copy)]
@@ -88,16 +38,6 @@ enum Stage<S, const N: usize> {
     Corner { transition: Transition<S, N>, index: u8 },
     /// The blend behind the front segment.
     Blend { blend: Blend<S, N>, index: u8 },
-}
-
-/// A cell, the nodes it starts and ends at, and whether the motion rests at the end.
-pub struct Emitted<S, const N: usize> {
-    /// The node it starts at: the end of the last one, but after a stop with the direction in
-    /// which the motion goes on.
-    pub from: Node<S, N>,
-    pub cell: Cell<S, N>,
-    pub node: Node<S, N>,
-    pub rest: bool,
 }
 
 /// The look-ahead buffer over blocks.
@@ -149,7 +89,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             return Err(PushError::Full);
         }
         let reject = |reason| PushError::Rejected { tag: block.tag, reason };
-        let Some(item) = self.checked(block, config).map_err(reject)? else {
+        let Some(item) = Item::new(self.end, block, config).map_err(reject)? else {
             // Zero length: nothing to do but to honour an exact stop.
             if block.exact_stop
                 && let Some(last) = self.items.back_mut()
@@ -172,54 +112,6 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         // Cannot fail: room was checked.
         let _ = self.items.push_back(item);
         Ok(())
-    }
-
-    fn checked(
-        &self,
-        block: &Block<S, N>,
-        config: &Config<S, N>,
-    ) -> Result<Option<Item<S, N>>, BlockError> {
-        let tolerance = block.tolerance.unwrap_or(config.tolerance);
-        in_range(Field::Tolerance, tolerance, 0.0, 1.0e3)?;
-        match block.feed {
-            Feed::PerSecond(feed) => in_range(Field::Feed, feed, 1.0e-9, 1.0e6)?,
-            Feed::Duration(seconds) => in_range(Field::Duration, seconds, 1.0e-6, 1.0e6)?,
-            Feed::Rapid => {}
-        }
-        let mut item = Item {
-            segment: None,
-            dwell: S::ZERO,
-            feed: S::ONE,
-            programmed: tolerance,
-            tolerance,
-            stop_after: block.exact_stop,
-            tag: block.tag,
-            joint: Joint::Stop,
-            want: 0,
-            entered: Joint::Stop,
-            length_before: S::ZERO,
-            taken: 0,
-        };
-        let segment = match block.motion {
-            Motion::Dwell { seconds } => {
-                in_range(Field::Dwell, seconds, 0.0, 1.0e6)?;
-                item.dwell = seconds;
-                item.stop_after = true;
-                return Ok((seconds > S::ZERO).then_some(item));
-            }
-            Motion::Line { to } => {
-                check_coordinates(&to)?;
-                Segment::line(self.end, to)
-            }
-            Motion::Arc { to, plane, centre, turn, extra_turns } => {
-                check_coordinates(&to)?;
-                Segment::arc(self.end, to, plane, centre, turn, extra_turns)?
-            }
-        };
-        let Some(segment) = segment else { return Ok(None) };
-        item.feed = path_speed(&segment, block.feed, &config.limits);
-        item.segment = Some(segment);
-        Ok(Some(item))
     }
 
     /// Makes one line of the last block and a short one that goes on from it, if the vertices in
@@ -470,257 +362,4 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         self.kept = 0;
         self.stage = Stage::Waiting;
     }
-}
-
-fn in_range<S: Scalar>(
-    field: Field,
-    value: S,
-    least: f64,
-    greatest: f64,
-) -> Result<(), BlockError> {
-    let value = value.to_f64();
-    if value >= least && value <= greatest {
-        Ok(())
-    } else {
-        Err(BlockError::OutOfRange { field, value, least, greatest })
-    }
-}
-
-fn check_coordinates<const N: usize>(to: &[Coord; N]) -> Result<(), BlockError> {
-    const LIMIT: i64 = Coord::LIMIT_MM as i64 * Coord::PER_MM;
-    for (axis, coord) in to.iter().enumerate() {
-        if coord.raw() > LIMIT || coord.raw() < -LIMIT {
-            return Err(BlockError::Coordinate { axis, value: coord.to_mm() });
-        }
-    }
-    Ok(())
-}
-
-/// A cell without length, for a dwell.
-fn standstill<S: Scalar, const N: usize>(from: &Node<S, N>, item: &Item<S, N>) -> Emitted<S, N> {
-    Emitted {
-        from: *from,
-        cell: Cell {
-            length: S::ZERO,
-            bulge: zero(),
-            feed: S::ONE,
-            dwell: item.dwell,
-            straight: true,
-            tag: item.tag,
-        },
-        node: *from,
-        rest: true,
-    }
-}
-
-/// Speed along the path that the feed word asks for, at most what the axes allow on a line, mm/s.
-fn path_speed<S: Scalar, const N: usize>(
-    segment: &Segment<S, N>,
-    feed: Feed<S>,
-    limits: &Limits<S, N>,
-) -> S {
-    let (tangent, _) = segment.end_frame(false);
-    let mut linear = zero::<S, N>();
-    let mut most = S::of(1.0e6);
-    for (i, axis) in limits.axes().iter().enumerate() {
-        if !axis.rotary {
-            linear[i] = tangent[i];
-        }
-        let share = tangent[i].abs();
-        if segment.is_line() && share * most > axis.velocity {
-            most = axis.velocity / share;
-        }
-    }
-    let wanted = match feed {
-        Feed::Rapid => return most,
-        Feed::Duration(seconds) => segment.length / seconds,
-        Feed::PerSecond(feed) => {
-            // G94: the feed is the speed over the linear axes if any of them moves.
-            let share = norm(&linear);
-            if share * most <= feed { most } else { feed / share.greatest(S::of(1.0e-9)) }
-        }
-    };
-    wanted.least(most)
-}
-
-/// Length of the first cell from rest, mm: what constant jerk covers in half the time in which
-/// acceleration builds up.
-fn rest_cell<S: Scalar, const N: usize>(
-    segment: &Segment<S, N>,
-    feed: S,
-    limits: &Limits<S, N>,
-) -> S {
-    let (tangent, _) = segment.end_frame(false);
-    let mut jerk = S::of(1.0e12);
-    for (axis, share) in limits.axes().iter().zip(&tangent) {
-        if share.abs() * jerk > axis.jerk {
-            jerk = axis.jerk / share.abs();
-        }
-    }
-    let time = limits.time_scale().least((feed / jerk).sqrt()) * S::of(0.5);
-    jerk * time * time * time / S::of(6.0)
-}
-
-/// The node at which the next cell of a body ends, by its way along the segment.
-///
-/// Cells grow from either end with the distance from it, as speed does.
-fn next_way<S: Scalar, const N: usize>(
-    segment: &Segment<S, N>,
-    item: &Item<S, N>,
-    (way, until): (i64, i64),
-    (first, last): (S, S),
-) -> i64 {
-    let growth = S::of(GROWTH);
-    let done = raw_to_mm::<S>(way - item.taken);
-    let left = raw_to_mm::<S>(until - way);
-    let longest = segment.longest_cell(item.tolerance).least(item.feed * S::of(LONGEST_CELL_TIME));
-    let forward = first.greatest(growth * done);
-    let backward = last.greatest(left * S::of(GROWTH / (1.0 + GROWTH)));
-    let step = forward.least(backward).least(longest);
-    if left < step * S::of(2.1) {
-        // From rest to rest there must be a node between.
-        let whole =
-            left <= step * S::of(1.0001) && !(way == item.taken && item.joint == Joint::Stop);
-        return if whole { until } else { way + (until - way + 1) / 2 };
-    }
-    // At least a thousandth of what is left, so that the count of cells is bounded.
-    way + mm_to_raw(step).max((until - way) / 1024).max(1)
-}
-
-/// The node between two segments that is simply passed. Between lines it lies on the circle
-/// through the three points; the jump between two curves is halved.
-fn mean_node<S: Scalar, const N: usize>(
-    at: [Coord; N],
-    frame_in: &Frame<S, N>,
-    frame_out: &Frame<S, N>,
-    (l0, l1): (S, S),
-) -> Node<S, N> {
-    let half = S::of(0.5);
-    let sum: [S; N] = from_fn(|i| frame_in.0[i] * l1 + frame_out.0[i] * l0);
-    let size = norm(&sum);
-    let per = S::of(2.0) / (l0 + l1);
-    let tangent: [S; N] = from_fn(|i| sum[i] / size);
-    let bend: [S; N] = from_fn(|i| {
-        (frame_out.0[i] - frame_in.0[i]) * per + (frame_in.1[i] + frame_out.1[i]) * half
-    });
-    // Curvature is at right angles to the tangent.
-    let along = dot(&bend, &tangent);
-    Node { at, tangent, curvature: from_fn(|i| bend[i] - along * tangent[i]) }
-}
-
-/// Lengths of the cells on either side of a joint that is simply passed, mm: a long line next to
-/// a short one bends only over its end.
-fn bent_lengths<S: Scalar>(before: S, after: S) -> (S, S) {
-    let three = S::of(3.0);
-    (before.least(after * three), after.least(before * three))
-}
-
-/// Whether the common point of two segments can simply be passed with a mean direction.
-///
-/// With the directions weighted so that the curve is the circle through the three points, the
-/// node turns away from either chord by turn l / (l0 + l1) and has the curvature 2 turn / (l0 +
-/// l1). The quintic of a cell answers a unit of direction at one end with at most 0.196 l and a
-/// unit of curvature with at most 0.0173 l^2, so it leaves its chord by no more than
-/// 0.231 turn l^2 / (l0 + l1) for each of its ends.
-fn passes<S: Scalar, const N: usize>(
-    a: &Segment<S, N>,
-    b: &Segment<S, N>,
-    (frame_in, frame_out): (&Frame<S, N>, &Frame<S, N>),
-    tolerance: S,
-    mode: CornerMode<S>,
-) -> bool {
-    let gap: [S; N] = from_fn(|i| frame_out.0[i] - frame_in.0[i]);
-    let turn = norm(&gap);
-    let bend: [S; N] = from_fn(|i| frame_out.1[i] - frame_in.1[i]);
-    let bend = norm(&bend);
-    let (l0, l1) = bent_lengths(a.length, b.length);
-    let longest = l0.greatest(l1);
-    let straight = S::of(STRAIGHT);
-    if turn <= straight && bend * longest <= straight {
-        return true;
-    }
-    let slight = match mode {
-        CornerMode::Band => S::of(SLIGHT_TURN),
-        CornerMode::Paper { .. } => return false,
-    };
-    // A jump in curvature (an arc that starts or ends) must be a small one.
-    if turn > slight || bend * longest > S::of(0.01) {
-        return false;
-    }
-    let off = (turn * S::of(0.24) / (l0 + l1) + bend * S::of(0.02)) * longest * longest;
-    off <= tolerance * S::of(0.48)
-}
-
-/// How two items meet, and what length the joint would like of either.
-fn joint<S: Scalar, const N: usize>(
-    before: &Item<S, N>,
-    after: &Item<S, N>,
-    mode: CornerMode<S>,
-) -> (Joint, i64) {
-    let (Some(a), Some(b)) = (&before.segment, &after.segment) else {
-        return (Joint::Stop, 0);
-    };
-    let tolerance = before.tolerance.least(after.tolerance);
-    let (frame_in, frame_out) = (a.end_frame(true), b.end_frame(false));
-    let corner = Corner::new(&frame_in.0, &frame_out.0);
-    if corner.cos_turn() < S::of(STOP_COSINE) {
-        return (Joint::Stop, 0);
-    }
-    if corner.cos_turn() > S::ZERO && passes(a, b, (&frame_in, &frame_out), tolerance, mode) {
-        return (Joint::Through, 0);
-    }
-    if !(tolerance > S::ZERO) {
-        return (Joint::Stop, 0);
-    }
-    let shorter = a.length.least(b.length);
-    match (&a.shape, &b.shape, mode) {
-        (Shape::Line(_), Shape::Line(_), CornerMode::Paper { .. }) => (Joint::Corner, 0),
-        (Shape::Line(_), Shape::Line(_), CornerMode::Band) => {
-            let edge = corner.full_band_edge(tolerance, shorter * S::of(0.5));
-            (Joint::Corner, mm_to_raw(edge) * 2)
-        }
-        _ => {
-            let bound = |segment: &Segment<S, N>| {
-                segment.length.least(segment.longest_angle() * S::of(3.0))
-            };
-            let most = bound(a).least(bound(b)) * S::of(0.5);
-            (Joint::Blend, mm_to_raw(Blend::longest_reach(a, b, tolerance, most)))
-        }
-    }
-}
-
-/// Length the joint behind `item` takes of either segment, 1e-12 mm.
-fn reach<S: Scalar, const N: usize>(
-    item: &Item<S, N>,
-    segment: &Segment<S, N>,
-    next: &Item<S, N>,
-    ahead: &Segment<S, N>,
-    joint: Joint,
-    config: &Config<S, N>,
-) -> i64 {
-    let left = segment.length_raw - item.taken;
-    if let (Joint::Corner, CornerMode::Paper { lambda }) = (joint, config.corner) {
-        let corner = Corner::new(&segment.end_frame(true).0, &ahead.end_frame(false).0);
-        let tolerance = item.tolerance.least(next.tolerance);
-        let leg_in = raw_to_mm::<S>(left) * (S::ONE - lambda);
-        let edge = corner.paper_edge(tolerance, leg_in, ahead.length);
-        return (mm_to_raw(edge) * 2).min(left).min(ahead.length_raw);
-    }
-    // Sharing by need: what the next joint does not want of the next segment is free for this one.
-    let next_want = if next.stop_after { 0 } else { next.want };
-    let free = if next_want == 0 {
-        // The next segment ends in its own last point: it must keep a body.
-        ahead.length_raw - ahead.length_raw / 8
-    } else {
-        (ahead.length_raw - next_want).max(ahead.length_raw / 2)
-    };
-    let granted = item.want.min(left).min(free);
-    // Either nothing of the body is left, or a stretch long enough to be a cell of its own.
-    let body = left - granted;
-    if body <= granted / 1024 {
-        // Within rounding: the band has room for it.
-        return left;
-    }
-    let least = granted / 8;
-    if body < least { granted - (least - body) } else { granted }
 }

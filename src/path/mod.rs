@@ -3,14 +3,17 @@
 //! No file in here knows time: speeds appear only as the programmed feed that a cell carries on.
 //!
 //! The way of a block: [`segment`] makes it a checked line or arc with exact ends; [`builder`]
-//! holds it until its neighbours are known, decides with [`corner`] (line to line, Guo 2023) or
-//! [`blend`] (wherever an arc takes part) how it joins them inside the band, and cuts line, arc
-//! and transition into cells. A cell is what lies between two [`node`]s; its shape is fixed by the
+//! holds it as an [`item`] until its neighbours are known; [`joint`] decides with [`corner`] (line to
+//! line, Guo 2023) or [`blend`] (wherever an arc takes part) how they meet inside the band; [`cut`]
+//! says where line and arc are cut into cells. A cell is what lies between two [`node`]s; its shape is fixed by the
 //! two (point, tangent, curvature), as a quintic [`hermite`] curve.
 
 pub(crate) mod blend;
 pub(crate) mod builder;
 pub(crate) mod corner;
+mod cut;
 pub(crate) mod hermite;
+mod item;
+mod joint;
 pub(crate) mod node;
 pub(crate) mod segment;

@@ -10,8 +10,10 @@
 //! Work: at most `iterations` steps, each at most two passes with gradients' worth of rows and
 //! [`TRIES`] passes without, over the cells of the window.
 
+use super::barrier::{Model, Slack, add_damping, add_time_curvature, by_square};
+use super::chain::{Work, solve};
 use super::law::{Law, State};
-use super::rows::{Gradient, Sink, View, rows, time_gradient};
+use super::rows::{View, rows, time_gradient};
 use super::window::Window;
 use crate::machine::Limits;
 use crate::number::Scalar;
@@ -20,9 +22,6 @@ use crate::number::Scalar;
 const TRIES: usize = 12;
 /// Most halvings of the first guess of speeds for new stations.
 const SEED_TRIES: usize = 40;
-/// Share of the second derivative of the time that is used: far from the limits it lets speeds
-/// grow threefold in a step instead of by two thirds.
-const TIME_CURVATURE: f64 = 0.3;
 /// mu at the end, in units of the machine's time scale.
 const LAST_WEIGHT: f64 = 5.0e-5;
 /// mu at the start of an improvement of a plan that was good before, and of a new one.
@@ -43,28 +42,6 @@ const WEIGHT_FALL: f64 = 0.3;
 /// A step is small when it promises less than this many mu.
 const SMALL_STEP: f64 = 10.0;
 
-/// One station's part of the Newton system.
-#[derive(Clone, Copy, Debug)]
-struct Work<S> {
-    /// Diagonal block: bb, ba, aa.
-    block: [S; 3],
-    /// Right-hand side.
-    gradient: [S; 2],
-    /// Coupling of this station's (b, a) with the next one's, row by row.
-    coupling: [S; 4],
-    /// The step.
-    step: [S; 2],
-}
-
-impl<S: Scalar> Work<S> {
-    const EMPTY: Self = Self {
-        block: [S::ZERO; 3],
-        gradient: [S::ZERO; 2],
-        coupling: [S::ZERO; 4],
-        step: [S::ZERO; 2],
-    };
-}
-
 /// Workspace of the method.
 pub struct Solver<S, const NODES: usize> {
     work: [Work<S>; NODES],
@@ -75,97 +52,6 @@ pub struct Solver<S, const NODES: usize> {
 pub struct Stretch {
     pub first: usize,
     pub last: usize,
-}
-
-/// Collects gradient and second derivatives of the barrier over one cell.
-struct Model<S> {
-    weight: S,
-    gradient: Gradient<S>,
-    /// Upper triangle, row by row.
-    hessian: [S; 10],
-}
-
-impl<S: Scalar> Model<S> {
-    #[inline]
-    fn add(&mut self, slope: S, curvature: S, g: &Gradient<S>) {
-        let mut n = 0;
-        for i in 0..4 {
-            self.gradient[i] += slope * g[i];
-            let row = curvature * g[i];
-            for gj in &g[i..] {
-                self.hessian[n] += row * *gj;
-                n += 1;
-            }
-        }
-    }
-}
-
-impl<S: Scalar> Sink<S> for Model<S> {
-    const GRADIENT: bool = true;
-    #[inline]
-    fn two_sided(&mut self, r: S, g: &Gradient<S>) {
-        // -mu ln(1 - r^2)
-        let per = S::ONE / (S::ONE - r * r);
-        let slope = S::of(2.0) * r * per;
-        let curvature = S::of(2.0) * per + slope * slope;
-        self.add(self.weight * slope, self.weight * curvature, g);
-    }
-    #[inline]
-    fn one_sided(&mut self, r: S, g: &Gradient<S>) {
-        // -mu ln(1 - r)
-        let per = S::ONE / (S::ONE - r);
-        self.add(self.weight * per, self.weight * per * per, g);
-    }
-    #[inline]
-    fn positive(&mut self, r: S, g: &Gradient<S>) {
-        // -mu ln r
-        let per = S::ONE / r;
-        self.add(-(self.weight * per), self.weight * per * per, g);
-    }
-}
-
-/// Sums the logarithms of what is left of the limits; notices a broken one.
-struct Slack<S> {
-    product: S,
-    logarithm: S,
-    /// Least slack seen; positive means that all limits hold.
-    least: S,
-}
-
-impl<S: Scalar> Slack<S> {
-    #[inline]
-    fn take(&mut self, slack: S) {
-        // A NaN must count as broken: the comparison is false for it.
-        if !(slack > self.least) {
-            self.least = slack;
-        }
-        self.product = self.product * slack;
-        if self.product < S::of(1.0e-18) && self.product > S::ZERO {
-            self.fold();
-        }
-    }
-
-    #[inline]
-    fn fold(&mut self) {
-        self.logarithm += self.product.ln();
-        self.product = S::ONE;
-    }
-}
-
-impl<S: Scalar> Sink<S> for Slack<S> {
-    const GRADIENT: bool = false;
-    #[inline]
-    fn two_sided(&mut self, r: S, _: &Gradient<S>) {
-        self.take(S::ONE - r * r);
-    }
-    #[inline]
-    fn one_sided(&mut self, r: S, _: &Gradient<S>) {
-        self.take(S::ONE - r);
-    }
-    #[inline]
-    fn positive(&mut self, r: S, _: &Gradient<S>) {
-        self.take(r);
-    }
 }
 
 impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
@@ -352,7 +238,7 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
                 return steps;
             };
             self.assemble(window, stretch, limits, weight, damping);
-            let promise = self.solve(stretch);
+            let promise = solve(&mut self.work[stretch.first..=stretch.last]);
             if !promise.is_finite() {
                 // Rounding has made the system singular: take it from further inside.
                 damping = (damping * S::of(16.0)).greatest(S::ONE);
@@ -492,143 +378,6 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
                 work.block = [S::ONE, S::ZERO, S::ONE];
                 work.gradient = [S::ZERO; 2];
             }
-        }
-    }
-
-    /// Solves the chain in place: the gradient becomes the step. Returns gradient . step.
-    fn solve(&mut self, stretch: Stretch) -> S {
-        let tiny = S::EPSILON * S::of(16.0);
-        for i in stretch.first..=stretch.last {
-            // L D L^T of the 2 x 2 block.
-            let [bb, ba, aa] = self.work[i].block;
-            let lower = ba / bb;
-            let rest = (aa - ba * lower).greatest(aa * tiny);
-            self.work[i].block = [bb, lower, rest];
-            if i == stretch.last {
-                break;
-            }
-            let [c0, c1, c2, c3] = self.work[i].coupling;
-            // Columns of block^-1 coupling.
-            let (x0, x2) = solve_block(bb, lower, rest, c0, c2);
-            let (x1, x3) = solve_block(bb, lower, rest, c1, c3);
-            let [g0, g1] = self.work[i].gradient;
-            let (y0, y1) = solve_block(bb, lower, rest, g0, g1);
-            let next = &mut self.work[i + 1];
-            let floor = [next.block[0] * tiny, next.block[2] * tiny];
-            next.block[0] = (next.block[0] - (c0 * x0 + c2 * x2)).greatest(floor[0]);
-            next.block[1] -= c0 * x1 + c2 * x3;
-            next.block[2] = (next.block[2] - (c1 * x1 + c3 * x3)).greatest(floor[1]);
-            next.gradient[0] -= c0 * y0 + c2 * y1;
-            next.gradient[1] -= c1 * y0 + c3 * y1;
-        }
-        let mut promise = S::ZERO;
-        let mut after = [S::ZERO; 2];
-        for i in (stretch.first..=stretch.last).rev() {
-            let Work { block, gradient, coupling, .. } = self.work[i];
-            // Before it is overwritten: y^T D^-1 y sums to gradient . step.
-            let u = gradient[0];
-            let v = gradient[1] - block[1] * gradient[0];
-            promise += u * u / block[0] + v * v / block[2];
-            let r0 = gradient[0] - (coupling[0] * after[0] + coupling[1] * after[1]);
-            let r1 = gradient[1] - (coupling[2] * after[0] + coupling[3] * after[1]);
-            let (x, y) = solve_block(block[0], block[1], block[2], r0, r1);
-            self.work[i].gradient = [x, y];
-            after = [x, y];
-        }
-        promise
-    }
-}
-
-/// Solves L D L^T x = r for a 2 x 2 block.
-#[inline]
-fn solve_block<S: Scalar>(d0: S, lower: S, d1: S, r0: S, r1: S) -> (S, S) {
-    let y = (r1 - lower * r0) / d1;
-    (r0 / d0 - lower * y, y)
-}
-
-/// From derivatives by v to derivatives by b = v^2; those by fixed states vanish.
-#[inline]
-fn by_square<S: Scalar>(
-    model: &Model<S>,
-    law: &Law<S>,
-    (free0, free1): (bool, bool),
-) -> (Gradient<S>, [S; 10]) {
-    let mut factor = [S::ZERO; 4];
-    if free0 {
-        factor[0] = S::of(0.5) / law.v0;
-        factor[1] = S::ONE;
-    }
-    if free1 {
-        factor[2] = S::of(0.5) / law.v1;
-        factor[3] = S::ONE;
-    }
-    let gradient = core::array::from_fn(|k| model.gradient[k] * factor[k]);
-    let mut hessian = model.hessian;
-    let mut n = 0;
-    for i in 0..4 {
-        for fj in &factor[i..] {
-            hessian[n] = hessian[n] * (factor[i] * *fj);
-            n += 1;
-        }
-    }
-    (gradient, hessian)
-}
-
-/// Damping, by relative changes of b and of a over the cell. It shortens a step along a curved
-/// limit and leaves the way off the limit as it is, which shortening the whole step would not.
-#[inline]
-fn add_damping<S: Scalar>(
-    hessian: &mut [S; 10],
-    weight: S,
-    length: S,
-    (from, to): (State<S>, State<S>),
-    (free0, free1): (bool, bool),
-) {
-    if free0 {
-        let per = weight / (from.b * from.b);
-        hessian[0] += per;
-        hessian[4] += per * length * length;
-    }
-    if free1 {
-        let per = weight / (to.b * to.b);
-        hessian[7] += per;
-        hessian[9] += per * length * length;
-    }
-}
-
-/// Second derivatives of the time by Simpson's rule over 1 / v: convex in (b, a).
-#[inline]
-fn add_time_curvature<S: Scalar>(
-    hessian: &mut [S; 10],
-    length: S,
-    (from, to): (State<S>, State<S>),
-    (free0, free1): (bool, bool),
-) {
-    let steepness = |b: S| S::of(TIME_CURVATURE / 6.0) * length / (b * b * b.sqrt());
-    if free0 {
-        hessian[0] += steepness(from.b);
-    }
-    if free1 {
-        hessian[7] += steepness(to.b);
-    }
-    let sum = (from.b + to.b) * S::of(0.5);
-    let quarter = length * S::of(0.25);
-    let middle = (sum + quarter * (from.a - to.a)).greatest(sum * S::of(0.1));
-    let weight = S::of(4.0) * steepness(middle);
-    let mut g = [S::ZERO; 4];
-    if free0 {
-        g[0] = S::of(0.5);
-        g[1] = quarter;
-    }
-    if free1 {
-        g[2] = S::of(0.5);
-        g[3] = -quarter;
-    }
-    let mut n = 0;
-    for i in 0..4 {
-        for gj in &g[i..] {
-            hessian[n] += weight * g[i] * *gj;
-            n += 1;
         }
     }
 }

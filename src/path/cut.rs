@@ -1,0 +1,87 @@
+//! Where a segment is cut into cells.
+
+use super::item::{Item, Joint};
+use super::node::{Cell, Node};
+use super::segment::{Segment, mm_to_raw, raw_to_mm};
+use crate::machine::Limits;
+use crate::number::Scalar;
+use crate::number::vector::zero;
+
+/// Longest time one cell may take at the programmed feed, s.
+const LONGEST_CELL_TIME: f64 = 0.25;
+/// Each cell of a line may be longer than the one before by this share of the way from the end.
+const GROWTH: f64 = 0.8;
+
+/// A cell, the nodes it starts and ends at, and whether the motion rests at the end.
+pub struct Emitted<S, const N: usize> {
+    /// The node it starts at: the end of the last one, but after a stop with the direction in
+    /// which the motion goes on.
+    pub from: Node<S, N>,
+    pub cell: Cell<S, N>,
+    pub node: Node<S, N>,
+    pub rest: bool,
+}
+
+/// A cell without length, for a dwell.
+pub fn standstill<S: Scalar, const N: usize>(
+    from: &Node<S, N>,
+    item: &Item<S, N>,
+) -> Emitted<S, N> {
+    Emitted {
+        from: *from,
+        cell: Cell {
+            length: S::ZERO,
+            bulge: zero(),
+            feed: S::ONE,
+            dwell: item.dwell,
+            straight: true,
+            tag: item.tag,
+        },
+        node: *from,
+        rest: true,
+    }
+}
+
+/// Length of the first cell from rest, mm: what constant jerk covers in half the time in which
+/// acceleration builds up.
+pub fn rest_cell<S: Scalar, const N: usize>(
+    segment: &Segment<S, N>,
+    feed: S,
+    limits: &Limits<S, N>,
+) -> S {
+    let (tangent, _) = segment.end_frame(false);
+    let mut jerk = S::of(1.0e12);
+    for (axis, share) in limits.axes().iter().zip(&tangent) {
+        if share.abs() * jerk > axis.jerk {
+            jerk = axis.jerk / share.abs();
+        }
+    }
+    let time = limits.time_scale().least((feed / jerk).sqrt()) * S::of(0.5);
+    jerk * time * time * time / S::of(6.0)
+}
+
+/// The node at which the next cell of a body ends, by its way along the segment.
+///
+/// Cells grow from either end with the distance from it, as speed does.
+pub fn next_way<S: Scalar, const N: usize>(
+    segment: &Segment<S, N>,
+    item: &Item<S, N>,
+    (way, until): (i64, i64),
+    (first, last): (S, S),
+) -> i64 {
+    let growth = S::of(GROWTH);
+    let done = raw_to_mm::<S>(way - item.taken);
+    let left = raw_to_mm::<S>(until - way);
+    let longest = segment.longest_cell(item.tolerance).least(item.feed * S::of(LONGEST_CELL_TIME));
+    let forward = first.greatest(growth * done);
+    let backward = last.greatest(left * S::of(GROWTH / (1.0 + GROWTH)));
+    let step = forward.least(backward).least(longest);
+    if left < step * S::of(2.1) {
+        // From rest to rest there must be a node between.
+        let whole =
+            left <= step * S::of(1.0001) && !(way == item.taken && item.joint == Joint::Stop);
+        return if whole { until } else { way + (until - way + 1) / 2 };
+    }
+    // At least a thousandth of what is left, so that the count of cells is bounded.
+    way + mm_to_raw(step).max((until - way) / 1024).max(1)
+}

@@ -1,0 +1,153 @@
+//! Blocks that wait for their neighbours, checked and with their geometry.
+
+use super::segment::Segment;
+use crate::block::{Block, BlockError, Feed, Field, Motion};
+use crate::machine::{Config, Limits};
+use crate::number::vector::{norm, zero};
+use crate::number::{Coord, Scalar};
+
+/// How two segments meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Joint {
+    /// At rest.
+    Stop,
+    /// Through the common point: tangents (and curvatures) agree.
+    Through,
+    /// B-spline corner between lines.
+    Corner,
+    /// Quintic blend where an arc takes part.
+    Blend,
+}
+
+/// A block that waits for its neighbours.
+#[derive(Clone, Copy, Debug)]
+pub struct Item<S, const N: usize> {
+    /// `None` for a dwell.
+    pub segment: Option<Segment<S, N>>,
+    pub dwell: S,
+    pub feed: S,
+    /// Tolerance as programmed.
+    pub programmed: S,
+    /// What is left of it for corners and passed joints.
+    pub tolerance: S,
+    pub stop_after: bool,
+    pub tag: u32,
+    /// Joint to the next item, once that is known.
+    pub joint: Joint,
+    /// Length the joint would like of either segment, 1e-12 mm.
+    pub want: i64,
+    /// Joint through which it was entered.
+    pub entered: Joint,
+    /// Length of the segment before that joint, mm.
+    pub length_before: S,
+    /// Length that joint has taken, 1e-12 mm.
+    pub taken: i64,
+}
+
+/// Tangent and curvature.
+pub type Frame<S, const N: usize> = ([S; N], [S; N]);
+
+impl<S: Scalar, const N: usize> Item<S, N> {
+    /// A block that starts at `from`, checked; `None` if there is nothing to do for it.
+    pub fn new(
+        from: [Coord; N],
+        block: &Block<S, N>,
+        config: &Config<S, N>,
+    ) -> Result<Option<Self>, BlockError> {
+        let tolerance = block.tolerance.unwrap_or(config.tolerance);
+        in_range(Field::Tolerance, tolerance, 0.0, 1.0e3)?;
+        match block.feed {
+            Feed::PerSecond(feed) => in_range(Field::Feed, feed, 1.0e-9, 1.0e6)?,
+            Feed::Duration(seconds) => in_range(Field::Duration, seconds, 1.0e-6, 1.0e6)?,
+            Feed::Rapid => {}
+        }
+        let mut item = Self {
+            segment: None,
+            dwell: S::ZERO,
+            feed: S::ONE,
+            programmed: tolerance,
+            tolerance,
+            stop_after: block.exact_stop,
+            tag: block.tag,
+            joint: Joint::Stop,
+            want: 0,
+            entered: Joint::Stop,
+            length_before: S::ZERO,
+            taken: 0,
+        };
+        let segment = match block.motion {
+            Motion::Dwell { seconds } => {
+                in_range(Field::Dwell, seconds, 0.0, 1.0e6)?;
+                item.dwell = seconds;
+                item.stop_after = true;
+                return Ok((seconds > S::ZERO).then_some(item));
+            }
+            Motion::Line { to } => {
+                check_coordinates(&to)?;
+                Segment::line(from, to)
+            }
+            Motion::Arc { to, plane, centre, turn, extra_turns } => {
+                check_coordinates(&to)?;
+                Segment::arc(from, to, plane, centre, turn, extra_turns)?
+            }
+        };
+        let Some(segment) = segment else { return Ok(None) };
+        item.feed = path_speed(&segment, block.feed, &config.limits);
+        item.segment = Some(segment);
+        Ok(Some(item))
+    }
+}
+
+fn in_range<S: Scalar>(
+    field: Field,
+    value: S,
+    least: f64,
+    greatest: f64,
+) -> Result<(), BlockError> {
+    let value = value.to_f64();
+    if value >= least && value <= greatest {
+        Ok(())
+    } else {
+        Err(BlockError::OutOfRange { field, value, least, greatest })
+    }
+}
+
+fn check_coordinates<const N: usize>(to: &[Coord; N]) -> Result<(), BlockError> {
+    const LIMIT: i64 = Coord::LIMIT_MM as i64 * Coord::PER_MM;
+    for (axis, coord) in to.iter().enumerate() {
+        if coord.raw() > LIMIT || coord.raw() < -LIMIT {
+            return Err(BlockError::Coordinate { axis, value: coord.to_mm() });
+        }
+    }
+    Ok(())
+}
+
+/// Speed along the path that the feed word asks for, at most what the axes allow on a line, mm/s.
+fn path_speed<S: Scalar, const N: usize>(
+    segment: &Segment<S, N>,
+    feed: Feed<S>,
+    limits: &Limits<S, N>,
+) -> S {
+    let (tangent, _) = segment.end_frame(false);
+    let mut linear = zero::<S, N>();
+    let mut most = S::of(1.0e6);
+    for (i, axis) in limits.axes().iter().enumerate() {
+        if !axis.rotary {
+            linear[i] = tangent[i];
+        }
+        let share = tangent[i].abs();
+        if segment.is_line() && share * most > axis.velocity {
+            most = axis.velocity / share;
+        }
+    }
+    let wanted = match feed {
+        Feed::Rapid => return most,
+        Feed::Duration(seconds) => segment.length / seconds,
+        Feed::PerSecond(feed) => {
+            // G94: the feed is the speed over the linear axes if any of them moves.
+            let share = norm(&linear);
+            if share * most <= feed { most } else { feed / share.greatest(S::of(1.0e-9)) }
+        }
+    };
+    wanted.least(most)
+}

@@ -1,0 +1,157 @@
+//! How two segments meet: at rest, passed, rounded or blended, and what that takes of them.
+
+use super::blend::Blend;
+use super::corner::Corner;
+use super::item::{Frame, Item, Joint};
+use super::node::Node;
+use super::segment::{Segment, Shape, mm_to_raw, raw_to_mm};
+use crate::machine::{Config, CornerMode};
+use crate::number::vector::{dot, norm};
+use crate::number::{Coord, Scalar};
+use core::array::from_fn;
+
+/// Cosine of the turn (160 degrees) beyond which a joint is an exact stop: there a stop is faster
+/// than the rounding.
+const STOP_COSINE: f64 = -0.94;
+/// Turn, rad, up to which a joint is simply passed, however tight the tolerance.
+const STRAIGHT: f64 = 1.0e-6;
+/// Turn, rad, up to which a joint may be passed if the tolerance allows.
+const SLIGHT_TURN: f64 = 0.4;
+
+/// The node between two segments that is simply passed. Between lines it lies on the circle
+/// through the three points; the jump between two curves is halved.
+pub fn mean_node<S: Scalar, const N: usize>(
+    at: [Coord; N],
+    frame_in: &Frame<S, N>,
+    frame_out: &Frame<S, N>,
+    (l0, l1): (S, S),
+) -> Node<S, N> {
+    let half = S::of(0.5);
+    let sum: [S; N] = from_fn(|i| frame_in.0[i] * l1 + frame_out.0[i] * l0);
+    let size = norm(&sum);
+    let per = S::of(2.0) / (l0 + l1);
+    let tangent: [S; N] = from_fn(|i| sum[i] / size);
+    let bend: [S; N] = from_fn(|i| {
+        (frame_out.0[i] - frame_in.0[i]) * per + (frame_in.1[i] + frame_out.1[i]) * half
+    });
+    // Curvature is at right angles to the tangent.
+    let along = dot(&bend, &tangent);
+    Node { at, tangent, curvature: from_fn(|i| bend[i] - along * tangent[i]) }
+}
+
+/// Lengths of the cells on either side of a joint that is simply passed, mm: a long line next to
+/// a short one bends only over its end.
+pub fn bent_lengths<S: Scalar>(before: S, after: S) -> (S, S) {
+    let three = S::of(3.0);
+    (before.least(after * three), after.least(before * three))
+}
+
+/// Whether the common point of two segments can simply be passed with a mean direction.
+///
+/// With the directions weighted so that the curve is the circle through the three points, the
+/// node turns away from either chord by turn l / (l0 + l1) and has the curvature 2 turn / (l0 +
+/// l1). The quintic of a cell answers a unit of direction at one end with at most 0.196 l and a
+/// unit of curvature with at most 0.0173 l^2, so it leaves its chord by no more than
+/// 0.231 turn l^2 / (l0 + l1) for each of its ends.
+pub fn passes<S: Scalar, const N: usize>(
+    a: &Segment<S, N>,
+    b: &Segment<S, N>,
+    (frame_in, frame_out): (&Frame<S, N>, &Frame<S, N>),
+    tolerance: S,
+    mode: CornerMode<S>,
+) -> bool {
+    let gap: [S; N] = from_fn(|i| frame_out.0[i] - frame_in.0[i]);
+    let turn = norm(&gap);
+    let bend: [S; N] = from_fn(|i| frame_out.1[i] - frame_in.1[i]);
+    let bend = norm(&bend);
+    let (l0, l1) = bent_lengths(a.length, b.length);
+    let longest = l0.greatest(l1);
+    let straight = S::of(STRAIGHT);
+    if turn <= straight && bend * longest <= straight {
+        return true;
+    }
+    let slight = match mode {
+        CornerMode::Band => S::of(SLIGHT_TURN),
+        CornerMode::Paper { .. } => return false,
+    };
+    // A jump in curvature (an arc that starts or ends) must be a small one.
+    if turn > slight || bend * longest > S::of(0.01) {
+        return false;
+    }
+    let off = (turn * S::of(0.24) / (l0 + l1) + bend * S::of(0.02)) * longest * longest;
+    off <= tolerance * S::of(0.48)
+}
+
+/// How two items meet, and what length the joint would like of either.
+pub fn joint<S: Scalar, const N: usize>(
+    before: &Item<S, N>,
+    after: &Item<S, N>,
+    mode: CornerMode<S>,
+) -> (Joint, i64) {
+    let (Some(a), Some(b)) = (&before.segment, &after.segment) else {
+        return (Joint::Stop, 0);
+    };
+    let tolerance = before.tolerance.least(after.tolerance);
+    let (frame_in, frame_out) = (a.end_frame(true), b.end_frame(false));
+    let corner = Corner::new(&frame_in.0, &frame_out.0);
+    if corner.cos_turn() < S::of(STOP_COSINE) {
+        return (Joint::Stop, 0);
+    }
+    if corner.cos_turn() > S::ZERO && passes(a, b, (&frame_in, &frame_out), tolerance, mode) {
+        return (Joint::Through, 0);
+    }
+    if !(tolerance > S::ZERO) {
+        return (Joint::Stop, 0);
+    }
+    let shorter = a.length.least(b.length);
+    match (&a.shape, &b.shape, mode) {
+        (Shape::Line(_), Shape::Line(_), CornerMode::Paper { .. }) => (Joint::Corner, 0),
+        (Shape::Line(_), Shape::Line(_), CornerMode::Band) => {
+            let edge = corner.full_band_edge(tolerance, shorter * S::of(0.5));
+            (Joint::Corner, mm_to_raw(edge) * 2)
+        }
+        _ => {
+            let bound = |segment: &Segment<S, N>| {
+                segment.length.least(segment.longest_angle() * S::of(3.0))
+            };
+            let most = bound(a).least(bound(b)) * S::of(0.5);
+            (Joint::Blend, mm_to_raw(Blend::longest_reach(a, b, tolerance, most)))
+        }
+    }
+}
+
+/// Length the joint behind `item` takes of either segment, 1e-12 mm.
+pub fn reach<S: Scalar, const N: usize>(
+    item: &Item<S, N>,
+    segment: &Segment<S, N>,
+    next: &Item<S, N>,
+    ahead: &Segment<S, N>,
+    joint: Joint,
+    config: &Config<S, N>,
+) -> i64 {
+    let left = segment.length_raw - item.taken;
+    if let (Joint::Corner, CornerMode::Paper { lambda }) = (joint, config.corner) {
+        let corner = Corner::new(&segment.end_frame(true).0, &ahead.end_frame(false).0);
+        let tolerance = item.tolerance.least(next.tolerance);
+        let leg_in = raw_to_mm::<S>(left) * (S::ONE - lambda);
+        let edge = corner.paper_edge(tolerance, leg_in, ahead.length);
+        return (mm_to_raw(edge) * 2).min(left).min(ahead.length_raw);
+    }
+    // Sharing by need: what the next joint does not want of the next segment is free for this one.
+    let next_want = if next.stop_after { 0 } else { next.want };
+    let free = if next_want == 0 {
+        // The next segment ends in its own last point: it must keep a body.
+        ahead.length_raw - ahead.length_raw / 8
+    } else {
+        (ahead.length_raw - next_want).max(ahead.length_raw / 2)
+    };
+    let granted = item.want.min(left).min(free);
+    // Either nothing of the body is left, or a stretch long enough to be a cell of its own.
+    let body = left - granted;
+    if body <= granted / 1024 {
+        // Within rounding: the band has room for it.
+        return left;
+    }
+    let least = granted / 8;
+    if body < least { granted - (least - body) } else { granted }
+}
