@@ -67,6 +67,7 @@
 //! `Planner<S, N, BLOCKS, NODES>` `BLOCKS` blocks and `NODES` nodes with the solver's workspace.
 //! `size_of` tells the bytes; the README has a table.
 #![no_std]
+#![forbid(unsafe_code)]
 
 #[cfg(test)]
 extern crate std;

@@ -1,11 +1,12 @@
 //! The background side: blocks in, plans out.
 
-use crate::block::{Block, PushError};
+use crate::block::{Block, BlockError, PushError};
 use crate::machine::{Config, ConfigError};
 use crate::number::vector::zero;
 use crate::number::{Coord, Scalar};
 use crate::path::builder::Builder;
 use crate::path::hermite;
+use crate::path::item::check_coordinates;
 use crate::path::node::Node;
 use crate::profile::compile::{self, Place};
 use crate::profile::law::{Law, State};
@@ -89,6 +90,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Link<S, N, NODES> {
     ) -> Result<(Planner<'_, S, N, BLOCKS, NODES>, Interpolator<'_, S, N>), ConfigError> {
         const { assert!(N >= 1 && N <= 9, "1 to 9 axes") };
         config.check()?;
+        if let Err(BlockError::Coordinate { axis, value }) = check_coordinates(&start) {
+            return Err(ConfigError::Start { axis, value });
+        }
         *self = Self::new();
         let (plan, servo) = self.split();
         let node = Node { at: start, tangent: zero(), curvature: zero() };
@@ -184,6 +188,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.planned_end = end;
         } else {
             self.counters.late += 1;
+            #[cfg(feature = "defmt")]
+            defmt::warn!("the plan from node {} came too late", branch);
         }
         // The part of the window that both plans share is the same in either.
         let from = if taken { branch } else { self.side.progress() };
@@ -328,6 +334,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let limits = self.config.limits;
         if !self.solver.seed(&mut self.window, stretch, new, &limits) {
             self.counters.stuck += 1;
+            #[cfg(feature = "defmt")]
+            defmt::warn!("no motion found from node {}", branch);
             return Progress::Waiting;
         }
         let cold = new == first;
@@ -377,5 +385,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         self.pending = Some((branch, end));
         self.checkpoint = branch.wrapping_add((end.wrapping_sub(branch) / PLAN_PART).max(1));
         self.counters.plans += 1;
+        #[cfg(feature = "defmt")]
+        defmt::debug!(
+            "plan {}: nodes {} to {}, {} steps so far",
+            self.counters.plans,
+            branch,
+            end,
+            self.counters.steps
+        );
     }
 }

@@ -340,6 +340,34 @@ fn bad_blocks_are_refused_and_leave_the_rest_intact() {
     assert_eq!(setpoints.last().unwrap().position_nm(0), 5_000_000);
 }
 
+/// What a feed means: over the linear axes if any of them moves, else over the rotary ones; under
+/// inverse time the block takes its time.
+#[test]
+fn feeds_of_rotary_moves_and_inverse_time() {
+    let linear = AxisLimits { velocity: 200.0, acceleration: 20_000.0, jerk: 2.0e6, rotary: false };
+    let rotary = AxisLimits { rotary: true, ..linear };
+    let config = Config::new(Limits::new([linear, linear, rotary]).unwrap());
+    let mut link = TestLink::new();
+    let (mut planner, mut interpolator) =
+        link.handles::<BLOCKS>(config, at(0.0, 0.0, 0.0)).unwrap();
+    let mut stop = |to, feed| {
+        planner.push(&Block { feed, exact_stop: true, ..Block::line(to, 1.0, 0) }).unwrap();
+    };
+    stop(at(30.0, 40.0, 90.0), Feed::PerSecond(50.0)); // 50 mm/s over X and Y, 90 degrees along with it
+    stop(at(30.0, 40.0, 180.0), Feed::PerSecond(45.0)); // 45 degrees/s
+    stop(at(0.0, 0.0, 180.0), Feed::Duration(2.0)); // 25 mm/s
+    let setpoints = run_out(&mut planner, &mut interpolator);
+    let speed = |s: &Setpoint<f64, 3>| s.velocity[0].hypot(s.velocity[1]);
+    let fastest = |from: f64, to: f64, of: &dyn Fn(&Setpoint<f64, 3>) -> f64| {
+        let part = &setpoints[(from * 1000.0) as usize..(to * 1000.0) as usize];
+        part.iter().map(of).fold(0.0, f64::max)
+    };
+    // The barrier keeps a thousandth or two from the feed.
+    assert!((fastest(0.0, 0.9, &speed) - 50.0).abs() < 0.15);
+    assert!((fastest(1.2, 2.9, &|s| s.velocity[2]) - 45.0).abs() < 0.15);
+    assert!((fastest(3.3, 4.9, &speed) - 25.0).abs() < 0.1);
+}
+
 /// A full buffer refuses and keeps everything.
 #[test]
 fn a_full_buffer_would_block_and_loses_nothing() {

@@ -130,7 +130,10 @@ fn check(program: &Program, machine: &Machine, precision: Precision) -> Result<(
     Ok(())
 }
 
+/// `SOAK=20 cargo test --release --test limits` runs twenty times as many cases.
 fn config(cases: u32) -> ProptestConfig {
+    let soak = std::env::var("SOAK").ok().and_then(|factor| factor.parse().ok()).unwrap_or(1);
+    let cases = cases * soak;
     ProptestConfig {
         cases,
         failure_persistence: None,

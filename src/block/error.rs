@@ -62,6 +62,13 @@ pub enum BlockError {
         /// Distance from the end to the centre, mm.
         end: f64,
     },
+    /// The block is longer than the fixed-point arc length can hold with all its turns.
+    TooLong {
+        /// Its length, mm.
+        length: f64,
+        /// Greatest length accepted, mm.
+        greatest: f64,
+    },
     /// The radius is too small for the distance between start and end, or zero, or the circle is
     /// undetermined because start and end coincide.
     ArcUnreachable {
@@ -87,6 +94,9 @@ impl fmt::Display for BlockError {
             }
             Self::ArcRadius { start, end } => {
                 write!(f, "arc starts {start:.6} mm from its centre but ends {end:.6} mm from it")
+            }
+            Self::TooLong { length, greatest } => {
+                write!(f, "block is {length} mm long; it must be at most {greatest}")
             }
             Self::ArcUnreachable { radius, chord } => {
                 write!(f, "no arc of radius {radius} mm joins points {chord:.6} mm apart")

@@ -57,6 +57,13 @@ pub enum ConfigError {
         /// Greatest value accepted.
         greatest: f64,
     },
+    /// The start position is beyond `Coord::LIMIT_MM`.
+    Start {
+        /// Index of the axis.
+        axis: usize,
+        /// The coordinate given, mm.
+        value: f64,
+    },
     /// A setting of the whole machine is outside its range.
     Setting {
         /// Which setting.
@@ -79,6 +86,9 @@ impl fmt::Display for ConfigError {
                     f,
                     "{name} limit of axis {axis} is {value} {unit}; it must be {least} to {greatest}"
                 )
+            }
+            Self::Start { axis, value } => {
+                write!(f, "start of axis {axis} is {value} mm; it must be within +-1e6")
             }
             Self::Setting { quantity, value, least, greatest } => {
                 let (name, unit) = quantity.words();

@@ -88,6 +88,8 @@ impl<S: Scalar, const N: usize> Item<S, N> {
             }
             Motion::Arc { to, plane, centre, turn, extra_turns } => {
                 check_coordinates(&to)?;
+                check_coordinate(plane.0, centre.0)?;
+                check_coordinate(plane.1, centre.1)?;
                 Segment::arc(from, to, plane, centre, turn, extra_turns)?
             }
         };
@@ -112,12 +114,15 @@ fn in_range<S: Scalar>(
     }
 }
 
-fn check_coordinates<const N: usize>(to: &[Coord; N]) -> Result<(), BlockError> {
+/// Every coordinate of a point within [`Coord::LIMIT_MM`].
+pub fn check_coordinates<const N: usize>(to: &[Coord; N]) -> Result<(), BlockError> {
+    to.iter().enumerate().try_for_each(|(axis, coord)| check_coordinate(axis, *coord))
+}
+
+fn check_coordinate(axis: usize, coord: Coord) -> Result<(), BlockError> {
     const LIMIT: i64 = Coord::LIMIT_MM as i64 * Coord::PER_MM;
-    for (axis, coord) in to.iter().enumerate() {
-        if coord.raw() > LIMIT || coord.raw() < -LIMIT {
-            return Err(BlockError::Coordinate { axis, value: coord.to_mm() });
-        }
+    if coord.raw() > LIMIT || coord.raw() < -LIMIT {
+        return Err(BlockError::Coordinate { axis, value: coord.to_mm() });
     }
     Ok(())
 }
@@ -145,8 +150,11 @@ fn path_speed<S: Scalar, const N: usize>(
         Feed::Duration(seconds) => segment.length / seconds,
         Feed::PerSecond(feed) => {
             // G94: the feed is the speed over the linear axes if any of them moves.
-            let share = norm(&linear);
-            if share * most <= feed { most } else { feed / share.greatest(S::of(1.0e-9)) }
+            let mut share = norm(&linear);
+            if !(share > S::ZERO) {
+                share = S::ONE;
+            }
+            if share * most <= feed { most } else { feed / share }
         }
     };
     wanted.least(most)

@@ -13,7 +13,7 @@ pub(crate) mod builder;
 pub(crate) mod corner;
 mod cut;
 pub(crate) mod hermite;
-mod item;
+pub(crate) mod item;
 mod joint;
 pub(crate) mod node;
 pub(crate) mod segment;

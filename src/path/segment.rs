@@ -9,6 +9,9 @@ use core::array::from_fn;
 /// Moves shorter than this, mm, are accepted and ignored: they are below the finest input.
 const LEAST_LENGTH: f64 = 0.5e-6;
 
+/// Longest block, mm: well inside the range of the fixed-point arc length.
+const GREATEST_LENGTH: f64 = 7.0e6;
+
 /// Share of the tolerance for the distance of a cell from its arc at standstill.
 const ARC_SHARE: f64 = 0.1;
 
@@ -154,6 +157,9 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
             from_fn(|i| if i == p || i == q { 0.0 } else { end[i].minus(start[i]) });
         let circle = radius * sweep;
         let total = libm::sqrt(circle * circle + step.iter().map(|d| d * d).sum::<f64>());
+        if total > GREATEST_LENGTH {
+            return Err(BlockError::TooLong { length: total, greatest: GREATEST_LENGTH });
+        }
         let sign = if turn == Turn::Clockwise { -1.0 } else { 1.0 };
         Ok(Some(Self {
             start,
