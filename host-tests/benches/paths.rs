@@ -35,10 +35,11 @@ fn row(path: &Path) -> anyhow::Result<()> {
         step.exact_stop = true;
     }
     let (stopping, _) = judge(&stops, &machine, Precision::F64)?;
+    let limits = machine.axes_of(&program)?;
     let worst = wide.worst();
     let broken = [
-        violations(&wide, Precision::F64, machine.tolerance),
-        violations(&narrow, Precision::F32, machine.tolerance),
+        violations(&wide, Precision::F64, &machine, machine.tolerance, &limits),
+        violations(&narrow, Precision::F32, &machine, machine.tolerance, &limits),
     ]
     .concat();
     println!(

@@ -125,7 +125,8 @@ fn judge(program: &Program, machine: &Machine, precision: Precision) -> Verdict 
 
 fn check(program: &Program, machine: &Machine, precision: Precision) -> Result<(), TestCaseError> {
     let verdict = judge(program, machine, precision);
-    let broken = violations(&verdict, precision, machine.tolerance);
+    let limits = machine.axes_of(program).unwrap();
+    let broken = violations(&verdict, precision, machine, machine.tolerance, &limits);
     prop_assert!(broken.is_empty(), "{broken:?}");
     Ok(())
 }
@@ -234,4 +235,23 @@ fn f32_takes_as_long_as_f64() {
     }
     assert!((wide - narrow).abs() < 0.002 * wide, "{wide} s and {narrow} s");
     assert!(apart <= 12, "{apart} of 300 differ by more than 0.5 %");
+}
+
+/// A corner behind a joint that is simply passed must leave room for the bend there.
+#[test]
+fn a_corner_behind_a_passed_joint_keeps_the_band() {
+    let draw = |step: [f64; 3], size| Draw {
+        kind: 10,
+        step: step.to_vec(),
+        size,
+        feed: 1.0,
+        stop: false,
+        bend: 0.0,
+    };
+    let draws = [
+        draw([0.58, 0.0, -0.04], 0.0038),
+        draw([0.48, 0.0, 0.076], 1.0),
+        draw([0.98, 0.035, 0.197], 11.8),
+    ];
+    check(&program(&draws, &[0, 1, 2]), &machine(0.0193, (1.0, 1.0), 3), Precision::F64).unwrap();
 }

@@ -129,7 +129,12 @@ pub fn reach<S: Scalar, const N: usize>(
     joint: Joint,
     config: &Config<S, N>,
 ) -> i64 {
-    let left = segment.length_raw - item.taken;
+    let mut left = segment.length_raw - item.taken;
+    // A node that is passed is bent: the bend must end before the next transition begins.
+    let bent = item.entered == Joint::Through;
+    if bent {
+        left -= segment.length_raw / 8;
+    }
     if let (Joint::Corner, CornerMode::Paper { lambda }) = (joint, config.corner) {
         let corner = Corner::new(&segment.end_frame(true).0, &ahead.end_frame(false).0);
         let tolerance = item.tolerance.least(next.tolerance);
@@ -151,6 +156,9 @@ pub fn reach<S: Scalar, const N: usize>(
     if body <= granted / 1024 {
         // Within rounding: the band has room for it.
         return left;
+    }
+    if bent {
+        return granted;
     }
     let least = granted / 8;
     if body < least { granted - (least - body) } else { granted }

@@ -1,6 +1,6 @@
 //! The report of a run.
 
-use crate::machine::Machine;
+use crate::machine::{Axis, Machine};
 use crate::program::Program;
 use crate::run::{Precision, Stats, Timing, Track, Verdict};
 use serde::Serialize;
@@ -155,11 +155,21 @@ impl Report {
 /// Limits that a run has broken: none, if the core is right.
 ///
 /// An `f32` run is granted what rounding to nanometres amounts to in differences.
-pub fn violations(verdict: &Verdict, precision: Precision, tolerance: f64) -> Vec<String> {
+pub fn violations(
+    verdict: &Verdict,
+    precision: Precision,
+    machine: &Machine,
+    tolerance: f64,
+    limits: &[Axis],
+) -> Vec<String> {
+    let cycle = machine.cycle;
     let worst = verdict.worst();
     let exact = precision == Precision::F64;
     let (first, band) = if exact { (1.001, 1.0005) } else { (1.005, 1.001) };
     let (jerk, jerk_limit) = if exact { (worst.jerk, 1.001) } else { (worst.jerk4, 1.01) };
+    // Half a nanometre of rounding in each of the setpoints that a third difference takes.
+    let rounding = if exact { 0.0 } else { 8.0 * 0.5e-6 / (4.0 * cycle).powi(3) };
+    let noise = rounding / limits.iter().map(|axis| axis.jerk).fold(f64::INFINITY, f64::min);
     let mut found = Vec::new();
     let mut check = |name: &str, ratio: f64, limit: f64| {
         if !(ratio <= limit) {
@@ -168,7 +178,7 @@ pub fn violations(verdict: &Verdict, precision: Precision, tolerance: f64) -> Ve
     };
     check("velocity", worst.velocity, first);
     check("acceleration", worst.acceleration, first);
-    check("jerk", jerk, jerk_limit);
+    check("jerk", jerk, jerk_limit + noise);
     // A tolerance of 0 leaves what rounding to the finest unit amounts to.
     check("deviation", (verdict.deviation - 1.0e-6).max(0.0) / tolerance.max(1.0e-9), band);
     check("end error", verdict.end_error, 1.0e-4);
