@@ -185,6 +185,49 @@ fn starvation_and_resume() {
     assert_eq!(tags.len(), 31);
 }
 
+/// A producer of dense, slightly bent lines that comes and goes: whatever is merged or cut when, the
+/// motion stays continuous, in the band, and ends where the program ends.
+#[test]
+fn a_stuttering_producer_of_dense_lines() {
+    for pace in [3u32, 7, 12, 20, 45, 80] {
+        let mut link = TestLink::new();
+        let (mut planner, mut interpolator) =
+            link.handles::<BLOCKS>(config(), at(0.0, 0.0, 0.0)).unwrap();
+        let mut points = vec![[0.0f64, 0.0, 0.0]];
+        let (mut setpoints, mut heading) = (Vec::new(), 0.0f64);
+        for cycle in 0..12_000u32 {
+            // Bursts of three, then a pause.
+            for _ in 0..3 {
+                if cycle % pace != 0 || points.len() > 400 {
+                    break;
+                }
+                let k = points.len() as f64;
+                heading += 0.06 * (k * 0.37).sin()
+                    + if points.len().is_multiple_of(50) { 0.9 } else { 0.0 };
+                let last = points[points.len() - 1];
+                let step = 0.12 + 0.1 * (k * 1.7).sin();
+                let p = [last[0] + step * heading.cos(), last[1] + step * heading.sin(), 0.0];
+                match planner.push(&Block::line(at(p[0], p[1], p[2]), 150.0, points.len() as u32)) {
+                    Ok(()) => points.push(p),
+                    Err(error) => {
+                        assert_eq!(error, PushError::Full);
+                        break;
+                    }
+                }
+            }
+            planner.poll();
+            setpoints.push(interpolator.tick());
+        }
+        assert_eq!(points.len(), 401, "pace {pace}");
+        check_continuity(&setpoints);
+        let end = place(setpoints.last().unwrap());
+        assert!((0..3).all(|i| (end[i] - points[400][i]).abs() < 1e-9), "pace {pace}: {end:?}");
+        for setpoint in &setpoints {
+            assert!(distance_to_poly(&points, &place(setpoint)) <= 0.05, "pace {pace}");
+        }
+    }
+}
+
 /// A planner that falls silent in full motion: the plan at hand ends at rest, on the path.
 #[test]
 fn a_silent_planner_is_survived() {

@@ -77,7 +77,8 @@ pub struct Block<S, const N: usize> {
     pub tolerance: Option<S>,
     /// Whether to come to rest exactly on the end point (G61, G61.1, G9).
     pub exact_stop: bool,
-    /// The caller's mark (a line number); it comes back with the setpoints.
+    /// The caller's mark (a line number); it comes back with the setpoints. Where short lines that
+    /// run on straight within a share of the tolerance are made one, it is that of the last.
     pub tag: u32,
 }
 

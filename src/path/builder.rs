@@ -121,8 +121,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// takes of the band is taken off the tolerance that corners and passed joints may use.
     fn merge(&mut self, item: &Item<S, N>, segment: &Segment<S, N>, config: &Config<S, N>) -> bool {
         let back = self.items.len().wrapping_sub(1);
-        // What is being cut, and what its joint leads to, must stay.
-        let fixed = if matches!(self.stage, Stage::Waiting) { 0 } else { 2 };
+        // What is being cut must stay, and what its joint leads to, and a front item that was
+        // reached at speed: its direction is a part of the path already.
+        let fixed = match (&self.stage, self.items.front()) {
+            (Stage::Waiting, Some(front)) => usize::from(front.entered != Joint::Stop),
+            _ => 2,
+        };
         if self.items.is_empty()
             || back < fixed
             || config.corner != CornerMode::Band
