@@ -221,20 +221,19 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         let scale = limits.time_scale();
         let last_weight = scale * S::of(LAST_WEIGHT);
         let mut weight = scale * S::of(if cold { COLD_WEIGHT } else { WARM_WEIGHT });
-        let all = (stretch.first, stretch.last);
         let cells = S::from_u32((stretch.last - stretch.first) as u32);
         if let Some(time) = Self::time(window, stretch) {
             // Far from the least time the barrier must keep up with it, or the first steps run
             // into a corner of the limits and stay there.
             weight = weight.greatest(time / cells * S::of(FIRST_SHARE));
         }
-        let mut damping = S::ZERO;
-        let mut failures = 0;
+        let (mut damping, mut failures) = (S::ZERO, 0);
+        // Value at the present states and weight, where it is known from the step before.
+        let mut known = None;
         for steps in 0..iterations {
-            for work in &mut self.work[stretch.first..=stretch.last] {
-                work.step = [S::ZERO; 2];
-            }
-            let Some(here) = self.value(window, stretch, limits, (weight, S::ZERO), all) else {
+            let Some(here) =
+                known.take().or_else(|| self.value_here(window, stretch, limits, weight))
+            else {
                 return steps;
             };
             self.assemble(window, stretch, limits, weight, damping);
@@ -242,58 +241,83 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
             if !promise.is_finite() {
                 // Rounding has made the system singular: take it from further inside.
                 damping = (damping * S::of(16.0)).greatest(S::ONE);
+                known = Some(here);
                 continue;
             }
             for work in &mut self.work[stretch.first..=stretch.last] {
                 work.step = work.gradient;
             }
-            let mut share = self.longest_share(window, stretch);
-            let slack = here.abs() * S::EPSILON * S::of(8.0);
-            let (mut found, mut blocked) = (false, false);
-            for _ in 0..TRIES {
-                let there = self.value(window, stretch, limits, (weight, share), all);
-                if there.is_some_and(|there| there <= here + slack) {
-                    found = true;
-                    break;
-                }
-                blocked |= there.is_none();
-                share = share * S::of(0.5);
-            }
-            if !found {
-                damping = (damping * S::of(16.0)).greatest(S::of(LEAST_DAMPING));
-            } else if blocked {
-                damping = (damping * S::of(4.0)).greatest(S::of(LEAST_DAMPING));
-            } else {
-                damping = damping * S::of(0.25);
-                if damping < S::of(LEAST_DAMPING) {
-                    damping = S::ZERO;
-                }
-            }
-            if found && blocked {
-                // A limit is near: keep a distance from it, or the next steps only slide along.
-                let shorter = share * S::of(DISTANCE);
-                if self.value(window, stretch, limits, (weight, shorter), all).is_some() {
-                    share = shorter;
-                }
-            }
-            if found {
+            let (found, blocked) = self.search(window, stretch, limits, weight, here);
+            damping = next_damping(damping, found.is_some(), blocked);
+            if let Some((share, value)) = found {
                 for i in stretch.first..=stretch.last {
                     let state = self.trial(window, stretch, i, share);
                     if let Some(station) = window.get_mut(i) {
                         station.state = state;
                     }
                 }
+                known = Some(value);
+                failures = 0;
+            } else {
+                known = Some(here);
+                failures += 1;
             }
-            failures = if found { 0 } else { failures + 1 };
             let small = promise < weight * S::of(SMALL_STEP) || failures >= MOST_FAILURES;
             if small {
                 if weight <= last_weight {
                     return steps + 1;
                 }
                 weight = (weight * S::of(WEIGHT_FALL)).greatest(last_weight);
+                known = None;
             }
         }
         iterations
+    }
+
+    /// Time minus barrier over a stretch as it stands.
+    fn value_here<const N: usize>(
+        &mut self,
+        window: &Window<S, N, NODES>,
+        stretch: Stretch,
+        limits: &Limits<S, N>,
+        weight: S,
+    ) -> Option<S> {
+        for work in &mut self.work[stretch.first..=stretch.last] {
+            work.step = [S::ZERO; 2];
+        }
+        self.value(window, stretch, limits, (weight, S::ZERO), (stretch.first, stretch.last))
+    }
+
+    /// The share of the step to take and the value there, if any share is no worse than `here`;
+    /// and whether a limit stood in the way of the whole step.
+    fn search<const N: usize>(
+        &self,
+        window: &Window<S, N, NODES>,
+        stretch: Stretch,
+        limits: &Limits<S, N>,
+        weight: S,
+        here: S,
+    ) -> (Option<(S, S)>, bool) {
+        let value = |share: S| {
+            self.value(window, stretch, limits, (weight, share), (stretch.first, stretch.last))
+        };
+        let mut share = self.longest_share(window, stretch);
+        let slack = here.abs() * S::EPSILON * S::of(8.0);
+        let mut blocked = false;
+        for _ in 0..TRIES {
+            let there = value(share);
+            if let Some(there) = there
+                && there <= here + slack
+            {
+                // A limit is near: keep a distance from it, or the next steps only slide along.
+                let shorter = share * S::of(DISTANCE);
+                let kept = if blocked { value(shorter) } else { None };
+                return (Some(kept.map_or((share, there), |kept| (shorter, kept))), blocked);
+            }
+            blocked |= there.is_none();
+            share = share * S::of(0.5);
+        }
+        (None, blocked)
     }
 
     /// Time over a stretch, s.
@@ -379,5 +403,18 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
                 work.gradient = [S::ZERO; 2];
             }
         }
+    }
+}
+
+/// Damping of the next step, by how this one went.
+fn next_damping<S: Scalar>(damping: S, found: bool, blocked: bool) -> S {
+    let least = S::of(LEAST_DAMPING);
+    if !found {
+        (damping * S::of(16.0)).greatest(least)
+    } else if blocked {
+        (damping * S::of(4.0)).greatest(least)
+    } else {
+        let less = damping * S::of(0.25);
+        if less < least { S::ZERO } else { less }
     }
 }
