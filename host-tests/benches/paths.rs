@@ -38,8 +38,8 @@ fn row(path: &Path) -> anyhow::Result<()> {
     let limits = machine.axes_of(&program)?;
     let worst = wide.worst();
     let broken = [
-        violations(&wide, Precision::F64, &machine, machine.tolerance, &limits),
-        violations(&narrow, Precision::F32, &machine, machine.tolerance, &limits),
+        violations(&wide, Precision::F64, machine.cycle, machine.tolerance, &limits),
+        violations(&narrow, Precision::F32, machine.cycle, machine.tolerance, &limits),
     ]
     .concat();
     println!(

@@ -72,6 +72,21 @@ fn check_continuity(setpoints: &[Setpoint<f64, 3>]) {
     }
 }
 
+/// Runs along a poly-line at 200 mm/s; continuity is checked. Returns the setpoints and the largest
+/// distance from the line, mm.
+fn run_poly(config: Config<f64, 3>, points: &[[f64; 3]]) -> (Vec<Setpoint<f64, 3>>, f64) {
+    let mut link = TestLink::new();
+    let start = at(points[0][0], points[0][1], points[0][2]);
+    let (mut planner, mut interpolator) = link.handles::<BLOCKS>(config, start).unwrap();
+    for (k, p) in points.iter().enumerate().skip(1) {
+        planner.push(&Block::line(at(p[0], p[1], p[2]), 200.0, k as u32)).unwrap();
+    }
+    let setpoints = run_out(&mut planner, &mut interpolator);
+    check_continuity(&setpoints);
+    let worst = setpoints.iter().map(|s| distance_to_poly(points, &place(s))).fold(0.0, f64::max);
+    (setpoints, worst)
+}
+
 /// Section 4.2: a closed hexagon in space, delta 0.05, five transitions; in both modes.
 #[test]
 fn closed_hexagon_of_the_paper() {
@@ -85,16 +100,7 @@ fn closed_hexagon_of_the_paper() {
     for corner in [CornerMode::Band, CornerMode::Paper { lambda: 0.0 }] {
         let mut config = config();
         config.corner = corner;
-        let mut link = TestLink::new();
-        let start = at(points[0][0], points[0][1], points[0][2]);
-        let (mut planner, mut interpolator) = link.handles::<BLOCKS>(config, start).unwrap();
-        for (k, p) in points.iter().enumerate().skip(1) {
-            planner.push(&Block::line(at(p[0], p[1], p[2]), 200.0, k as u32)).unwrap();
-        }
-        let setpoints = run_out(&mut planner, &mut interpolator);
-        check_continuity(&setpoints);
-        let worst =
-            setpoints.iter().map(|s| distance_to_poly(&points, &place(s))).fold(0.0, f64::max);
+        let (setpoints, worst) = run_poly(config, &points);
         // The full band by default, half of it and less in the paper's mode (e* = delta / 2).
         let (least, most) =
             if corner == CornerMode::Band { (0.045, 0.05) } else { (0.015, 0.0251) };
@@ -124,9 +130,6 @@ fn overlapping_corners_share_the_leg() {
     ] {
         let mut config = config();
         config.corner = corner;
-        let mut link = TestLink::new();
-        let (mut planner, mut interpolator) =
-            link.handles::<BLOCKS>(config, at(0.0, 0.0, 0.0)).unwrap();
         let points = [
             [0.0, 0.0, 0.0],
             [4.0, 0.0, 0.0],
@@ -135,13 +138,7 @@ fn overlapping_corners_share_the_leg() {
             [8.0 + leg, leg, leg],
             [8.0 + leg, 5.0, leg],
         ];
-        for (k, p) in points.iter().enumerate().skip(1) {
-            planner.push(&Block::line(at(p[0], p[1], p[2]), 200.0, k as u32)).unwrap();
-        }
-        let setpoints = run_out(&mut planner, &mut interpolator);
-        check_continuity(&setpoints);
-        let worst =
-            setpoints.iter().map(|s| distance_to_poly(&points, &place(s))).fold(0.0, f64::max);
+        let (_, worst) = run_poly(config, &points);
         assert!(worst <= 0.05, "{corner:?}, leg {leg}: {worst}");
     }
 }

@@ -127,7 +127,7 @@ fn judge(program: &Program, machine: &Machine, precision: Precision) -> Verdict 
 fn check(program: &Program, machine: &Machine, precision: Precision) -> Result<(), TestCaseError> {
     let verdict = judge(program, machine, precision);
     let limits = machine.axes_of(program).unwrap();
-    let broken = violations(&verdict, precision, machine, machine.tolerance, &limits);
+    let broken = violations(&verdict, precision, machine.cycle, machine.tolerance, &limits);
     prop_assert!(broken.is_empty(), "{broken:?}");
     Ok(())
 }

@@ -212,7 +212,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                     self.rested = cut.rest;
                     return Some(cut);
                 }
-                Stage::Body { .. } => self.start_joint(&item, &segment, config),
+                Stage::Body { .. } => self.start_joint(&item, &segment),
                 Stage::Corner { transition, index } if index < transition.cells() => {
                     self.stage = Stage::Corner { transition, index: index + 1 };
                     let side = self.side(transition.is_first_half(index))?;
@@ -290,7 +290,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let until = segment.length_raw - self.kept;
         let size = |joint: Joint, kept: i64, neighbour: S| match joint {
             Joint::Stop => rest_cell(segment, item.feed, &config.limits),
-            Joint::Through => segment.length.least(neighbour * S::of(3.0)),
+            Joint::Through => bent_lengths(segment.length, neighbour).0,
             Joint::Corner | Joint::Blend => raw_to_mm::<S>(kept) * S::of(0.5),
         };
         let first = size(item.entered, item.taken, item.length_before);
@@ -329,7 +329,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     }
 
     /// The body is done: on to the joint, or over it.
-    fn start_joint(&mut self, item: &Item<S, N>, segment: &Segment<S, N>, config: &Config<S, N>) {
+    fn start_joint(&mut self, item: &Item<S, N>, segment: &Segment<S, N>) {
         let ahead = self.items.get(1).and_then(|next| next.segment);
         let Some(ahead) = ahead else {
             self.next_item();
@@ -340,11 +340,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             Joint::Corner => {
                 let (a, b) = (segment.end_frame(true).0, ahead.end_frame(false).0);
                 let corner = Corner::new(&a, &b);
-                let mut edge = reach * S::of(0.5);
-                if let CornerMode::Paper { .. } = config.corner {
-                    // The paper's edge is what `kept` was made of.
-                    edge = raw_to_mm::<S>(self.kept / 2);
-                }
+                let edge = reach * S::of(0.5);
                 let transition = Transition::new(segment.end, a, b, &corner, edge);
                 self.stage = Stage::Corner { transition, index: 0 };
             }

@@ -7,8 +7,8 @@
 //! shortened until every limit holds, so the method can stop after any step; mu falls towards a
 //! value at which the barrier costs less than half a percent of the time.
 //!
-//! Work: at most `iterations` steps, each at most two passes with gradients' worth of rows and
-//! [`TRIES`] passes without, over the cells of the window.
+//! Work: at most `iterations` steps, each one pass with gradients over the cells of the window and
+//! at most [`TRIES`] + 2 without.
 
 use super::barrier::{Model, Slack, add_damping, add_time_curvature, by_square};
 use super::chain::{Work, solve};

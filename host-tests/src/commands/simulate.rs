@@ -169,7 +169,7 @@ impl Simulate {
         if !self.quiet {
             print_summary(&report);
         }
-        let broken = violations(&verdict, self.scalar, &machine, widest, &limits);
+        let broken = violations(&verdict, self.scalar, machine.cycle, widest, &limits);
         if !broken.is_empty() {
             bail!("the run broke limits: {}", broken.join("; "));
         }

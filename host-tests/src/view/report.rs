@@ -158,11 +158,10 @@ impl Report {
 pub fn violations(
     verdict: &Verdict,
     precision: Precision,
-    machine: &Machine,
+    cycle: f64,
     tolerance: f64,
     limits: &[Axis],
 ) -> Vec<String> {
-    let cycle = machine.cycle;
     let worst = verdict.worst();
     let exact = precision == Precision::F64;
     let (first, band) = if exact { (1.001, 1.0005) } else { (1.005, 1.001) };
