@@ -84,4 +84,4 @@ pub use block::{Block, Feed, Motion, PushError, Turn};
 pub use machine::{AxisLimits, Config, CornerMode, Limits};
 pub use number::{Coord, Scalar};
 pub use planner::{Counters, Planner, Progress};
-pub use servo::{Activity, Interpolator, Link, Setpoint};
+pub use servo::{Activity, Controls, Interpolator, Link, Setpoint};

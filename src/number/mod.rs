@@ -6,6 +6,7 @@
 
 mod coord;
 mod scalar;
+pub(crate) mod shared;
 pub(crate) mod vector;
 
 pub use coord::Coord;

@@ -1,7 +1,9 @@
 //! The scalar the core computes with.
 
+use super::shared::Shared;
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+use core::sync::atomic::AtomicU32;
 
 mod sealed {
     pub trait Sealed {}
@@ -38,6 +40,10 @@ pub trait Scalar:
     const ONE: Self;
     /// Rounding error of one operation, relative.
     const EPSILON: Self;
+    /// Storage for handing a value from one context to another; not for users of the core.
+    #[doc(hidden)]
+    #[allow(private_bounds)]
+    type Shared: Shared<Self>;
     /// Name of the type, for reports.
     const NAME: &'static str;
 
@@ -82,11 +88,12 @@ pub trait Scalar:
 }
 
 macro_rules! scalar {
-    ($t:ident, $sqrt:path, $ln:path, $sincos:path) => {
+    ($t:ident, $shared:ty, $sqrt:path, $ln:path, $sincos:path) => {
         impl Scalar for $t {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const EPSILON: Self = $t::EPSILON;
+            type Shared = $shared;
             const NAME: &'static str = stringify!($t);
             #[inline]
             fn of(x: f64) -> Self {
@@ -129,5 +136,5 @@ macro_rules! scalar {
     };
 }
 
-scalar!(f32, libm::sqrtf, libm::logf, libm::sincosf);
-scalar!(f64, libm::sqrt, libm::log, libm::sincos);
+scalar!(f32, AtomicU32, libm::sqrtf, libm::logf, libm::sincosf);
+scalar!(f64, [AtomicU32; 2], libm::sqrt, libm::log, libm::sincos);

@@ -8,7 +8,7 @@
 //! arc needs one too: its curvature jumps, and so would the acceleration.
 
 use super::hermite::Hermite;
-use super::node::{Cell, Node};
+use super::node::{Cell, Node, Order};
 use super::segment::Segment;
 use crate::number::Scalar;
 use crate::number::vector::{Vector, norm, shifted};
@@ -109,16 +109,15 @@ impl<S: Scalar, const N: usize> Blend<S, N> {
     }
 
     /// Cell number `index`.
-    pub fn cell(&self, index: u8, from: &Node<S, N>, feed: S, tag: u32) -> Cell<S, N> {
+    pub fn cell(&self, index: u8, from: &Node<S, N>, order: Order<S>) -> Cell<S, N> {
         let (u0, u1) = (Self::parameter(index), Self::parameter(index + 1));
         let length = self.curve.arc_length(u0, u1);
         Cell {
             length,
             bulge: self.curve.bulge(u0, u1, &from.tangent, length),
-            feed,
+            order,
             dwell: S::ZERO,
             straight: false,
-            tag,
         }
     }
 }

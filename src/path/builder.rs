@@ -8,7 +8,7 @@ use super::corner::{Corner, Transition};
 use super::cut::{Emitted, next_way, rest_cell, standstill};
 use super::item::{Item, Joint};
 use super::joint::{bent_lengths, joint, mean_node, reach};
-use super::node::Node;
+use super::node::{Node, Order};
 use super::segment::{Segment, Shape, raw_to_mm};
 use crate::block::{Block, PushError};
 use crate::machine::{Config, CornerMode};
@@ -138,7 +138,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let Some(before) = &last.segment else { return false };
         // Equal but for the rounding of directions.
         let same_feed = (last.feed - item.feed).abs() <= item.feed * S::of(1.0e-3);
-        let alike = same_feed && last.programmed == item.programmed && !last.stop_after;
+        let alike = same_feed && last.rapid == item.rapid
+            && last.programmed == item.programmed
+            && !last.stop_after;
         let (Shape::Line(a), Shape::Line(b)) = (&before.shape, &segment.shape) else {
             return false;
         };
@@ -215,24 +217,24 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                 Stage::Body { .. } => self.start_joint(&item, &segment),
                 Stage::Corner { transition, index } if index < transition.cells() => {
                     self.stage = Stage::Corner { transition, index: index + 1 };
-                    let side = self.side(transition.is_first_half(index))?;
+                    let order = self.order(transition.is_first_half(index))?;
                     let from = if self.rested { transition.node(index) } else { *last };
                     self.rested = false;
                     return Some(Emitted {
                         from,
-                        cell: transition.cell(index, &from, side.0, side.1),
+                        cell: transition.cell(index, &from, order),
                         node: transition.node(index + 1),
                         rest: false,
                     });
                 }
                 Stage::Blend { blend, index } if index < blend::CELLS => {
                     self.stage = Stage::Blend { blend, index: index + 1 };
-                    let side = self.side(2 * index < blend::CELLS)?;
+                    let order = self.order(2 * index < blend::CELLS)?;
                     let from = if self.rested { blend.node(index) } else { *last };
                     self.rested = false;
                     return Some(Emitted {
                         from,
-                        cell: blend.cell(index, &from, side.0, side.1),
+                        cell: blend.cell(index, &from, order),
                         node: blend.node(index + 1),
                         rest: false,
                     });
@@ -243,10 +245,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         None
     }
 
-    /// Feed and tag of the front item, or of the one behind it.
-    fn side(&self, front: bool) -> Option<(S, u32)> {
-        let item = self.items.get(usize::from(!front))?;
-        Some((item.feed, item.tag))
+    /// What the front item asks of its cells, or the one behind it.
+    fn order(&self, front: bool) -> Option<Order<S>> {
+        Some(self.items.get(usize::from(!front))?.order())
     }
 
     /// Whether the joint behind the front item can be decided.
@@ -308,7 +309,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         way: (i64, i64),
         until: i64,
     ) -> Emitted<S, N> {
-        let mut cell = segment.cell(entry, way, item.feed, item.tag);
+        let mut cell = segment.cell(entry, way, item.order());
         let mut node = segment.node(way.1);
         let at_end = way.1 >= until;
         if at_end && item.joint == Joint::Through {

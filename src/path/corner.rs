@@ -10,7 +10,7 @@
 //! legs is e sin theta = (L / 4) sin 2 theta. The band delta is met exactly by
 //! L = 4 delta / sin 2 theta, with no search.
 
-use super::node::{Cell, GAUSS, Node};
+use super::node::{Cell, GAUSS, Node, Order};
 use crate::number::vector::{Vector, dot, mix, shifted};
 use crate::number::{Coord, Scalar};
 
@@ -181,7 +181,7 @@ impl<S: Scalar, const N: usize> Transition<S, N> {
     }
 
     /// Cell number `index`, between the nodes `index` and `index + 1`.
-    pub fn cell(&self, index: u8, from: &Node<S, N>, feed: S, tag: u32) -> Cell<S, N> {
+    pub fn cell(&self, index: u8, from: &Node<S, N>, order: Order<S>) -> Cell<S, N> {
         let (x0, x1) = (self.parameter(index), self.parameter(index + 1));
         let mut length = S::ZERO;
         for (x, weight) in GAUSS {
@@ -199,10 +199,9 @@ impl<S: Scalar, const N: usize> Transition<S, N> {
         Cell {
             length,
             bulge: core::array::from_fn(|i| step[i] - from.tangent[i] * length),
-            feed,
+            order,
             dwell: S::ZERO,
             straight: false,
-            tag,
         }
     }
 

@@ -32,10 +32,9 @@ pub fn standstill<S: Scalar, const N: usize>(
         cell: Cell {
             length: S::ZERO,
             bulge: zero(),
-            feed: S::ONE,
+            order: item.order(),
             dwell: item.dwell,
             straight: true,
-            tag: item.tag,
         },
         node: *from,
         rest: true,

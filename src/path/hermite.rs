@@ -114,14 +114,28 @@ pub fn split<S: Scalar, const N: usize>(
     cell: &Cell<S, N>,
     to: &Node<S, N>,
 ) -> (Cell<S, N>, Node<S, N>, Cell<S, N>) {
+    split_at(from, cell, to, S::of(0.5))
+}
+
+/// Splits a cell at `u` in (0, 1) of its length, about.
+pub fn split_at<S: Scalar, const N: usize>(
+    from: &Node<S, N>,
+    cell: &Cell<S, N>,
+    to: &Node<S, N>,
+    u: S,
+) -> (Cell<S, N>, Node<S, N>, Cell<S, N>) {
     let curve = Hermite::of_cell(from, cell, to);
-    let half = S::of(0.5);
-    let middle = curve.node(from, half);
-    let (first, second) = (curve.arc_length(S::ZERO, half), curve.arc_length(half, S::ONE));
+    let mut middle = curve.node(from, u);
+    if cell.straight {
+        // As straight as before, whatever the rounding.
+        middle.tangent = from.tangent;
+        middle.curvature = from.curvature;
+    }
+    let (first, second) = (curve.arc_length(S::ZERO, u), curve.arc_length(u, S::ONE));
     (
-        Cell { length: first, bulge: curve.bulge(S::ZERO, half, &from.tangent, first), ..*cell },
+        Cell { length: first, bulge: curve.bulge(S::ZERO, u, &from.tangent, first), ..*cell },
         middle,
-        Cell { length: second, bulge: curve.bulge(half, S::ONE, &middle.tangent, second), ..*cell },
+        Cell { length: second, bulge: curve.bulge(u, S::ONE, &middle.tangent, second), ..*cell },
     )
 }
 
@@ -129,6 +143,7 @@ pub fn split<S: Scalar, const N: usize>(
 mod tests {
     use super::*;
     use crate::number::Coord;
+    use crate::path::node::Order;
 
     /// A twentieth of a circle of 10 mm: the quintic through its ends keeps to it by nanometres,
     /// and so do the halves it is split into.
@@ -148,10 +163,9 @@ mod tests {
         let cell = Cell {
             length,
             bulge: [radius * angle.sin() - length, radius * (1.0 - angle.cos())],
-            feed: 1.0,
+            order: Order { feed: 1.0, rapid: false, tag: 0 },
             dwell: 0.0,
             straight: false,
-            tag: 0,
         };
         let curve = Hermite::of_cell(&a, &cell, &b);
         for k in 0..=20 {

@@ -1,5 +1,6 @@
 //! Blocks that wait for their neighbours, checked and with their geometry.
 
+use super::node::Order;
 use super::segment::Segment;
 use crate::block::{Block, BlockError, Feed, Field, Motion};
 use crate::machine::{Config, Limits};
@@ -26,6 +27,7 @@ pub struct Item<S, const N: usize> {
     pub segment: Option<Segment<S, N>>,
     pub dwell: S,
     pub feed: S,
+    pub rapid: bool,
     /// Tolerance as programmed.
     pub programmed: S,
     /// What is left of it for corners and passed joints.
@@ -48,6 +50,11 @@ pub struct Item<S, const N: usize> {
 pub type Frame<S, const N: usize> = ([S; N], [S; N]);
 
 impl<S: Scalar, const N: usize> Item<S, N> {
+    /// What it asks of its cells.
+    pub fn order(&self) -> Order<S> {
+        Order { feed: self.feed, rapid: self.rapid, tag: self.tag }
+    }
+
     /// A block that starts at `from`, checked; `None` if there is nothing to do for it.
     pub fn new(
         from: [Coord; N],
@@ -65,6 +72,7 @@ impl<S: Scalar, const N: usize> Item<S, N> {
             segment: None,
             dwell: S::ZERO,
             feed: S::ONE,
+            rapid: block.feed == Feed::Rapid,
             programmed: tolerance,
             tolerance,
             stop_after: block.exact_stop,

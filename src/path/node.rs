@@ -15,6 +15,13 @@ pub struct Node<S, const N: usize> {
     pub curvature: Vector<S, N>,
 }
 
+impl<S: Scalar, const N: usize> Node<S, N> {
+    /// How far a point lies off the straight line along this node's tangent: see [`Cell::bulge`].
+    pub fn bulge_to(&self, to: &[Coord; N], length: S) -> Vector<S, N> {
+        from_fn(|i| to[i].minus::<S>(self.at[i]) - self.tangent[i] * length)
+    }
+}
+
 /// The path between two neighbouring nodes.
 #[derive(Clone, Copy, Debug)]
 pub struct Cell<S, const N: usize> {
@@ -24,13 +31,22 @@ pub struct Cell<S, const N: usize> {
     /// position - position - length x tangent. Kept apart from the position difference because it
     /// is small and would drown in its rounding.
     pub bulge: Vector<S, N>,
-    /// Programmed speed along the path, mm/s.
-    pub feed: S,
+    /// What its block asks of it.
+    pub order: Order<S>,
     /// Standstill at this place, s; such a cell has no length.
     pub dwell: S,
     /// Whether the cell is a piece of a straight line.
     pub straight: bool,
-    /// Tag of the block it belongs to.
+}
+
+/// What a block asks of the cells that are made of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Order<S> {
+    /// Programmed speed along the path, mm/s.
+    pub feed: S,
+    /// Whether it is run as a rapid: which override applies.
+    pub rapid: bool,
+    /// Tag of the block.
     pub tag: u32,
 }
 

@@ -1,6 +1,6 @@
 //! Lines and arcs as parts of the path, with exact ends and lengths.
 
-use super::node::{Cell, Node};
+use super::node::{Cell, Node, Order};
 use crate::block::{BlockError, Turn};
 use crate::number::vector::{Vector, zero};
 use crate::number::{Coord, Scalar};
@@ -228,13 +228,13 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
     }
 
     /// The cell between two arc lengths, `from` being the node at the first.
-    pub fn cell(&self, from: &Node<S, N>, way: (i64, i64), feed: S, tag: u32) -> Cell<S, N> {
+    pub fn cell(&self, from: &Node<S, N>, way: (i64, i64), order: Order<S>) -> Cell<S, N> {
         let length = raw_to_mm::<S>(way.1 - way.0);
         let (bulge, straight) = match &self.shape {
             Shape::Line(_) => (zero(), true),
             Shape::Arc(helix) => (helix.bulge(from, length), false),
         };
-        Cell { length, bulge, feed, dwell: S::ZERO, straight, tag }
+        Cell { length, bulge, order, dwell: S::ZERO, straight }
     }
 
     /// Longest cell that follows the curve closely enough, mm.

@@ -42,7 +42,7 @@ pub fn piece<S: Scalar, const N: usize>(
     });
     Piece {
         serial: place.serial,
-        tag: view.cell.tag,
+        tag: view.cell.order.tag,
         time: law.time,
         origin: view.from.at,
         axes,
@@ -61,7 +61,7 @@ pub fn piece<S: Scalar, const N: usize>(
 pub fn standstill<S: Scalar, const N: usize>(view: &View<'_, S, N>, place: Place) -> Piece<S, N> {
     Piece {
         serial: place.serial,
-        tag: view.cell.tag,
+        tag: view.cell.order.tag,
         time: view.cell.dwell,
         origin: view.from.at,
         axes: [[S::ZERO; 5]; N],

@@ -41,11 +41,26 @@ pub trait Sink<S> {
     fn positive(&mut self, r: S, gradient: &Gradient<S>);
 }
 
+/// How fast the machine may go, and is asked to.
+#[derive(Clone, Copy, Debug)]
+pub struct Pace<S, const N: usize> {
+    pub limits: Limits<S, N>,
+    /// Servo cycle, s.
+    pub cycle: S,
+    /// Override of feeds, as a factor.
+    pub feed: S,
+    /// Override of rapids, as a factor.
+    pub rapid: S,
+}
+
 /// What bounds the motion over a cell besides its shape.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Bounds<S> {
     /// Greatest path speed, mm/s.
     pub speed: S,
+    /// Path speed that is asked for, mm/s. It is less than `speed` while the motion slows down to
+    /// an override that has just been lowered: no motion could keep it at once.
+    pub goal: S,
     /// Greatest path acceleration and jerk on a straight cell.
     pub acceleration: S,
     /// See `acceleration`.
@@ -53,16 +68,17 @@ pub struct Bounds<S> {
 }
 
 impl<S: Scalar> Bounds<S> {
-    /// The bounds of a cell for a machine with this servo cycle, s.
+    /// The bounds of a cell.
     pub fn new<const N: usize>(
         from: &Node<S, N>,
         cell: &Cell<S, N>,
         to: &Node<S, N>,
-        limits: &Limits<S, N>,
-        cycle: S,
+        Pace { limits, cycle, feed, rapid }: &Pace<S, N>,
     ) -> Self {
+        let feed = cell.order.feed * if cell.order.rapid { *rapid } else { *feed };
         let mut bounds = Self {
-            speed: cell.feed.least(cell.length / (cycle * S::of(LEAST_CYCLE_SHARE))),
+            goal: S::ZERO,
+            speed: feed.least(cell.length / (*cycle * S::of(LEAST_CYCLE_SHARE))),
             acceleration: S::of(1.0e12),
             jerk: S::of(1.0e15),
         };
@@ -83,6 +99,7 @@ impl<S: Scalar> Bounds<S> {
             }
         }
         bounds.speed = bounds.speed * S::of(SPEED_SHARE);
+        bounds.goal = bounds.speed;
         bounds
     }
 }
@@ -389,6 +406,7 @@ mod tests {
     use super::*;
     use crate::machine::AxisLimits;
     use crate::number::Coord;
+    use crate::path::node::Order;
     use crate::profile::law::State;
     use std::vec::Vec;
 
@@ -427,12 +445,11 @@ mod tests {
         let cell = Cell {
             length: h,
             bulge: [-0.07 * k, 0.09 * k],
-            feed: 100.0,
+            order: Order { feed: 100.0, rapid: false, tag: 0 },
             dwell: 0.0,
             straight,
-            tag: 0,
         };
-        let bounds = Bounds::new(&from, &cell, &to, &limits, 1e-3);
+        let bounds = Bounds::new(&from, &cell, &to, &Pace { limits, cycle: 1e-3, feed: 1.0, rapid: 1.0 });
         let law = Law::new(h, State { b: x[0] * x[0], a: x[1] }, State { b: x[2] * x[2], a: x[3] })
             .unwrap();
         let mut sink = List::default();

@@ -42,9 +42,33 @@ const WEIGHT_FALL: f64 = 0.3;
 /// A step is small when it promises less than this many mu.
 const SMALL_STEP: f64 = 10.0;
 
+/// Weight at the end of a halt, as a share of the first: by then the creep that the barrier leaves is
+/// a few per cent of the speed at its start.
+const HALT_SHARE: f64 = 1.0e-3;
+/// How much dearer it is to be above the goal than time is at the goal.
+const EXCESS_PRICE: f64 = 8.0;
+/// Rounding of the corner in the price of being above the goal, as a share of the goal squared.
+const EXCESS_ROUNDING: f64 = 0.02;
+
+/// What is minimised.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Aim {
+    /// The time.
+    Time,
+    /// The time, and at a high price speed above the goal of a cell
+    /// ([`Bounds::goal`](super::rows::Bounds)): the motion slows down to it as fast as the limits
+    /// allow.
+    Slow,
+    /// Speed everywhere: the motion brakes as hard as the limits allow, and creeps on.
+    Halt,
+}
+
 /// Workspace of the method.
 pub struct Solver<S, const NODES: usize> {
     work: [Work<S>; NODES],
+    aim: Aim,
+    /// Price of b x length in a halt.
+    price: S,
 }
 
 /// A stretch of the window to improve: stations strictly between the two are free.
@@ -52,11 +76,13 @@ pub struct Solver<S, const NODES: usize> {
 pub struct Stretch {
     pub first: usize,
     pub last: usize,
+    /// Whether it ends only because no more is known.
+    pub open: bool,
 }
 
 impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
     pub const fn new() -> Self {
-        Self { work: [Work::EMPTY; NODES] }
+        Self { work: [Work::EMPTY; NODES], aim: Aim::Time, price: S::ZERO }
     }
 
     /// Whether a station's state is to be found.
@@ -74,7 +100,7 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
     ) -> Option<View<'a, S, N>> {
         let (station, after) = window.pair(i)?;
         let mut view = station.view(after, limits);
-        if i + 1 == stretch.last && !after.rest {
+        if i + 1 == stretch.last && stretch.open && !after.rest {
             view.share = S::of(OPEN_END_SHARE);
             view.bounds = view.bounds.share(view.share);
         }
@@ -100,6 +126,35 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         State { b: station.state.b - share * step[0], a: station.state.a - share * step[1] }
     }
 
+    /// What speed at a station costs besides time: value and first two derivatives by b.
+    fn toll<const N: usize>(&self, window: &Window<S, N, NODES>, i: usize, b: S) -> [S; 3] {
+        let none = [S::ZERO; 3];
+        if self.aim == Aim::Time {
+            return none;
+        }
+        let Some((before, here)) = i.checked_sub(1).and_then(|i| window.pair(i)) else {
+            return none;
+        };
+        let half = S::of(0.5);
+        let length = (before.cell.length + here.cell.length) * half;
+        if self.aim == Aim::Halt {
+            let price = self.price * length;
+            return [price * b, price, S::ZERO];
+        }
+        let goal = before.bounds.goal.least(here.bounds.goal);
+        let square = goal * goal;
+        let price = S::of(EXCESS_PRICE) * length / (square * goal) * half;
+        let excess = b - square;
+        let rounding = square * S::of(EXCESS_ROUNDING);
+        let root = (excess * excess + rounding * rounding).sqrt();
+        let slope = S::ONE + excess / root;
+        [
+            price * (excess + root),
+            price * slope,
+            price * rounding * rounding / (root * root * root),
+        ]
+    }
+
     /// Time minus barrier over cells `from..to`, `None` if a limit is broken.
     fn value<const N: usize>(
         &self,
@@ -120,17 +175,32 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
                     return None;
                 }
                 let law = Law::new(station.cell.length, here, next)?;
-                time += law.time;
+                if self.aim != Aim::Halt {
+                    time += law.time;
+                }
                 rows(&Self::view(window, stretch, i, limits)?, &law, &mut slack);
                 if !(slack.least > S::ZERO) {
                     return None;
                 }
+            }
+            if self.aim != Aim::Time && Self::is_free(window, stretch, i + 1) {
+                time += self.toll(window, i + 1, next.b)[0];
             }
             here = next;
         }
         slack.fold();
         let value = time - weight * slack.logarithm;
         value.is_finite().then_some(value)
+    }
+
+    /// Whether the states of a stretch keep all limits, with a rest at its end.
+    pub fn holds<const N: usize>(
+        &mut self,
+        window: &Window<S, N, NODES>,
+        stretch: Stretch,
+        limits: &Limits<S, N>,
+    ) -> bool {
+        self.value_here(window, stretch, limits, S::ZERO).is_some()
     }
 
     /// Gives the free stations from index `new` on slow speeds at which all limits hold: every cell
@@ -189,7 +259,7 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         for i in new - 1..stretch.last {
             let Some(station) = window.get(i) else { return };
             let here = if station.cell.length > S::ZERO {
-                (station.cell.length * rate).least(station.bounds.speed * S::of(0.7))
+                (station.cell.length * rate).least(station.bounds.goal * S::of(0.7))
             } else {
                 S::ZERO
             };
@@ -216,17 +286,59 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         stretch: Stretch,
         limits: &Limits<S, N>,
         iterations: u16,
-        cold: bool,
+        (aim, cold): (Aim, bool),
     ) -> u16 {
         let scale = limits.time_scale();
-        let last_weight = scale * S::of(LAST_WEIGHT);
+        let mut last_weight = scale * S::of(LAST_WEIGHT);
         let mut weight = scale * S::of(if cold { COLD_WEIGHT } else { WARM_WEIGHT });
         let cells = S::from_u32((stretch.last - stretch.first) as u32);
+        self.aim = aim;
         if let Some(time) = Self::time(window, stretch) {
-            // Far from the least time the barrier must keep up with it, or the first steps run
+            self.set_price(window, stretch, time);
+            let cost = time + self.tolls(window, stretch);
+            // Far from the least cost the barrier must keep up with it, or the first steps run
             // into a corner of the limits and stay there.
-            weight = weight.greatest(time / cells * S::of(FIRST_SHARE));
+            weight = weight.greatest(cost / cells * S::of(FIRST_SHARE));
+            if aim == Aim::Halt {
+                weight = time / cells * S::of(FIRST_SHARE);
+                last_weight = weight * S::of(HALT_SHARE);
+            }
         }
+        let steps = self.descend(window, stretch, limits, iterations, (weight, last_weight));
+        self.aim = Aim::Time;
+        steps
+    }
+
+    /// The price at which a halt costs as much at first as it takes time.
+    fn set_price<const N: usize>(&mut self, window: &Window<S, N, NODES>, stretch: Stretch, time: S) {
+        self.price = S::ONE;
+        if self.aim == Aim::Halt {
+            self.price = time / self.tolls(window, stretch).greatest(S::of(1.0e-9));
+        }
+    }
+
+    /// Sum of the tolls of a stretch.
+    fn tolls<const N: usize>(&self, window: &Window<S, N, NODES>, stretch: Stretch) -> S {
+        let mut sum = S::ZERO;
+        for i in stretch.first..stretch.last {
+            if let Some(station) = window.get(i)
+                && Self::is_free(window, stretch, i)
+            {
+                sum += self.toll(window, i, station.state.b)[0];
+            }
+        }
+        sum
+    }
+
+    /// The method itself, from one weight of the barrier to another.
+    fn descend<const N: usize>(
+        &mut self,
+        window: &mut Window<S, N, NODES>,
+        stretch: Stretch,
+        limits: &Limits<S, N>,
+        iterations: u16,
+        (mut weight, last_weight): (S, S),
+    ) -> u16 {
         let (mut damping, mut failures) = (S::ZERO, 0);
         // Value at the present states and weight, where it is known from the step before.
         let mut known = None;
@@ -370,7 +482,9 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
             }
             let to = if i + 1 == stretch.last { State::REST } else { after.state };
             let Some(law) = Law::new(station.cell.length, station.state, to) else { continue };
-            let mut model = Model { weight, gradient: time_gradient(&law), hessian: [S::ZERO; 10] };
+            let timed = self.aim != Aim::Halt;
+            let gradient = if timed { time_gradient(&law) } else { [S::ZERO; 4] };
+            let mut model = Model { weight, gradient, hessian: [S::ZERO; 10] };
             let Some(view) = Self::view(window, stretch, i, limits) else { continue };
             rows(&view, &law, &mut model);
             let (g, mut h) = by_square(&model, &law, (free0, free1));
@@ -381,7 +495,15 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
                 (station.state, to),
                 (free0, free1),
             );
-            add_time_curvature(&mut h, station.cell.length, (station.state, to), (free0, free1));
+            let ends = (station.state, to);
+            if timed {
+                add_time_curvature(&mut h, station.cell.length, ends, (free0, free1));
+            }
+            let [_, slope, curvature] = if free1 {
+                self.toll(window, i + 1, to.b)
+            } else {
+                [S::ZERO; 3]
+            };
             let work = &mut self.work[i];
             for (sum, part) in work.block.iter_mut().zip([h[0], h[1], h[4]]) {
                 *sum += part;
@@ -393,7 +515,8 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
             for (sum, part) in work.block.iter_mut().zip([h[7], h[8], h[9]]) {
                 *sum += part;
             }
-            work.gradient[0] += g[2];
+            work.block[0] += curvature;
+            work.gradient[0] += g[2] + slope;
             work.gradient[1] += g[3];
         }
         for i in stretch.first..=stretch.last {

@@ -1,10 +1,10 @@
 //! The stretch of path that is being planned.
 
 use super::law::{Law, State};
-use super::rows::{Bounds, View};
+use super::rows::{Bounds, Pace, View};
 use crate::machine::Limits;
 use crate::number::{Coord, Scalar};
-use crate::path::node::{Cell, Node};
+use crate::path::node::{Cell, Node, Order};
 use heapless::Deque;
 
 /// A node of the window, its speed and acceleration, and the cell that leaves it.
@@ -39,10 +39,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
         let cell = Cell {
             length: S::ZERO,
             bulge: [S::ZERO; N],
-            feed: S::ZERO,
+            order: Order { feed: S::ZERO, rapid: false, tag: 0 },
             dwell: S::ZERO,
             straight: true,
-            tag: 0,
         };
         let _ = stations.push_back(Station {
             node,
@@ -105,14 +104,13 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
         cell: Cell<S, N>,
         node: Node<S, N>,
         rest: bool,
-        limits: &Limits<S, N>,
-        cycle: S,
+        pace: &Pace<S, N>,
     ) {
         let mut way = Coord::ZERO;
         if let Some(last) = self.stations.back_mut() {
             way = last.way.plus(cell.length);
             last.cell = cell;
-            last.bounds = Bounds::new(&last.node, &cell, &node, limits, cycle);
+            last.bounds = Bounds::new(&last.node, &cell, &node, pace);
         }
         let station = Station {
             node,
@@ -125,6 +123,46 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
         };
         // The caller asks for room first.
         let _ = self.stations.push_back(station);
+    }
+
+    /// Puts a station behind the one at `index`; the running numbers of those behind grow by one.
+    /// Returns whether there was room.
+    pub fn insert_after(&mut self, index: usize, station: Station<S, N>) -> bool {
+        if self.stations.push_back(station).is_err() {
+            return false;
+        }
+        for i in (index + 2..self.stations.len()).rev() {
+            self.stations.swap(i, i - 1);
+        }
+        true
+    }
+
+    /// Takes out the station at `index`, not the first; the running numbers of those behind fall
+    /// by one.
+    pub fn remove(&mut self, index: usize) {
+        for i in index + 1..self.stations.len() {
+            self.stations.swap(i, i - 1);
+        }
+        self.stations.pop_back();
+    }
+
+    /// Forgets the stations behind the one at `index`, which then rests.
+    pub fn truncate(&mut self, index: usize) {
+        self.stations.truncate(index + 1);
+        if let Some(last) = self.stations.back_mut() {
+            last.rest = true;
+            last.state = State::REST;
+            last.agreed = State::REST;
+        }
+    }
+
+    /// Bounds of the cell that leaves a station, anew.
+    pub fn bound(&mut self, index: usize, pace: &Pace<S, N>) {
+        let Some((from, to)) = self.pair(index) else { return };
+        let bounds = Bounds::new(&from.node, &from.cell, &to.node, pace);
+        if let Some(station) = self.stations.get_mut(index) {
+            station.bounds = bounds;
+        }
     }
 
     /// Forgets the stations before the one with this running number.

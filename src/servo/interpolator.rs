@@ -1,6 +1,6 @@
 //! One setpoint per servo cycle.
 
-use super::link::ServoSide;
+use super::link::{ServoSide, Timeline};
 use super::piece::{Piece, Sequel};
 use super::setpoint::{Activity, Setpoint};
 use crate::number::{Coord, Scalar};
@@ -10,13 +10,12 @@ const PIECES_PER_TICK: usize = 6;
 
 /// The interrupt's handle: call [`Interpolator::tick`] once per servo cycle.
 ///
-/// Work per tick: one piece evaluated, at most six begun, at most eight stale ones dropped; no
-/// waiting, no division, no root.
-pub struct Interpolator<'a, S, const N: usize> {
+/// Work per tick: one piece evaluated, at most six begun; no waiting, no division, no root.
+pub struct Interpolator<'a, S: Scalar, const N: usize> {
     side: ServoSide<'a, S, N>,
     cycle: S,
     piece: Option<Piece<S, N>>,
-    /// Time by which the piece under way had begun when its first tick came, s.
+    /// Time by which the piece under way had begun at the end of the cycle that took it up, s.
     lag: S,
     /// Ticks since then.
     count: u32,
@@ -51,11 +50,12 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
 
     /// Advances by one servo cycle and returns where the axes should be at its end.
     pub fn tick(&mut self) -> Setpoint<S, N> {
-        self.side.count_tick();
-        self.side.tidy();
-        if self.piece.is_none() {
-            // A start from rest: the cycle counts from here.
-            self.begin(S::ZERO);
+        let last = self.side.cycles();
+        self.side.count_cycle();
+        // A plan that branches off where the last cycle ended, or a start from rest: either way the
+        // time of the new piece counts from there.
+        if self.side.change_over(last) || self.piece.is_none() {
+            self.begin(S::ZERO, last);
         }
         self.count = self.count.wrapping_add(1);
         for _ in 0..PIECES_PER_TICK {
@@ -64,7 +64,7 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
             if t < piece.time {
                 return piece.at(t);
             }
-            self.finish(t);
+            self.finish(t, last.wrapping_add(1));
         }
         // Never reached while pieces keep their least duration; a longer one would only be slow.
         match &self.piece {
@@ -73,11 +73,11 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
         }
     }
 
-    /// The piece under way is over at its own time `t`: on to the next one.
-    fn finish(&mut self, t: S) {
+    /// The piece under way is over at its own time `t`, in servo cycle `now`: on to the next one.
+    fn finish(&mut self, t: S, now: u32) {
         let Some(piece) = self.piece.take() else { return };
         let over = t - piece.time;
-        self.begin(over);
+        self.begin(over, now);
         if self.piece.is_none() {
             if piece.sequel == Sequel::Starved {
                 self.side.count_starved();
@@ -93,12 +93,14 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
         }
     }
 
-    /// Takes up the piece at the present node, `over` seconds into it.
-    fn begin(&mut self, over: S) {
+    /// Takes up the next piece, `over` seconds into it at the end of servo cycle `now`.
+    fn begin(&mut self, over: S, now: u32) {
         self.piece = self.side.next(self.serial);
-        self.side.report(self.serial);
-        if self.piece.is_some() {
-            self.serial = self.serial.wrapping_add(1);
+        if let Some(piece) = &self.piece {
+            self.side.report(&Timeline { serial: piece.serial, began: now, lag: over });
+            self.serial = piece.serial.wrapping_add(1);
+        } else {
+            self.side.report(&Timeline { serial: self.serial, began: now, lag: S::ZERO });
         }
         self.lag = over;
         self.count = 0;

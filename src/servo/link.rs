@@ -1,195 +1,312 @@
 //! The way from planner to interpolator: plans, handed over whole.
 //!
-//! Two single-producer single-consumer queues are used in turn. The planner writes a complete
-//! plan, from a node that still lies ahead (the branch) to a stop, into the queue that is not in use,
-//! and publishes it. The interpolator, on reaching the branch, changes over; if it has passed the
-//! branch already, it refuses the plan and stays on the one it has, which ends at rest too. Then
-//! it empties the queue that is left over, a few pieces a tick, and reports its verdict; only then
-//! is the next plan published. So the interrupt never waits, is never without a stop, and the
-//! planner may be as late as it likes.
+//! Two plan buffers are used in turn. The planner writes a complete plan - from a place that still
+//! lies ahead (the branch) to a stop - into the buffer that is not being executed, and offers it. A
+//! plan branches off either at a node of the path or, to answer an operator's command at once, at a
+//! servo cycle. The interpolator changes over when it gets there; if it has passed the branch
+//! already, it refuses the plan and stays on the one it has, which ends at rest too. Until one of
+//! the two has happened the planner may withdraw the offer. So the interrupt never waits, is never
+//! without a stop, and the planner may be as late as it likes.
+//!
+//! Who may touch the spare buffer is settled by one atomic, the offer: only the planner while
+//! nothing is offered, only the interpolator from the moment it has taken a plan. Buffers are made
+//! of atomics ([`crate::number::shared`]), so even a mistake in this could not be undefined
+//! behaviour; on the targets they are plain loads and stores.
 
-use super::piece::Piece;
-use core::sync::atomic::{AtomicU32, Ordering};
-use heapless::spsc::{Consumer, Producer, Queue};
+use super::control::Requests;
+use super::piece::{Piece, Slot};
+use crate::number::Scalar;
+use crate::number::shared::Shared;
+use core::sync::atomic::{
+    AtomicU32,
+    Ordering::{AcqRel, Acquire, Relaxed, Release},
+    fence,
+};
+
+/// Where a plan leaves the one before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Branch {
+    /// At the node with this running number.
+    Node(u32),
+    /// Where the plan before stands at the end of the servo cycle with this number.
+    Cycle(u32),
+}
+
+/// What has become of an offer: the low two bits of [`Flags::offer`]; the others count offers.
+const OPEN: u32 = 0;
+const TAKEN: u32 = 1;
+const REFUSED: u32 = 2;
+const VERDICT: u32 = 3;
 
 /// What both sides tell each other besides the pieces.
-#[derive(Debug, Default)]
-pub(crate) struct Flags {
-    /// Number of the last plan published.
-    published: AtomicU32,
-    /// Number of the last plan decided on, times 2, plus 1 if it was taken.
-    verdict: AtomicU32,
+pub struct Flags<S: Scalar> {
+    /// Number of the last offer times four, plus what has become of it.
+    offer: AtomicU32,
+    /// Node or servo cycle at which the offered plan branches off.
+    branch: AtomicU32,
+    /// Whether `branch` is a servo cycle.
+    by_cycle: AtomicU32,
+    /// Length of either plan, pieces.
+    lengths: [AtomicU32; 2],
     /// Node from which the piece under way starts, or at which the motion rests.
     progress: AtomicU32,
+    /// Odd while `began` and `lag` are being written.
+    version: AtomicU32,
+    /// Servo cycle that saw the piece under way begin.
+    began: AtomicU32,
+    /// Time by which it had begun at the end of that cycle, s.
+    lag: S::Shared,
     /// Servo cycles so far.
-    ticks: AtomicU32,
+    cycles: AtomicU32,
     /// Stops for want of blocks.
     starved: AtomicU32,
 }
 
-/// Shared memory of the two sides: `NODES` pieces twice.
-pub struct Link<S, const N: usize, const NODES: usize> {
-    queues: [Queue<Piece<S, N>, NODES>; 2],
-    flags: Flags,
+impl<S: Scalar> Flags<S> {
+    const fn new() -> Self {
+        Self {
+            offer: AtomicU32::new(TAKEN),
+            branch: AtomicU32::new(0),
+            by_cycle: AtomicU32::new(0),
+            lengths: [AtomicU32::new(0), AtomicU32::new(0)],
+            progress: AtomicU32::new(0),
+            version: AtomicU32::new(0),
+            began: AtomicU32::new(0),
+            lag: S::Shared::ZERO,
+            cycles: AtomicU32::new(0),
+            starved: AtomicU32::new(0),
+        }
+    }
 }
 
-impl<S, const N: usize, const NODES: usize> Default for Link<S, N, NODES> {
+/// Shared memory of the two sides: `NODES` pieces twice, and what an operator asks for.
+pub struct Link<S: Scalar, const N: usize, const NODES: usize> {
+    plans: [[Slot<S, N>; NODES]; 2],
+    flags: Flags<S>,
+    requests: Requests,
+}
+
+impl<S: Scalar, const N: usize, const NODES: usize> Default for Link<S, N, NODES> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<S, const N: usize, const NODES: usize> Link<S, N, NODES> {
+impl<S: Scalar, const N: usize, const NODES: usize> Link<S, N, NODES> {
     /// An empty link; it can live in a `static`.
     pub const fn new() -> Self {
         Self {
-            queues: [Queue::new(), Queue::new()],
-            flags: Flags {
-                published: AtomicU32::new(0),
-                verdict: AtomicU32::new(1),
-                progress: AtomicU32::new(0),
-                ticks: AtomicU32::new(0),
-                starved: AtomicU32::new(0),
-            },
+            plans: [const { [const { Slot::EMPTY }; NODES] }; 2],
+            flags: Flags::new(),
+            requests: Requests::new(),
         }
     }
 
-    pub(crate) fn split(&mut self) -> (PlanSide<'_, S, N>, ServoSide<'_, S, N>) {
-        let [first, second] = &mut self.queues;
-        let (write_first, read_first) = first.split();
-        let (write_second, read_second) = second.split();
+    /// Forgets everything and gives both ends.
+    pub(crate) fn split(&mut self) -> (PlanSide<'_, S, N>, ServoSide<'_, S, N>, &Requests) {
+        // What is left in the plan buffers is never read: their lengths are 0.
+        self.flags = Flags::new();
+        self.requests = Requests::new();
+        let plans = [&self.plans[0][..], &self.plans[1][..]];
         let flags = &self.flags;
         (
-            PlanSide { queues: [write_first, write_second], flags, published: 0, spare: 1 },
-            ServoSide {
-                queues: [read_first, read_second],
-                flags,
-                decided: 0,
-                active: 0,
-                stale: None,
-                taken: true,
-            },
+            PlanSide { plans, flags, offered: 0, spare: 1, written: 0 },
+            ServoSide { plans, flags, active: 0, next: 0 },
+            &self.requests,
         )
     }
 }
 
-/// The planner's end.
-pub(crate) struct PlanSide<'a, S, const N: usize> {
-    queues: [Producer<'a, Piece<S, N>>; 2],
-    flags: &'a Flags,
-    published: u32,
-    /// The queue that is not being executed.
-    spare: usize,
+/// When the piece under way began.
+#[derive(Clone, Copy, Debug)]
+pub struct Timeline<S> {
+    /// Node from which it starts.
+    pub serial: u32,
+    /// Servo cycle at whose end it was first evaluated or taken up.
+    pub began: u32,
+    /// How far into the piece the end of that cycle is, s.
+    pub lag: S,
 }
 
-impl<S, const N: usize> PlanSide<'_, S, N> {
+/// The planner's end.
+pub struct PlanSide<'a, S: Scalar, const N: usize> {
+    plans: [&'a [Slot<S, N>]; 2],
+    flags: &'a Flags<S>,
+    /// Number of the last offer.
+    offered: u32,
+    /// The buffer that is not being executed.
+    spare: usize,
+    written: usize,
+}
+
+/// Attempts at a consistent look at the timeline.
+const LOOKS: usize = 8;
+
+impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
     /// Whether the last plan was taken (`Some(true)`), refused, or is undecided (`None`). To be
-    /// asked once per plan.
+    /// asked until it is decided, then no more.
     pub fn verdict(&mut self) -> Option<bool> {
-        let verdict = self.flags.verdict.load(Ordering::Acquire);
-        if verdict >> 1 != self.published & (u32::MAX >> 1) {
-            return None;
+        let offer = self.flags.offer.load(Acquire);
+        match offer & VERDICT {
+            OPEN => None,
+            TAKEN => {
+                self.spare = 1 - self.spare;
+                Some(true)
+            }
+            _ => Some(false),
         }
-        let taken = verdict & 1 == 1;
-        if taken {
-            self.spare = 1 - self.spare;
-        }
-        Some(taken)
     }
 
-    /// Adds a piece to the plan that will be published next; only after a verdict.
-    pub fn write(&mut self, piece: Piece<S, N>) {
-        // The queue is empty and as long as the window: it cannot be full.
-        let _ = self.queues[self.spare].enqueue(piece);
+    /// Takes an offer back if it is still undecided. The verdict then is that it was refused.
+    pub fn withdraw(&mut self) {
+        let offer = self.offered << 2;
+        // If this fails, the interpolator has been faster, and its verdict stands.
+        let _ = self.flags.offer.compare_exchange(offer | OPEN, offer | REFUSED, AcqRel, Acquire);
     }
 
-    /// Hands over the pieces written since the last time.
-    pub fn publish(&mut self) {
-        self.published = self.published.wrapping_add(1);
-        self.flags.published.store(self.published, Ordering::Release);
+    /// Adds a piece to the plan that will be offered next; only when the last is decided.
+    pub fn write(&mut self, piece: &Piece<S, N>) {
+        if let Some(slot) = self.plans[self.spare].get(self.written) {
+            slot.store(piece);
+            self.written += 1;
+        }
+    }
+
+    /// Offers the pieces written since the last time; none at all means a rest at the branch.
+    pub fn offer(&mut self, branch: Branch) {
+        let (place, by_cycle) = match branch {
+            Branch::Node(serial) => (serial, 0),
+            Branch::Cycle(cycle) => (cycle, 1),
+        };
+        self.flags.branch.store(place, Relaxed);
+        self.flags.by_cycle.store(by_cycle, Relaxed);
+        self.flags.lengths[self.spare].store(self.written as u32, Relaxed);
+        self.written = 0;
+        self.offered = self.offered.wrapping_add(1) & (u32::MAX >> 2);
+        self.flags.offer.store(self.offered << 2 | OPEN, Release);
     }
 
     pub fn progress(&self) -> u32 {
-        self.flags.progress.load(Ordering::Acquire)
+        self.flags.progress.load(Acquire)
     }
 
-    pub fn ticks(&self) -> u32 {
-        self.flags.ticks.load(Ordering::Relaxed)
+    /// When the piece under way began; `None` if it changed at every look.
+    pub fn timeline(&self) -> Option<Timeline<S>> {
+        for _ in 0..LOOKS {
+            let version = self.flags.version.load(Acquire);
+            let timeline = Timeline {
+                serial: self.flags.progress.load(Relaxed),
+                began: self.flags.began.load(Relaxed),
+                lag: self.flags.lag.load(),
+            };
+            fence(Acquire);
+            if version & 1 == 0 && self.flags.version.load(Relaxed) == version {
+                return Some(timeline);
+            }
+        }
+        None
+    }
+
+    /// Servo cycles so far.
+    pub fn cycles(&self) -> u32 {
+        self.flags.cycles.load(Acquire)
     }
 
     pub fn starved(&self) -> u32 {
-        self.flags.starved.load(Ordering::Relaxed)
+        self.flags.starved.load(Relaxed)
     }
 }
 
-/// Stale pieces dropped in one tick at most.
-const DROPS: usize = 8;
-
 /// The interrupt's end.
-pub(crate) struct ServoSide<'a, S, const N: usize> {
-    queues: [Consumer<'a, Piece<S, N>>; 2],
-    flags: &'a Flags,
-    /// Number of the last plan decided on.
-    decided: u32,
-    /// Queue that is being executed.
+pub struct ServoSide<'a, S: Scalar, const N: usize> {
+    plans: [&'a [Slot<S, N>]; 2],
+    flags: &'a Flags<S>,
+    /// Buffer that is being executed.
     active: usize,
-    /// Queue that is being emptied.
-    stale: Option<usize>,
-    taken: bool,
+    /// Index of the next piece in it.
+    next: usize,
 }
 
-impl<S, const N: usize> ServoSide<'_, S, N> {
-    /// Drops a few stale pieces; reports the verdict once there are none left.
-    pub fn tidy(&mut self) {
-        let Some(queue) = self.stale else { return };
-        for _ in 0..DROPS {
-            if self.queues[queue].dequeue().is_none() {
-                self.stale = None;
-                let verdict = self.decided.wrapping_mul(2) | u32::from(self.taken);
-                self.flags.verdict.store(verdict, Ordering::Release);
-                return;
-            }
+impl<S: Scalar, const N: usize> ServoSide<'_, S, N> {
+    /// The offer that is open: its word, its branch.
+    fn open(&self) -> Option<(u32, Branch)> {
+        let offer = self.flags.offer.load(Acquire);
+        if offer & VERDICT != OPEN {
+            return None;
         }
+        let place = self.flags.branch.load(Relaxed);
+        let by_cycle = self.flags.by_cycle.load(Relaxed) != 0;
+        Some((offer, if by_cycle { Branch::Cycle(place) } else { Branch::Node(place) }))
+    }
+
+    /// Takes or refuses an offer; `false` if it has been withdrawn meanwhile.
+    fn decide(&mut self, offer: u32, verdict: u32) -> bool {
+        let done = self
+            .flags
+            .offer
+            .compare_exchange(offer, offer | verdict, AcqRel, Acquire)
+            .is_ok();
+        if done && verdict == TAKEN {
+            self.active = 1 - self.active;
+            self.next = 0;
+        }
+        done
+    }
+
+    /// Whether a new plan has just been taken that branches off at the end of servo cycle `last`.
+    pub fn change_over(&mut self, last: u32) -> bool {
+        let Some((offer, Branch::Cycle(cycle))) = self.open() else { return false };
+        let ahead = cycle.wrapping_sub(last);
+        if ahead > u32::MAX / 2 {
+            self.decide(offer, REFUSED);
+        }
+        ahead == 0 && self.decide(offer, TAKEN)
     }
 
     /// The piece that starts at node `serial`: of the new plan if one branches off there, else of
     /// the present one.
     pub fn next(&mut self, serial: u32) -> Option<Piece<S, N>> {
-        if self.flags.published.load(Ordering::Acquire) != self.decided && self.stale.is_none() {
-            let other = 1 - self.active;
-            if let Some(branch) = self.queues[other].peek().map(|piece| piece.serial) {
-                let ahead = branch.wrapping_sub(serial);
-                if ahead == 0 {
-                    self.decide(true, self.active);
-                    self.active = other;
-                } else if ahead > u32::MAX / 2 {
-                    self.decide(false, other);
-                }
+        if let Some((offer, Branch::Node(node))) = self.open() {
+            let ahead = node.wrapping_sub(serial);
+            if ahead == 0 {
+                self.decide(offer, TAKEN);
+            } else if ahead > u32::MAX / 2 {
+                self.decide(offer, REFUSED);
             }
         }
-        self.queues[self.active].dequeue()
+        let length = self.flags.lengths[self.active].load(Relaxed) as usize;
+        if self.next >= length {
+            return None;
+        }
+        let slot = self.plans[self.active].get(self.next)?;
+        self.next += 1;
+        Some(slot.load())
     }
 
-    fn decide(&mut self, taken: bool, stale: usize) {
-        self.decided = self.decided.wrapping_add(1);
-        self.taken = taken;
-        self.stale = Some(stale);
+    /// Reports the piece that is taken up, or that there is none.
+    pub fn report(&self, timeline: &Timeline<S>) {
+        let version = self.flags.version.load(Relaxed);
+        self.flags.version.store(version.wrapping_add(1), Relaxed);
+        fence(Release);
+        self.flags.began.store(timeline.began, Relaxed);
+        self.flags.lag.store(timeline.lag);
+        self.flags.progress.store(timeline.serial, Release);
+        self.flags.version.store(version.wrapping_add(2), Release);
     }
 
-    /// Reports from where the motion goes on.
-    pub fn report(&self, serial: u32) {
-        self.flags.progress.store(serial, Ordering::Release);
+    /// Number of the last servo cycle.
+    pub fn cycles(&self) -> u32 {
+        self.flags.cycles.load(Relaxed)
     }
 
     /// Counts a servo cycle.
-    pub fn count_tick(&self) {
-        let ticks = self.flags.ticks.load(Ordering::Relaxed);
-        self.flags.ticks.store(ticks.wrapping_add(1), Ordering::Relaxed);
+    pub fn count_cycle(&self) {
+        self.flags.cycles.store(self.cycles().wrapping_add(1), Release);
     }
 
     /// Counts a stop for want of blocks.
     pub fn count_starved(&self) {
-        let starved = self.flags.starved.load(Ordering::Relaxed);
-        self.flags.starved.store(starved.wrapping_add(1), Ordering::Relaxed);
+        let starved = self.flags.starved.load(Relaxed);
+        self.flags.starved.store(starved.wrapping_add(1), Relaxed);
     }
 }

@@ -4,11 +4,13 @@
 //! and moves on to the next; the [`Link`] carries whole plans over from the planner, each ending
 //! at rest, so that the interrupt can always come to a stop with what it has.
 
+pub(crate) mod control;
 mod interpolator;
 pub(crate) mod link;
 pub(crate) mod piece;
 mod setpoint;
 
+pub use control::Controls;
 pub use interpolator::Interpolator;
 pub use link::Link;
 pub use setpoint::{Activity, Setpoint};

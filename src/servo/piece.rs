@@ -1,8 +1,10 @@
 //! One piece of motion: a quintic per axis over a short time.
 
 use super::setpoint::{Activity, Setpoint};
+use crate::number::shared::Shared;
 use crate::number::{Coord, Scalar};
 use core::array::from_fn;
+use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// What follows a piece in its plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +15,10 @@ pub enum Sequel {
     Stop,
     /// A stop because the plan knows no further.
     Starved,
+}
+
+impl Sequel {
+    const ALL: [Self; 3] = [Self::Motion, Self::Stop, Self::Starved];
 }
 
 /// The motion over one cell of the path.
@@ -66,7 +72,75 @@ impl<S: Scalar, const N: usize> Piece<S, N> {
         }
     }
 
+    /// Way, speed and acceleration along the path `t` seconds after the start.
+    pub fn path_at(&self, t: S) -> (S, S, S) {
+        let p = &self.path;
+        let (two, three, four) = (S::of(2.0), S::of(3.0), S::of(4.0));
+        (
+            (((p[3] * t + p[2]) * t + p[1]) * t + p[0]) * t,
+            ((four * p[3] * t + three * p[2]) * t + two * p[1]) * t + p[0],
+            (S::of(12.0) * p[3] * t + S::of(6.0) * p[2]) * t + two * p[1],
+        )
+    }
+
     fn is_dwell(&self) -> bool {
         self.path[0] == S::ZERO && self.path[2] == S::ZERO && self.path[3] == S::ZERO
+    }
+}
+
+/// Place for a piece in memory that two contexts share.
+pub struct Slot<S: Scalar, const N: usize> {
+    serial: AtomicU32,
+    tag: AtomicU32,
+    sequel: AtomicU32,
+    time: S::Shared,
+    origin: [[AtomicU32; 2]; N],
+    axes: [[S::Shared; 5]; N],
+    way: [AtomicU32; 2],
+    path: [S::Shared; 4],
+}
+
+impl<S: Scalar, const N: usize> Slot<S, N> {
+    #[allow(clippy::declare_interior_mutable_const)]
+    pub const EMPTY: Self = Self {
+        serial: AtomicU32::new(0),
+        tag: AtomicU32::new(0),
+        sequel: AtomicU32::new(0),
+        time: S::Shared::ZERO,
+        origin: [const { <[AtomicU32; 2] as Shared<Coord>>::ZERO }; N],
+        axes: [const { [const { S::Shared::ZERO }; 5] }; N],
+        way: <[AtomicU32; 2] as Shared<Coord>>::ZERO,
+        path: [const { S::Shared::ZERO }; 4],
+    };
+
+    pub fn store(&self, piece: &Piece<S, N>) {
+        self.serial.store(piece.serial, Relaxed);
+        self.tag.store(piece.tag, Relaxed);
+        self.sequel.store(piece.sequel as u32, Relaxed);
+        self.time.store(piece.time);
+        for i in 0..N {
+            self.origin[i].store(piece.origin[i]);
+            for (slot, value) in self.axes[i].iter().zip(piece.axes[i]) {
+                slot.store(value);
+            }
+        }
+        self.way.store(piece.way);
+        for (slot, value) in self.path.iter().zip(piece.path) {
+            slot.store(value);
+        }
+    }
+
+    pub fn load(&self) -> Piece<S, N> {
+        let sequel = self.sequel.load(Relaxed) as usize;
+        Piece {
+            serial: self.serial.load(Relaxed),
+            tag: self.tag.load(Relaxed),
+            time: self.time.load(),
+            origin: from_fn(|i| self.origin[i].load()),
+            axes: from_fn(|i| from_fn(|k| self.axes[i][k].load())),
+            way: self.way.load(),
+            path: from_fn(|k| self.path[k].load()),
+            sequel: Sequel::ALL.get(sequel).copied().unwrap_or(Sequel::Stop),
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::machine::{Machine, Mode};
 use crate::program::{self, LETTERS, Program, ReadOptions, Speed};
-use crate::run::{Judge, Observer, Precision, Track, run};
+use crate::run::{Events, Judge, Observer, Precision, Track, run_with};
 use crate::view::{CsvOut, Progress, Report, Scene, Trace, plot, violations};
 use anyhow::{Context, Result, bail};
 use std::path::PathBuf;
@@ -48,6 +48,10 @@ pub struct Simulate {
     /// Chords a NURBS curve is cut into.
     #[arg(long, default_value_t = 80)]
     pub segments: usize,
+    /// Operator's commands: lines "time, action[, value]" with hold, resume, stop, abort, feed,
+    /// rapid, single, starve.
+    #[arg(long, value_name = "CSV")]
+    pub events: Option<PathBuf>,
     /// Setpoints, one row per servo cycle (CSV).
     #[arg(long, value_name = "CSV")]
     pub setpoints: Option<PathBuf>,
@@ -108,6 +112,10 @@ impl Simulate {
             }
         }
         let machine = self.machine(&program)?;
+        let events = match &self.events {
+            Some(path) => Events::read(path)?,
+            None => Events::default(),
+        };
         for warning in &program.warnings {
             eprintln!("warning: {}: {warning}", self.file.display());
         }
@@ -134,13 +142,17 @@ impl Simulate {
         if let Some(csv) = &mut csv {
             observers.push(csv);
         }
-        let stats = run(&program, &machine, self.scalar, &mut observers)
+        let stats = run_with(&program, &machine, self.scalar, &events, &mut observers)
             .with_context(|| self.file.display().to_string())?;
         progress.finish();
         if let Some(csv) = csv {
             csv.finish()?;
         }
-        let verdict = judge.verdict();
+        let mut verdict = judge.verdict();
+        if stats.aborted {
+            // It was not meant to get to the end.
+            verdict.end_error = 0.0;
+        }
         let report = Report::new(&program, &machine, self.scalar, &track, &verdict, &stats);
         if let Some(path) = &self.report {
             let text = serde_json::to_string_pretty(&report)?;
@@ -168,6 +180,9 @@ impl Simulate {
         }
         if !self.quiet {
             print_summary(&report);
+            if stats.aborted {
+                println!("aborted         the rest of the program was dropped");
+            }
         }
         let broken = violations(&verdict, self.scalar, machine.cycle, widest, &limits);
         if !broken.is_empty() {

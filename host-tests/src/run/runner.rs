@@ -1,8 +1,9 @@
 //! The servo cycle simulation: the core as a controller would run it, without the controller.
 
+use super::events::{Action, Events};
 use crate::machine::Machine;
 use crate::program::{Course, Move, Program, Speed};
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use splineway::{
     Activity, Block, Config, Coord, Counters, Feed, Link, Motion, Progress, PushError, Scalar, Turn,
 };
@@ -86,6 +87,8 @@ pub struct Stats {
     pub counters: Counters,
     /// Least number of nodes ahead of the motion while blocks were left, at a planning step.
     pub least_ahead: usize,
+    /// Whether the run ended with an abort.
+    pub aborted: bool,
     /// Duration of the planning steps.
     pub planning: Timing,
     /// Duration of the ticks.
@@ -106,50 +109,74 @@ pub fn run(
     precision: Precision,
     observers: &mut [&mut dyn Observer],
 ) -> Result<Stats> {
+    run_with(program, machine, precision, &Events::default(), observers)
+}
+
+/// Runs a program while an operator gives commands. An abort ends the run.
+///
+/// # Errors
+/// As [`run`]; a run that is still held after the last command.
+pub fn run_with(
+    program: &Program,
+    machine: &Machine,
+    precision: Precision,
+    events: &Events,
+    observers: &mut [&mut dyn Observer],
+) -> Result<Stats> {
+    let setting = Setting { program, machine, events };
     match precision {
-        Precision::F32 => run_scalar::<f32>(program, machine, observers),
-        Precision::F64 => run_scalar::<f64>(program, machine, observers),
+        Precision::F32 => run_scalar::<f32>(setting, observers),
+        Precision::F64 => run_scalar::<f64>(setting, observers),
     }
 }
 
+/// What is run, on what, and what the operator does.
+#[derive(Clone, Copy)]
+struct Setting<'a> {
+    program: &'a Program,
+    machine: &'a Machine,
+    events: &'a Events,
+}
+
 fn run_scalar<S: Scalar>(
-    program: &Program,
-    machine: &Machine,
+    setting: Setting<'_>,
     observers: &mut [&mut dyn Observer],
 ) -> Result<Stats> {
     // Unused axes up to the next size cost nothing but time.
-    match program.axes().len() {
-        0..=3 => run_axes::<S, 3>(program, machine, observers),
-        4..=6 => run_axes::<S, 6>(program, machine, observers),
-        _ => run_axes::<S, 9>(program, machine, observers),
+    match setting.program.axes().len() {
+        0..=3 => run_axes::<S, 3>(setting, observers),
+        4..=6 => run_axes::<S, 6>(setting, observers),
+        _ => run_axes::<S, 9>(setting, observers),
     }
 }
 
 fn run_axes<S: Scalar, const N: usize>(
-    program: &Program,
-    machine: &Machine,
+    setting: Setting<'_>,
     observers: &mut [&mut dyn Observer],
 ) -> Result<Stats> {
-    match machine.lookahead {
-        16 => run_sized::<S, N, 16, 64>(program, machine, observers),
-        64 => run_sized::<S, N, 64, 192>(program, machine, observers),
-        256 => run_sized::<S, N, 256, 512>(program, machine, observers),
+    match setting.machine.lookahead {
+        16 => run_sized::<S, N, 16, 64>(setting, observers),
+        64 => run_sized::<S, N, 64, 192>(setting, observers),
+        256 => run_sized::<S, N, 256, 512>(setting, observers),
         depth => bail!("lookahead is {depth}; the simulator has 16, 64 and 256"),
     }
 }
 
 fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
-    program: &Program,
-    machine: &Machine,
+    setting: Setting<'_>,
     observers: &mut [&mut dyn Observer],
 ) -> Result<Stats> {
+    let Setting { program, machine, events } = setting;
     let axes = program.axes();
     let config: Config<S, N> = machine.config(&axes)?;
     let mut stats = Stats { least_ahead: usize::MAX, ..Stats::default() };
     let start = coords::<N>(&program.start, &axes).context("start point")?;
     let mut link = Box::new(Link::<S, N, NODES>::new());
     let (mut planner, mut interpolator) = link.handles::<BLOCKS>(config, start)?;
+    let controls = planner.controls();
     let mut moves = program.moves.iter().peekable();
+    let mut events = events.list().iter().peekable();
+    let mut silent_until = 0.0;
     let mut cycle = 0u64;
     let mut idle = 0;
     let first: Vec<f64> = axes.iter().map(|&axis| program.start[axis]).collect();
@@ -170,7 +197,16 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     let mut position = first.clone();
     let (mut velocity, mut acceleration) = (zero.clone(), zero.clone());
     loop {
-        while let Some(step) = moves.peek() {
+        let now = cycle as f64 * machine.cycle;
+        while let Some(event) = events.next_if(|event| event.time <= now) {
+            event.action.send(controls);
+            if let Action::Starve(seconds) = event.action {
+                silent_until = now + seconds;
+            }
+        }
+        while let Some(step) = moves.peek()
+            && now >= silent_until
+        {
             let block =
                 block::<S, N>(step, &axes).with_context(|| format!("line {}", step.line))?;
             match planner.push(&block) {
@@ -192,6 +228,10 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             if moves.peek().is_some() {
                 stats.least_ahead = stats.least_ahead.min(planner.nodes_ahead());
             }
+        }
+        let waiting = progress == Progress::Held || now < silent_until;
+        if progress == Progress::Held && events.peek().is_none() {
+            bail!("the run is held after its last event: it needs a resume");
         }
         let began = Instant::now();
         let setpoint = interpolator.tick();
@@ -219,7 +259,15 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             if progress == Progress::Done {
                 break;
             }
-            idle += 1;
+            if progress == Progress::Aborted {
+                stats.aborted = true;
+                for (k, place) in planner.end().iter().enumerate() {
+                    let off = (place.to_mm() - setpoint.position_mm(k)).abs();
+                    ensure!(off < 1.0e-5, "axis {k} stands {off} mm off where the core says");
+                }
+                break;
+            }
+            idle = if waiting { 0 } else { idle + 1 };
             if idle > PATIENCE {
                 bail!("line {}: the core found no motion from here", setpoint.tag);
             }

@@ -1,4 +1,12 @@
 //! The background side: blocks in, plans out.
+//!
+//! [`Planner`] holds the look-ahead and says what is to be done now; [`plan`] makes plans and hands
+//! them over; [`control`] answers an operator's commands.
+
+mod control;
+mod plan;
+
+use self::plan::{ADDED, Changes, Pending};
 
 use crate::block::{Block, BlockError, PushError};
 use crate::machine::{Config, ConfigError};
@@ -8,13 +16,11 @@ use crate::path::builder::Builder;
 use crate::path::hermite;
 use crate::path::item::check_coordinates;
 use crate::path::node::Node;
-use crate::profile::compile::{self, Place};
-use crate::profile::law::{Law, State};
-use crate::profile::solver::{Solver, Stretch};
+use crate::profile::solver::Solver;
 use crate::profile::window::Window;
+use crate::servo::control::Requests;
 use crate::servo::link::PlanSide;
-use crate::servo::piece::Sequel;
-use crate::servo::{Interpolator, Link};
+use crate::servo::{Controls, Interpolator, Link};
 
 /// What a call of [`Planner::poll`] came to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +34,19 @@ pub enum Progress {
     NeedsBlocks,
     /// Everything that was pushed has been handed over.
     Done,
+    /// At rest because an operator asked for it: see [`Controls`].
+    Held,
+    /// At rest after an abort, and everything that had been pushed is dropped. Said once.
+    Aborted,
+}
+
+/// Why the plan ends where it does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Halt {
+    /// As soon as the limits allow.
+    Hold,
+    /// At the end of a block.
+    Block,
 }
 
 /// Counts since the start, for reports.
@@ -52,7 +71,7 @@ pub struct Counters {
 /// The producer's handle: takes blocks, plans, hands plans over.
 ///
 /// `N` axes, a look-ahead of `BLOCKS` blocks, a planning window of `NODES` nodes of the path.
-pub struct Planner<'a, S, const N: usize, const BLOCKS: usize, const NODES: usize> {
+pub struct Planner<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> {
     side: PlanSide<'a, S, N>,
     config: Config<S, N>,
     builder: Builder<S, N, BLOCKS>,
@@ -60,9 +79,23 @@ pub struct Planner<'a, S, const N: usize, const BLOCKS: usize, const NODES: usiz
     solver: Solver<S, NODES>,
     /// Running number of the node at which the present plan ends.
     planned_end: u32,
-    /// Node from which the plan that was published last branches off, and where it ends, until
-    /// the interpolator has decided on it.
-    pending: Option<(u32, u32)>,
+    /// The plan that was offered last, until the interpolator has decided on it.
+    pending: Option<Pending>,
+    /// What that plan has changed in the window.
+    changes: Changes<S, N>,
+    requests: &'a Requests,
+    /// Overrides in effect, per cent: of feeds and of rapids.
+    overrides: (u16, u16),
+    /// Why the plan ends where it does, if an operator has asked for it.
+    halt: Option<Halt>,
+    /// Whether the motion rests until it is resumed.
+    waits: bool,
+    /// Resumes seen.
+    resumes: u32,
+    /// Servo cycles after which an answer to a command takes effect.
+    reaction: u32,
+    /// Plans made when a rest at the end of a block was looked for last.
+    tried: u32,
     /// Node at which it is time for a new plan.
     checkpoint: u32,
     /// Tick at which the motion came to rest with nothing planned.
@@ -71,10 +104,8 @@ pub struct Planner<'a, S, const N: usize, const BLOCKS: usize, const NODES: usiz
     counters: Counters,
 }
 
-/// New plans are asked for when this part of the present one has been run.
-const PLAN_PART: u32 = 4;
-/// Room in the window for one more cell.
-const LEAST_ROOM: usize = 2;
+/// Room in the window for one more cell, and for the stations that answers to commands add.
+const LEAST_ROOM: usize = 2 + ADDED;
 /// A stop is imminent when less than this many leads remain.
 const URGENT_LEADS: f64 = 4.0;
 
@@ -93,8 +124,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Link<S, N, NODES> {
         if let Err(BlockError::Coordinate { axis, value }) = check_coordinates(&start) {
             return Err(ConfigError::Start { axis, value });
         }
-        *self = Self::new();
-        let (plan, servo) = self.split();
+        let (plan, servo, requests) = self.split();
         let node = Node { at: start, tangent: zero(), curvature: zero() };
         let planner = Planner {
             side: plan,
@@ -104,6 +134,14 @@ impl<S: Scalar, const N: usize, const NODES: usize> Link<S, N, NODES> {
             solver: Solver::new(),
             planned_end: 0,
             pending: None,
+            changes: Changes::NONE,
+            requests,
+            overrides: (100, 100),
+            halt: None,
+            waits: false,
+            resumes: 0,
+            reaction: 0,
+            tried: 0,
             checkpoint: 0,
             waiting_since: None,
             finished: false,
@@ -113,8 +151,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Link<S, N, NODES> {
     }
 }
 
-impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
-    Planner<'_, S, N, BLOCKS, NODES>
+impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
+    Planner<'a, S, N, BLOCKS, NODES>
 {
     /// Takes a block into the look-ahead. It starts where the block before ended.
     ///
@@ -124,6 +162,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// [`PushError::Full`] if there is no room now: poll, and push the same block again.
     /// [`PushError::Rejected`] if the block is not valid. Either way nothing has changed.
     pub fn push(&mut self, block: &Block<S, N>) -> Result<(), PushError> {
+        if self.requests.read().abort {
+            return Err(PushError::Full);
+        }
         self.builder.push(block, &self.config)?;
         self.finished = false;
         Ok(())
@@ -135,7 +176,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         self.finished = true;
     }
 
-    /// End point of the last block taken.
+    /// The operator's handle: hold, resume, overrides and the like.
+    pub fn controls(&self) -> Controls<'a> {
+        Controls::new(self.requests)
+    }
+
+    /// End point of the last block taken; after an abort, where the machine stands.
     pub fn end(&self) -> &[Coord; N] {
         self.builder.end()
     }
@@ -172,41 +218,20 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.builder.close();
         }
         self.build();
+        let wish = self.requests.read();
+        if let Some(progress) = self.obey(&wish, at) {
+            return progress;
+        }
         if self.pending.is_some() {
             return Progress::Waiting;
         }
         let resting = at == self.planned_end;
-        if resting { self.poll_at_rest() } else { self.poll_moving(at) }
-    }
-
-    /// The interpolator's word on the plan published last.
-    fn hear(&mut self) {
-        let Some((branch, end)) = self.pending else { return };
-        let Some(taken) = self.side.verdict() else { return };
-        self.pending = None;
-        if taken {
-            self.planned_end = end;
-        } else {
-            self.counters.late += 1;
-            #[cfg(feature = "defmt")]
-            defmt::warn!("the plan from node {} came too late", branch);
-        }
-        // The part of the window that both plans share is the same in either.
-        let from = if taken { branch } else { self.side.progress() };
-        let last = self.window.index(self.planned_end);
-        for i in self.window.index(from)..self.window.len() {
-            if let Some(station) = self.window.get_mut(i) {
-                if taken {
-                    station.agreed = station.state;
-                } else {
-                    station.state = if i <= last { station.agreed } else { State::REST };
-                }
-            }
-        }
+        if resting { self.poll_at_rest(wish.single) } else { self.poll_moving(at) }
     }
 
     /// Cuts blocks into cells as long as there is room.
     fn build(&mut self) {
+        let pace = self.pace();
         for _ in 0..NODES {
             // A cell may have to be split in two.
             if self.window.room() < LEAST_ROOM {
@@ -216,7 +241,6 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             let node = last.node;
             let Some(cut) = self.builder.emit(&node, &self.config) else { return };
             self.counters.cells += 1;
-            let (limits, cycle) = (&self.config.limits, self.config.cycle);
             let before = self.window.serial(self.window.len() - 1);
             let lone = cut.rest && cut.cell.length > S::ZERO && self.may_rest_at(before);
             if let Some(last) = self.window.last_mut()
@@ -227,10 +251,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             if lone {
                 // From rest to rest there must be a node between.
                 let (first, middle, second) = hermite::split(&cut.from, &cut.cell, &cut.node);
-                self.window.append(first, middle, false, limits, cycle);
-                self.window.append(second, cut.node, true, limits, cycle);
+                self.window.append(first, middle, false, &pace);
+                self.window.append(second, cut.node, true, &pace);
             } else {
-                self.window.append(cut.cell, cut.node, cut.rest, limits, cycle);
+                self.window.append(cut.cell, cut.node, cut.rest, &pace);
             }
         }
     }
@@ -238,19 +262,19 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// Whether a plan may end at a node.
     fn may_rest_at(&self, serial: u32) -> bool {
         let rests = self.window.get(self.window.index(serial)).is_some_and(|station| station.rest);
-        rests || serial == self.planned_end || self.pending.is_some_and(|(_, end)| end == serial)
+        rests || serial == self.planned_end || self.pending.is_some_and(|pending| pending.end == serial)
     }
 
     /// At rest where the plan ends: start when the look-ahead is full, when no more is to come, or
     /// when more has not come for a while.
-    fn poll_at_rest(&mut self) -> Progress {
+    fn poll_at_rest(&mut self, single: bool) -> Progress {
         let end = self.window.serial(self.window.len() - 1);
         let unplanned = end != self.planned_end;
         if !unplanned && self.builder.len() == 0 {
             self.waiting_since = None;
             return if self.finished { Progress::Done } else { Progress::NeedsBlocks };
         }
-        let now = self.side.ticks();
+        let now = self.side.cycles();
         let since = *self.waiting_since.get_or_insert(now);
         let waited = S::from_u32(now.wrapping_sub(since)) * self.config.cycle;
         let full = self.builder.is_full() || self.window.room() < LEAST_ROOM;
@@ -262,7 +286,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.build();
         }
         self.waiting_since = None;
-        self.plan(self.planned_end)
+        self.plan(self.planned_end, single)
     }
 
     /// In motion: plan on when a part of the plan has been run or its end is near.
@@ -287,111 +311,6 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return Progress::Waiting;
         }
         let Some(branch) = self.branch(at) else { return Progress::Waiting };
-        self.plan(branch)
-    }
-
-    /// Time from the end of the piece under way to the end of the plan, s.
-    fn time_ahead(&self, at: u32) -> S {
-        let mut time = S::ZERO;
-        for i in self.window.index(at) + 1..self.window.index(self.planned_end) {
-            time += self.agreed_time(i);
-        }
-        time
-    }
-
-    fn agreed_time(&self, i: usize) -> S {
-        match self.window.get(i) {
-            Some(station) if !(station.cell.length > S::ZERO) => station.cell.dwell,
-            Some(_) => self.window.agreed_law(i).map_or(S::ZERO, |law| law.time),
-            None => S::ZERO,
-        }
-    }
-
-    /// The node from which a new plan can branch off: a lead ahead of the motion.
-    fn branch(&self, at: u32) -> Option<u32> {
-        let end = self.window.index(self.planned_end);
-        let mut time = S::ZERO;
-        for i in self.window.index(at) + 1..=end {
-            if time >= self.config.lead || i == end {
-                return Some(self.window.serial(i));
-            }
-            time += self.agreed_time(i);
-        }
-        None
-    }
-
-    /// One planning step: states for everything behind the branch, handed over as a plan.
-    fn plan(&mut self, branch: u32) -> Progress {
-        let first = self.window.index(branch);
-        let new = self.window.index(self.planned_end).max(first);
-        let mut stretch = Stretch { first, last: self.window.len() - 1 };
-        if self.is_lone_start(stretch) {
-            stretch.last -= 1;
-        }
-        if self.window.serial(stretch.last) == self.planned_end {
-            return Progress::NeedsBlocks;
-        }
-        let limits = self.config.limits;
-        if !self.solver.seed(&mut self.window, stretch, new, &limits) {
-            self.counters.stuck += 1;
-            #[cfg(feature = "defmt")]
-            defmt::warn!("no motion found from node {}", branch);
-            return Progress::Waiting;
-        }
-        let cold = new == first;
-        let steps =
-            self.solver.improve(&mut self.window, stretch, &limits, self.config.iterations, cold);
-        self.counters.steps += u32::from(steps);
-        self.publish(stretch);
-        Progress::Planned
-    }
-
-    /// Whether the last cell starts at rest and ends where the window does: from rest to rest in a
-    /// single cell there is no motion, so it must wait for the next.
-    fn is_lone_start(&self, Stretch { first, last }: Stretch) -> bool {
-        let Some((station, after)) = last.checked_sub(1).and_then(|i| self.window.pair(i)) else {
-            return false;
-        };
-        (station.rest || first + 1 == last) && !after.rest && station.cell.length > S::ZERO
-    }
-
-    fn publish(&mut self, stretch: Stretch) {
-        for i in stretch.first..stretch.last {
-            let Some((station, after)) = self.window.pair(i) else { break };
-            let view = station.view(after, &self.config.limits);
-            let at_end = i + 1 == stretch.last;
-            let place = Place {
-                serial: self.window.serial(i),
-                way: station.way,
-                sequel: if after.rest {
-                    Sequel::Stop
-                } else if at_end {
-                    Sequel::Starved
-                } else {
-                    Sequel::Motion
-                },
-            };
-            let to = if at_end { State::REST } else { after.state };
-            let piece = if station.cell.length > S::ZERO {
-                let Some(law) = Law::new(station.cell.length, station.state, to) else { break };
-                compile::piece(&view, &law, place)
-            } else {
-                compile::standstill(&view, place)
-            };
-            self.side.write(piece);
-        }
-        self.side.publish();
-        let (branch, end) = (self.window.serial(stretch.first), self.window.serial(stretch.last));
-        self.pending = Some((branch, end));
-        self.checkpoint = branch.wrapping_add((end.wrapping_sub(branch) / PLAN_PART).max(1));
-        self.counters.plans += 1;
-        #[cfg(feature = "defmt")]
-        defmt::debug!(
-            "plan {}: nodes {} to {}, {} steps so far",
-            self.counters.plans,
-            branch,
-            end,
-            self.counters.steps
-        );
+        self.plan(branch, false)
     }
 }

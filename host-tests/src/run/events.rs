@@ -1,0 +1,164 @@
+//! An operator's commands at given times, for simulated runs.
+
+use anyhow::{Context, Result, bail};
+use splineway::Controls;
+use std::path::Path;
+
+/// One command.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Action {
+    /// Feed hold.
+    Hold,
+    /// End of a hold or a stop.
+    Resume,
+    /// Rest at the end of the block under way.
+    Stop,
+    /// Controlled stop, queue dropped.
+    Abort,
+    /// Feed override, per cent.
+    Feed(u16),
+    /// Override of rapids, per cent.
+    Rapid(u16),
+    /// Single block mode.
+    Single(bool),
+    /// The producer sends nothing for this many seconds.
+    Starve(f64),
+}
+
+/// A command at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    /// Seconds since the start.
+    pub time: f64,
+    /// What is asked for.
+    pub action: Action,
+}
+
+/// Commands in order of time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Events {
+    list: Vec<Event>,
+}
+
+/// What a file of events looks like.
+pub const FORMAT: &str = "\
+Events are lines \"time, action[, value]\", times in seconds since the start:
+  hold | resume | stop (at the end of the block) | abort | feed, 0..200 | rapid, 0..100 (per cent)
+  single, on|off | starve, SECONDS (the producer sends nothing)";
+
+impl Events {
+    /// Commands in any order.
+    pub fn new(mut list: Vec<Event>) -> Self {
+        list.sort_by(|a, b| a.time.total_cmp(&b.time));
+        Self { list }
+    }
+
+    /// Reads a file of events.
+    ///
+    /// # Errors
+    /// What cannot be read or understood, with its line.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(path)
+            .with_context(|| format!("cannot read {}", path.display()))?;
+        Self::parse(&text).with_context(|| path.display().to_string())
+    }
+
+    /// Understands the text of a file of events.
+    ///
+    /// # Errors
+    /// What cannot be understood, with its line.
+    pub fn parse(text: &str) -> Result<Self> {
+        let mut reader = csv::ReaderBuilder::new()
+            .has_headers(false)
+            .flexible(true)
+            .comment(Some(b'#'))
+            .trim(csv::Trim::All)
+            .from_reader(text.as_bytes());
+        let mut list = Vec::new();
+        for record in reader.records() {
+            let record = record?;
+            let line = record.position().map_or(0, csv::Position::line);
+            let event =
+                event(&record).with_context(|| format!("line {line}")).context(FORMAT)?;
+            list.push(event);
+        }
+        Ok(Self::new(list))
+    }
+
+    /// The commands.
+    pub fn list(&self) -> &[Event] {
+        &self.list
+    }
+}
+
+fn event(record: &csv::StringRecord) -> Result<Event> {
+    let field = |n: usize| record.get(n).unwrap_or_default();
+    let Ok(time) = field(0).parse::<f64>() else {
+        bail!("\"{}\" is not a time in seconds", field(0))
+    };
+    if !(time >= 0.0 && time.is_finite()) {
+        bail!("time {time} s: it must be 0 or more");
+    }
+    let value = field(2);
+    let percent = |most: u16| match value.parse::<u16>() {
+        Ok(percent) if percent <= most => Ok(percent),
+        _ => bail!("\"{value}\" is not a percentage from 0 to {most}"),
+    };
+    let action = match (field(1), record.len()) {
+        ("hold", 2) => Action::Hold,
+        ("resume", 2) => Action::Resume,
+        ("stop", 2) => Action::Stop,
+        ("abort", 2) => Action::Abort,
+        ("feed", 3) => Action::Feed(percent(200)?),
+        ("rapid", 3) => Action::Rapid(percent(100)?),
+        ("single", 3) if value == "on" || value == "off" => Action::Single(value == "on"),
+        ("starve", 3) => match value.parse::<f64>() {
+            Ok(seconds) if seconds >= 0.0 && seconds.is_finite() => Action::Starve(seconds),
+            _ => bail!("\"{value}\" is not a duration in seconds"),
+        },
+        (name, _) => bail!("\"{name}\" with {} fields is not an action", record.len()),
+    };
+    Ok(Event { time, action })
+}
+
+impl Action {
+    /// Hands the command to the core; a pause of the producer is not the core's business.
+    pub(super) fn send(self, controls: Controls<'_>) {
+        match self {
+            Self::Hold => controls.hold(),
+            Self::Resume => controls.resume(),
+            Self::Stop => controls.stop(),
+            Self::Abort => controls.abort(),
+            Self::Feed(percent) => controls.feed_override(percent),
+            Self::Rapid(percent) => controls.rapid_override(percent),
+            Self::Single(on) => controls.single_block(on),
+            Self::Starve(_) => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_sorted_by_time() {
+        let events = Events::parse("# c\n0.8, resume\n0.5,hold\n1, feed, 50\n").unwrap();
+        let times: Vec<f64> = events.list().iter().map(|event| event.time).collect();
+        assert_eq!(times, [0.5, 0.8, 1.0]);
+        assert_eq!(events.list()[2].action, Action::Feed(50));
+    }
+
+    #[test]
+    fn errors_name_the_line() {
+        for (text, words) in [
+            ("0.1,hold\n0.2,leap", "line 2"),
+            ("x,hold", "not a time"),
+            ("1,feed,300", "0 to 200"),
+            ("1,single,maybe", "not an action"),
+        ] {
+            let error = format!("{:#}", Events::parse(text).unwrap_err());
+            assert!(error.contains(words), "{error}");
+        }
+    }
+}

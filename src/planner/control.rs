@@ -1,0 +1,545 @@
+//! Answers to an operator's commands: hold, stop, abort, overrides, single block.
+//!
+//! A command is answered by a plan that branches off where the motion will be at the end of a
+//! servo cycle, so the answer shows in the cycle after it. The cell under way is cut there: what is
+//! left of it starts at the very position, velocity and acceleration that the piece under way has
+//! at that moment, so the motion as planned before is a valid start for the solver, and the new
+//! plan joins without a step in any derivative up to the second. The cells within the distance
+//! that it takes to stop are cut finer, the solver finds the states ([`Aim::Halt`], [`Aim::Slow`]
+//! or, when an override is raised, [`Aim::Time`]), and the plan is offered. If the interrupt
+//! has passed that cycle meanwhile, it refuses; then everything is as it was before and the
+//! next attempt allows more cycles.
+
+use super::plan::{ADDED, Changes};
+use super::{Halt, Planner, Progress};
+use crate::number::Scalar;
+use crate::number::vector::{dot, norm, zero};
+use crate::path::builder::Builder;
+use crate::path::hermite;
+use crate::path::node::Node;
+use crate::profile::law::State;
+use crate::profile::rows::Pace;
+use crate::profile::solver::{Aim, Stretch};
+use crate::profile::window::Station;
+use crate::servo::control::Wish;
+use crate::servo::link::Branch;
+use crate::servo::piece::{Piece, Sequel};
+use core::array::from_fn;
+
+/// A cell is cut only if this many servo cycles are left of it.
+const LEAST_CYCLES: f64 = 2.0;
+/// Cells in the distance that it takes to stop.
+const BRAKE_CELLS: f64 = 6.0;
+/// Places tried for a stop.
+const STOP_TRIES: u32 = 8;
+/// Ends of blocks tried for a stop.
+const END_TRIES: u32 = 4;
+
+impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
+    Planner<'_, S, N, BLOCKS, NODES>
+{
+    /// How fast the machine may go, and is asked to.
+    pub(super) fn pace(&self) -> Pace<S, N> {
+        let factor = |percent: u16| S::from_u32(u32::from(percent.max(1))) * S::of(0.01);
+        Pace {
+            limits: self.config.limits,
+            cycle: self.config.cycle,
+            feed: factor(self.overrides.0),
+            rapid: factor(self.overrides.1),
+        }
+    }
+
+    /// Does what is asked for. `Some` if there is nothing else to do in this call.
+    pub(super) fn obey(&mut self, wish: &Wish, at: u32) -> Option<Progress> {
+        let resumed = wish.resumes != self.resumes;
+        self.resumes = wish.resumes;
+        if self.pending.is_none() && at == self.planned_end {
+            return self.obey_at_rest(wish, resumed);
+        }
+        let held = wish.hold || wish.abort || wish.overrides.0 == 0 || wish.overrides.1 == 0;
+        if held {
+            if matches!(self.halt, Some(Halt::Hold)) {
+                return Some(Progress::Waiting);
+            }
+            let planned = self.revoke() && self.brake();
+            // If it could not be done at once: the plan is not taken further, and ends at rest.
+            return Some(if planned { Progress::Planned } else { Progress::Waiting });
+        }
+        if resumed || (matches!(self.halt, Some(Halt::Hold)) && self.pending.is_none()) {
+            self.halt = None;
+        }
+        if wish.overrides != self.overrides && self.revoke() && self.retune(wish.overrides) {
+            return Some(Progress::Planned);
+        }
+        if self.pending.is_some() {
+            return None;
+        }
+        if wish.stop || wish.single {
+            if matches!(self.halt, Some(Halt::Block)) {
+                return Some(Progress::Waiting);
+            }
+            if self.tried != self.counters.plans {
+                self.tried = self.counters.plans;
+                if self.rest_at_block_end() {
+                    return Some(Progress::Planned);
+                }
+            }
+        }
+        None
+    }
+
+    /// At rest: whether to go on.
+    fn obey_at_rest(&mut self, wish: &Wish, resumed: bool) -> Option<Progress> {
+        if matches!(self.halt, Some(Halt::Block)) {
+            self.waits = true;
+        }
+        self.halt = None;
+        if wish.abort {
+            let last = self.window.index(self.planned_end);
+            self.window.truncate(last);
+            if let Some(station) = self.window.last() {
+                self.builder = Builder::new(station.node.at);
+            }
+            self.waits = false;
+            self.requests.aborted();
+            return Some(Progress::Aborted);
+        }
+        if wish.overrides != self.overrides {
+            self.overrides = wish.overrides;
+            let pace = self.pace();
+            for i in 0..self.window.len() {
+                self.window.bound(i, &pace);
+            }
+        }
+        if wish.stop {
+            self.requests.stopped();
+            self.waits = true;
+        }
+        if resumed {
+            self.waits = false;
+        }
+        let held = wish.hold || wish.overrides.0 == 0 || wish.overrides.1 == 0;
+        (held || self.waits).then_some(Progress::Held)
+    }
+
+    /// Takes back a plan that has not been decided on. Whether there is none any more.
+    fn revoke(&mut self) -> bool {
+        match self.pending {
+            None => true,
+            // It will be decided on within a few cycles.
+            Some(pending) if pending.by_cycle => false,
+            Some(_) => {
+                self.side.withdraw();
+                let late = self.counters.late;
+                self.hear();
+                // That was no fault of the planner's.
+                self.counters.late = late;
+                self.pending.is_none()
+            }
+        }
+    }
+
+    /// Cuts the window where the motion will be when an answer can take effect. Returns the index
+    /// of the station there and the branch.
+    fn cut_in(&mut self) -> Option<(usize, Branch)> {
+        self.changes = Changes::NONE;
+        let line = self.side.timeline()?;
+        let when = self.side.cycles().wrapping_add(self.reaction);
+        let cycle = self.config.cycle;
+        let end = self.window.index(self.planned_end);
+        let (mut began, mut lag) = (line.began, line.lag);
+        // As the interpolator will do it, to the last bit.
+        for i in self.window.index(line.serial)..end {
+            let time = self.agreed_time(i);
+            let left = when.wrapping_sub(began);
+            let t = lag + S::from_u32(left) * cycle;
+            if t < time {
+                return self.cut_cell(i, t, time, when);
+            }
+            let mut count = ((time - lag) / cycle).to_i64().max(0) as u32;
+            // The quotient may be off by one, either way.
+            count = count.saturating_sub(1);
+            for _ in 0..3 {
+                if lag + S::from_u32(count) * cycle < time {
+                    count += 1;
+                }
+            }
+            lag = lag + S::from_u32(count) * cycle - time;
+            began = began.wrapping_add(count);
+        }
+        None
+    }
+
+    /// Cuts the cell of station `i`, `t` seconds after its start.
+    fn cut_cell(&mut self, i: usize, t: S, time: S, when: u32) -> Option<(usize, Branch)> {
+        let original = *self.window.get(i)?;
+        if time - t < self.config.cycle * S::of(LEAST_CYCLES) {
+            // Hardly anything is left of it: branch off at its end, if it is passed at speed.
+            let next = self.window.get(i + 1)?;
+            let moving = next.agreed.b > S::ZERO && next.cell.length > S::ZERO;
+            return moving.then(|| (i + 1, Branch::Node(self.window.serial(i + 1))));
+        }
+        let station = self.station_within(i, t)?;
+        self.changes.replaced = Some((self.window.serial(i), original));
+        *self.window.get_mut(i)? = station;
+        Some((i, Branch::Cycle(when)))
+    }
+
+    /// A station in the middle of the cell of station `i`, `t` seconds after its start, in the
+    /// motion as agreed: the rest of the cell is run as if nothing had been cut.
+    fn station_within(&self, i: usize, t: S) -> Option<Station<S, N>> {
+        let (station, after) = self.window.pair(i)?;
+        let piece: Piece<S, N> = self.piece(i, after.agreed, Sequel::Motion)?;
+        let (way, speed, _) = piece.path_at(t);
+        if !(speed > self.least_speed()) {
+            return None;
+        }
+        let here = piece.at(t);
+        let at = from_fn(|k| here.origin[k].plus(here.offset[k]));
+        let mut cut = *station;
+        let node = if station.cell.straight {
+            Node { at, tangent: station.node.tangent, curvature: zero() }
+        } else {
+            let size = norm(&here.velocity);
+            let tangent = from_fn(|k| here.velocity[k] / size);
+            let along = dot(&here.acceleration, &tangent);
+            let per = S::ONE / (size * size);
+            let bend = from_fn(|k| (here.acceleration[k] - tangent[k] * along) * per);
+            Node { at, tangent, curvature: bend }
+        };
+        let v = dot(&here.velocity, &node.tangent);
+        let state = State { b: v * v, a: dot(&here.acceleration, &node.tangent) };
+        cut.node = node;
+        cut.rest = false;
+        cut.way = station.way.plus(way);
+        cut.state = state;
+        cut.agreed = state;
+        if station.cell.straight {
+            let rest: [S; N] = from_fn(|k| after.node.at[k].minus(at[k]));
+            cut.cell.length = dot(&rest, &node.tangent);
+            cut.cell.bulge = zero();
+        } else {
+            // The length with which the rest takes the same time: then it is the same quintic.
+            let left = piece.time - t;
+            cut.cell.length = left * (v + after.agreed.b.sqrt()) * S::of(0.5)
+                + left * left * (state.a - after.agreed.a) * S::of(1.0 / 12.0);
+            cut.cell.bulge = cut.node.bulge_to(&after.node.at, cut.cell.length);
+        }
+        (cut.cell.length > S::ZERO).then_some(cut)
+    }
+
+    /// Speed below which a motion is not cut, mm/s: it comes to rest or gets going in a moment.
+    fn least_speed(&self) -> S {
+        let jerk = self.config.limits.axes().iter().fold(S::of(1.0e12), |j, axis| j.least(axis.jerk));
+        jerk * self.config.cycle * self.config.cycle
+    }
+
+    /// Puts a station behind the one at `i`; whether there was room.
+    fn add(&mut self, i: usize, station: Station<S, N>) -> bool {
+        if self.changes.added.is_full() || !self.window.insert_after(i, station) {
+            return false;
+        }
+        let serial = self.window.serial(i + 1);
+        if self.planned_end.wrapping_sub(serial) <= u32::MAX / 2 {
+            self.planned_end = self.planned_end.wrapping_add(1);
+        }
+        let _ = self.changes.added.push(serial);
+        true
+    }
+
+    /// Cuts the cells of the agreed motion within braking distance of `first` finer.
+    fn refine(&mut self, first: usize, last: usize) -> usize {
+        let limits = self.config.limits;
+        let Some(start) = self.window.get(first) else { return last };
+        let speed = start.state.b.sqrt();
+        let mut worst = S::ZERO;
+        for axis in limits.axes() {
+            worst = worst.greatest(speed / axis.acceleration);
+        }
+        let distance = speed * (worst + limits.time_scale()) * S::of(0.6);
+        let longest = distance / S::of(BRAKE_CELLS);
+        let (mut i, mut last) = (first, last);
+        let mut way = S::ZERO;
+        let pace = self.pace();
+        for _ in 0..NODES {
+            let Some(station) = self.window.get(i) else { break };
+            let length = station.cell.length;
+            if i >= last || way > distance {
+                break;
+            }
+            let time = self.window.agreed_law(i).map(|law| law.time * S::of(0.5));
+            let middle = time.and_then(|t| Some((self.station_within(i, t)?, t)));
+            match middle {
+                // The last one is for the stop itself.
+                Some((cut, t)) if length > longest && self.changes.added.len() + 1 < ADDED => {
+                    if !self.shorten(i, &cut, t) || !self.add(i, cut) {
+                        break;
+                    }
+                    last += 1;
+                    self.window.bound(i, &pace);
+                    self.window.bound(i + 1, &pace);
+                }
+                _ => {
+                    way += length;
+                    i += 1;
+                }
+            }
+        }
+        last
+    }
+
+    /// Makes the cell of station `i` end at a station within it, `t` seconds after its start.
+    fn shorten(&mut self, i: usize, cut: &Station<S, N>, t: S) -> bool {
+        let Some(station) = self.window.get_mut(i) else { return false };
+        if station.cell.straight {
+            let way: [S; N] = from_fn(|k| cut.node.at[k].minus(station.node.at[k]));
+            station.cell.length = dot(&way, &station.node.tangent);
+        } else {
+            let (from, to) = (station.agreed, cut.agreed);
+            station.cell.length = t * (from.b.sqrt() + to.b.sqrt()) * S::of(0.5)
+                + t * t * (from.a - to.a) * S::of(1.0 / 12.0);
+            station.cell.bulge = station.node.bulge_to(&cut.node.at, station.cell.length);
+        }
+        true
+    }
+
+    /// Splits the cell of station `i` in its middle; nothing is known of the motion there.
+    pub(super) fn split_cell(&mut self, i: usize) -> bool {
+        let Some((station, after)) = self.window.pair(i) else { return false };
+        let (first, middle, second) = hermite::split(&station.node, &station.cell, &after.node);
+        let mut cut = *station;
+        cut.way = station.way.plus(first.length);
+        cut.node = middle;
+        cut.cell = second;
+        cut.rest = false;
+        cut.state = State::REST;
+        cut.agreed = State::REST;
+        let serial = self.window.serial(i + 1);
+        if !self.window.insert_after(i, cut) {
+            return false;
+        }
+        if self.planned_end.wrapping_sub(serial) <= u32::MAX / 2 {
+            self.planned_end = self.planned_end.wrapping_add(1);
+        }
+        if let Some(station) = self.window.get_mut(i) {
+            station.cell = first;
+        }
+        let pace = self.pace();
+        self.window.bound(i, &pace);
+        self.window.bound(i + 1, &pace);
+        true
+    }
+
+    /// The stretch from a branch to the end of the plan, or to the first rest in it.
+    fn stretch_from(&self, first: usize) -> Stretch {
+        let end = self.window.index(self.planned_end);
+        let rests = |i: &usize| self.window.get(*i).is_some_and(|station| station.rest);
+        let last = (first + 1..end).find(rests).unwrap_or(end);
+        Stretch { first, last, open: false }
+    }
+
+    /// The window as it was: an answer could not be made.
+    fn give_up(&mut self) -> bool {
+        self.undo();
+        let last = self.window.index(self.planned_end);
+        for i in 0..self.window.len() {
+            if let Some(station) = self.window.get_mut(i) {
+                station.state = if i <= last { station.agreed } else { State::REST };
+            }
+        }
+        false
+    }
+
+    /// Braking states from where an answer can take effect, on cells cut finer.
+    fn slow_down(&mut self) -> Option<(Stretch, Branch)> {
+        let (first, branch) = self.cut_in()?;
+        let mut stretch = self.stretch_from(first);
+        let before = self.planned_end;
+        self.refine(first, stretch.last);
+        stretch.last += self.planned_end.wrapping_sub(before) as usize;
+        self.loosen(first, stretch.last);
+        let limits = self.config.limits;
+        let steps = self.solver.improve(
+            &mut self.window,
+            stretch,
+            &limits,
+            self.config.iterations,
+            (Aim::Halt, false),
+        );
+        self.counters.steps += u32::from(steps);
+        Some((stretch, branch))
+    }
+
+    /// A plan that comes to rest as soon as the limits allow.
+    fn brake(&mut self) -> bool {
+        let Some((stretch, branch)) = self.slow_down() else {
+            self.give_up();
+            return self.rest_next();
+        };
+        let mut tries = 0;
+        for i in stretch.first..stretch.last {
+            let Some(station) = self.window.get(i) else { break };
+            let State { b, a } = station.state;
+            // Constant jerk a^2 / 2 v takes speed and acceleration to zero over 2 v^2 / 3 |a|.
+            let way = b * S::of(2.0 / 3.0);
+            if !(a < S::ZERO && way < -(a * station.cell.length)) {
+                continue;
+            }
+            let share = way / (-(a * station.cell.length));
+            if let Some(end) = self.rest_within(i, share) {
+                let held = Stretch { last: end, ..stretch };
+                if self.solver.holds(&self.window, held, &self.config.limits) {
+                    self.halt = Some(Halt::Hold);
+                    self.publish(held, branch, self.overrides);
+                    return true;
+                }
+                self.take_out(end);
+            }
+            tries += 1;
+            if tries >= STOP_TRIES {
+                break;
+            }
+        }
+        // The rest that the plan comes to anyway may be nearer than any other.
+        if stretch.last - stretch.first <= 3 && self.counters.plans != self.tried {
+            let _ = self.give_up();
+            return self.rest_next();
+        }
+        self.give_up()
+    }
+
+    /// If the motion comes to rest at the end of the piece under way, lets it stay there.
+    fn rest_next(&mut self) -> bool {
+        let next = self.side.progress().wrapping_add(1);
+        let i = self.window.index(next);
+        let rests = self.window.get(i).is_some_and(|station| station.rest);
+        if next == self.planned_end {
+            self.halt = Some(Halt::Hold);
+        } else if rests && self.window.serial(i) == next {
+            self.halt = Some(Halt::Hold);
+            let stretch = Stretch { first: i, last: i, open: false };
+            self.publish(stretch, Branch::Node(next), self.overrides);
+            return true;
+        }
+        false
+    }
+
+    /// Puts a station within the cell of station `i`; returns its index.
+    fn rest_within(&mut self, i: usize, share: S) -> Option<usize> {
+        let (station, after) = self.window.pair(i)?;
+        let (first, middle, second) =
+            hermite::split_at(&station.node, &station.cell, &after.node, share);
+        let mut cut = *station;
+        cut.way = station.way.plus(first.length);
+        cut.node = middle;
+        cut.cell = second;
+        cut.rest = false;
+        cut.state = State::REST;
+        if !self.add(i, cut) {
+            return None;
+        }
+        let bounds = self.window.get(i)?.bounds;
+        self.window.get_mut(i)?.cell = first;
+        let pace = self.pace();
+        for k in [i, i + 1] {
+            self.window.bound(k, &pace);
+            let station = self.window.get_mut(k)?;
+            station.bounds.speed = station.bounds.goal.greatest(bounds.speed);
+        }
+        Some(i + 1)
+    }
+
+    /// Takes the station that was added last out again.
+    fn take_out(&mut self, index: usize) {
+        let Some((extra, next)) = self.window.pair(index) else { return };
+        let (length, to) = (extra.cell.length, next.node.at);
+        self.changes.added.pop();
+        self.planned_end = self.planned_end.wrapping_sub(1);
+        if let Some(station) = self.window.get_mut(index - 1) {
+            station.cell.length += length;
+            station.cell.bulge = station.node.bulge_to(&to, station.cell.length);
+        }
+        self.window.remove(index);
+    }
+
+    /// The first node behind station `first` at which a block ends.
+    pub(super) fn block_end(&self, first: usize) -> Option<usize> {
+        (first + 1..self.window.len()).find(|&i| self.ends_block(i))
+    }
+
+    /// Whether a block ends at station `i`.
+    fn ends_block(&self, i: usize) -> bool {
+        let Some((before, here)) = i.checked_sub(1).and_then(|i| self.window.pair(i)) else {
+            return false;
+        };
+        let last = i + 1 == self.window.len();
+        here.rest || (!last && before.cell.order.tag != here.cell.order.tag)
+    }
+
+    /// A plan that rests at the end of the block under way, or of the first one that is possible.
+    fn rest_at_block_end(&mut self) -> bool {
+        let Some((stretch, branch)) = self.slow_down() else { return self.give_up() };
+        let mut tries = 0;
+        for end in stretch.first + 1..=stretch.last {
+            if !self.ends_block(end) {
+                continue;
+            }
+            let state = self.window.get(end).map_or(State::REST, |station| station.state);
+            self.set_state(end, State::REST);
+            let held = Stretch { last: end, ..stretch };
+            if self.solver.holds(&self.window, held, &self.config.limits) {
+                let limits = self.config.limits;
+                let start = (Aim::Time, false);
+                let most = self.config.iterations;
+                let steps = self.solver.improve(&mut self.window, held, &limits, most, start);
+                self.counters.steps += u32::from(steps);
+                self.halt = Some(Halt::Block);
+                self.publish(held, branch, self.overrides);
+                return true;
+            }
+            self.set_state(end, state);
+            tries += 1;
+            if tries >= END_TRIES {
+                break;
+            }
+        }
+        self.give_up()
+    }
+
+    fn set_state(&mut self, i: usize, state: State<S>) {
+        if let Some(station) = self.window.get_mut(i) {
+            station.state = state;
+        }
+    }
+
+    /// A plan at other overrides.
+    fn retune(&mut self, overrides: (u16, u16)) -> bool {
+        let before = self.overrides;
+        self.overrides = overrides;
+        let Some((first, branch)) = self.cut_in() else {
+            self.overrides = before;
+            return self.give_up();
+        };
+        let end = self.window.index(self.planned_end);
+        let last = self.refine(first, end);
+        let pace = self.pace();
+        for i in first..self.window.len() {
+            self.window.bound(i, &pace);
+        }
+        self.loosen(first, last);
+        let slower = (first..last).any(|i| {
+            self.window.get(i).is_some_and(|station| station.bounds.speed > station.bounds.goal)
+        });
+        let aim = if slower { Aim::Slow } else { Aim::Time };
+        let rests = self.window.get(last).is_some_and(|station| station.rest);
+        let held = self.halt.is_some();
+        let stretch = Stretch { first, last, open: !rests && !held };
+        let limits = self.config.limits;
+        let most = self.config.iterations;
+        let steps = self.solver.improve(&mut self.window, stretch, &limits, most, (aim, false));
+        self.counters.steps += u32::from(steps);
+        self.loosen(first, last);
+        self.publish(stretch, branch, before);
+        true
+    }
+}

@@ -1,0 +1,263 @@
+//! Plans: from the states of a stretch to pieces handed over, and the word that comes back.
+
+use super::{Halt, Planner, Progress};
+use crate::number::Scalar;
+use crate::profile::compile::{self, Place};
+use crate::profile::law::{Law, State};
+use crate::profile::solver::{Aim, Stretch};
+use crate::profile::window::Station;
+use crate::servo::link::Branch;
+use crate::servo::piece::{Piece, Sequel};
+
+/// A plan that was offered, until the interpolator has decided on it.
+#[derive(Clone, Copy, Debug)]
+pub struct Pending {
+    /// Node from which it starts.
+    pub first: u32,
+    /// Node at which it ends.
+    pub end: u32,
+    /// Whether it branches off at a servo cycle.
+    pub by_cycle: bool,
+    /// Overrides that were in effect before, per cent.
+    pub overrides: (u16, u16),
+}
+
+/// Most stations that one answer to a command adds to the window.
+pub const ADDED: usize = 10;
+
+/// What an answer to a command has changed in the window, in case it is refused.
+#[derive(Clone, Debug)]
+pub struct Changes<S, const N: usize> {
+    /// The station whose cell was under way, with its running number.
+    pub replaced: Option<(u32, Station<S, N>)>,
+    /// Running numbers of stations put in, in order.
+    pub added: heapless::Vec<u32, ADDED>,
+}
+
+impl<S, const N: usize> Changes<S, N> {
+    pub const NONE: Self = Self { replaced: None, added: heapless::Vec::new() };
+}
+
+/// Share by which a bound lies above a speed that exceeds what is asked for; the limits of the axes
+/// have as much in reserve.
+const EXCESS: f64 = 1.0001;
+/// New plans are asked for when this part of the present one has been run.
+const PLAN_PART: u32 = 4;
+
+impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
+    Planner<'_, S, N, BLOCKS, NODES>
+{
+    /// The interpolator's word on the plan offered last.
+    pub(super) fn hear(&mut self) {
+        let Some(pending) = self.pending else { return };
+        let Some(taken) = self.side.verdict() else { return };
+        self.pending = None;
+        if taken {
+            self.planned_end = pending.end;
+            self.changes = Changes::NONE;
+        } else {
+            self.counters.late += 1;
+            #[cfg(feature = "defmt")]
+            defmt::warn!("the plan from node {} came too late", pending.first);
+            self.undo();
+            self.halt = None;
+            self.overrides = pending.overrides;
+            if pending.by_cycle {
+                // Allow more time for the next attempt.
+                self.reaction = (2 * self.reaction + 1).min(self.most_reaction());
+            }
+        }
+        // The part of the window that both plans share is the same in either.
+        let from = if taken { pending.first } else { self.side.progress() };
+        let last = self.window.index(self.planned_end);
+        for i in self.window.index(from)..self.window.len() {
+            if let Some(station) = self.window.get_mut(i) {
+                if taken {
+                    station.agreed = station.state;
+                } else {
+                    station.state = if i <= last { station.agreed } else { State::REST };
+                }
+            }
+        }
+    }
+
+    /// Servo cycles in a lead.
+    fn most_reaction(&self) -> u32 {
+        (self.config.lead / self.config.cycle).to_i64().clamp(1, 1_000_000) as u32
+    }
+
+    /// The window as it was before the plan that was refused.
+    pub(super) fn undo(&mut self) {
+        let changes = core::mem::replace(&mut self.changes, Changes::NONE);
+        let pace = self.pace();
+        for serial in changes.added.iter().rev() {
+            let i = self.window.index(*serial);
+            let Some((extra, next)) = self.window.pair(i) else { continue };
+            let (length, to) = (extra.cell.length, next.node.at);
+            let Some(before) = i.checked_sub(1) else { continue };
+            if let Some(station) = self.window.get_mut(before) {
+                station.cell.length += length;
+                station.cell.bulge = station.node.bulge_to(&to, station.cell.length);
+            }
+            self.window.remove(i);
+            self.planned_end = self.planned_end.wrapping_sub(1);
+            self.window.bound(before, &pace);
+        }
+        if let Some((serial, original)) = changes.replaced {
+            let i = self.window.index(serial);
+            if let Some(station) = self.window.get_mut(i) {
+                *station = original;
+            }
+        }
+    }
+
+    /// Time from the end of the piece under way to the end of the plan, s.
+    pub(super) fn time_ahead(&self, at: u32) -> S {
+        let mut time = S::ZERO;
+        for i in self.window.index(at) + 1..self.window.index(self.planned_end) {
+            time += self.agreed_time(i);
+        }
+        time
+    }
+
+    pub(super) fn agreed_time(&self, i: usize) -> S {
+        match self.window.get(i) {
+            Some(station) if !(station.cell.length > S::ZERO) => station.cell.dwell,
+            Some(_) => self.window.agreed_law(i).map_or(S::ZERO, |law| law.time),
+            None => S::ZERO,
+        }
+    }
+
+    /// The node from which a new plan can branch off: a lead ahead of the motion.
+    pub(super) fn branch(&self, at: u32) -> Option<u32> {
+        let end = self.window.index(self.planned_end);
+        let mut time = S::ZERO;
+        for i in self.window.index(at) + 1..=end {
+            if time >= self.config.lead || i == end {
+                return Some(self.window.serial(i));
+            }
+            time += self.agreed_time(i);
+        }
+        None
+    }
+
+    /// One planning step: states for everything behind the branch, handed over as a plan.
+    pub(super) fn plan(&mut self, branch: u32, single: bool) -> Progress {
+        let first = self.window.index(branch);
+        let new = self.window.index(self.planned_end).max(first);
+        let mut stretch = Stretch { first, last: self.window.len() - 1, open: true };
+        let mut halt = None;
+        if single && let Some(end) = self.block_end(first) {
+            stretch = Stretch { last: end, open: false, ..stretch };
+            halt = Some(Halt::Block);
+        }
+        self.split_lone(&mut stretch);
+        if stretch.open && self.is_lone_start(stretch) {
+            stretch.last -= 1;
+        }
+        if self.window.serial(stretch.last) == self.planned_end {
+            return Progress::NeedsBlocks;
+        }
+        self.loosen(stretch.first, new);
+        let limits = self.config.limits;
+        if !self.solver.seed(&mut self.window, stretch, new, &limits) {
+            self.counters.stuck += 1;
+            #[cfg(feature = "defmt")]
+            defmt::warn!("no motion found from node {}", branch);
+            return Progress::Waiting;
+        }
+        let start = (Aim::Time, new == first);
+        let steps =
+            self.solver.improve(&mut self.window, stretch, &limits, self.config.iterations, start);
+        self.counters.steps += u32::from(steps);
+        self.halt = halt;
+        self.publish(stretch, Branch::Node(branch), self.overrides);
+        Progress::Planned
+    }
+
+    /// A cell from a rest inside a block to the next rest needs a node between.
+    fn split_lone(&mut self, stretch: &mut Stretch) {
+        let Some((station, after)) = self.window.pair(stretch.first) else { return };
+        let starts = station.rest || self.window.serial(stretch.first) == self.planned_end;
+        let ends = after.rest || (!stretch.open && stretch.first + 1 == stretch.last);
+        if starts && ends && station.cell.length > S::ZERO && self.split_cell(stretch.first) {
+            stretch.last += 1;
+        }
+    }
+
+    /// Whether the last cell starts at rest and ends where the window does: from rest to rest in a
+    /// single cell there is no motion, so it must wait for the next.
+    fn is_lone_start(&self, Stretch { first, last, .. }: Stretch) -> bool {
+        let Some((station, after)) = last.checked_sub(1).and_then(|i| self.window.pair(i)) else {
+            return false;
+        };
+        (station.rest || first + 1 == last) && !after.rest && station.cell.length > S::ZERO
+    }
+
+    /// Lets the speed bounds of planned cells be no less than the speeds of the plan: an override
+    /// may have been lowered since.
+    pub(super) fn loosen(&mut self, first: usize, last: usize) {
+        for i in first..last {
+            let Some((station, after)) = self.window.pair(i) else { return };
+            let Some(law) = Law::new(station.cell.length, station.state, after.state) else {
+                continue;
+            };
+            let reach = law.time * S::of(1.0 / 3.0);
+            let inner = (law.v0 + law.a0 * reach).greatest(law.v1 - law.a1 * reach);
+            let most = law.v0.greatest(law.v1).greatest(inner);
+            if let Some(station) = self.window.get_mut(i) {
+                let goal = station.bounds.goal;
+                station.bounds.speed = if most < goal { goal } else { most * S::of(EXCESS) };
+            }
+        }
+    }
+
+    /// The motion over a cell as it stands in the plan that is being made.
+    pub(super) fn piece(&self, i: usize, to: State<S>, sequel: Sequel) -> Option<Piece<S, N>> {
+        let (station, after) = self.window.pair(i)?;
+        let view = station.view(after, &self.config.limits);
+        let place = Place { serial: self.window.serial(i), way: station.way, sequel };
+        if !(station.cell.length > S::ZERO) {
+            return Some(compile::standstill(&view, place));
+        }
+        let law = Law::new(station.cell.length, station.state, to)?;
+        Some(compile::piece(&view, &law, place))
+    }
+
+    /// Offers the states of a stretch as a plan. `overrides` are those in effect before it.
+    pub(super) fn publish(&mut self, stretch: Stretch, branch: Branch, overrides: (u16, u16)) {
+        for i in stretch.first..stretch.last {
+            let Some(after) = self.window.get(i + 1) else { break };
+            let at_end = i + 1 == stretch.last;
+            let sequel = if after.rest || (at_end && !stretch.open) {
+                Sequel::Stop
+            } else if at_end {
+                Sequel::Starved
+            } else {
+                Sequel::Motion
+            };
+            let to = if at_end { State::REST } else { after.state };
+            let Some(piece) = self.piece(i, to, sequel) else { break };
+            self.side.write(&piece);
+        }
+        for i in stretch.last..self.window.len() {
+            if let Some(station) = self.window.get_mut(i) {
+                station.state = State::REST;
+            }
+        }
+        self.side.offer(branch);
+        let (first, end) = (self.window.serial(stretch.first), self.window.serial(stretch.last));
+        let by_cycle = matches!(branch, Branch::Cycle(_));
+        self.pending = Some(Pending { first, end, by_cycle, overrides });
+        self.checkpoint = first.wrapping_add((end.wrapping_sub(first) / PLAN_PART).max(1));
+        self.counters.plans += 1;
+        #[cfg(feature = "defmt")]
+        defmt::debug!(
+            "plan {}: nodes {} to {}, {} steps so far",
+            self.counters.plans,
+            first,
+            end,
+            self.counters.steps
+        );
+    }
+}
