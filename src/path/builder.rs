@@ -138,7 +138,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let Some(before) = &last.segment else { return false };
         // Equal but for the rounding of directions.
         let same_feed = (last.feed - item.feed).abs() <= item.feed * S::of(1.0e-3);
-        let alike = same_feed && last.rapid == item.rapid
+        let alike = same_feed
+            && last.rapid == item.rapid
             && last.programmed == item.programmed
             && !last.stop_after;
         let (Shape::Line(a), Shape::Line(b)) = (&before.shape, &segment.shape) else {

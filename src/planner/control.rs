@@ -15,7 +15,7 @@ use super::{Halt, Planner, Progress};
 use crate::number::Scalar;
 use crate::number::vector::{dot, norm, zero};
 use crate::path::builder::Builder;
-use crate::path::hermite;
+use crate::path::hermite::{self, Hermite};
 use crate::path::node::Node;
 use crate::profile::law::State;
 use crate::profile::rows::Pace;
@@ -28,6 +28,10 @@ use core::array::from_fn;
 
 /// A cell is cut only if this many servo cycles are left of it.
 const LEAST_CYCLES: f64 = 2.0;
+/// Speed that jerk builds up in as many servo cycles squared is a crawl.
+const CRAWL: f64 = 20.0;
+/// Share of a crawl below which a motion is not cut: it comes to rest or gets going in a moment.
+const LEAST_SPEED: f64 = 1.0e-4;
 /// Cells in the distance that it takes to stop.
 const BRAKE_CELLS: f64 = 6.0;
 /// Places tried for a stop.
@@ -182,6 +186,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let station = self.station_within(i, t)?;
         self.changes.replaced = Some((self.window.serial(i), original));
         *self.window.get_mut(i)? = station;
+        self.window.bound(i, &self.pace());
         Some((i, Branch::Cycle(when)))
     }
 
@@ -191,7 +196,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let (station, after) = self.window.pair(i)?;
         let piece: Piece<S, N> = self.piece(i, after.agreed, Sequel::Motion)?;
         let (way, speed, _) = piece.path_at(t);
-        if !(speed > self.least_speed()) {
+        if !(speed > self.crawl() * S::of(LEAST_SPEED)) {
             return None;
         }
         let here = piece.at(t);
@@ -204,8 +209,16 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             let tangent = from_fn(|k| here.velocity[k] / size);
             let along = dot(&here.acceleration, &tangent);
             let per = S::ONE / (size * size);
-            let bend = from_fn(|k| (here.acceleration[k] - tangent[k] * along) * per);
-            Node { at, tangent, curvature: bend }
+            let curvature = if size > self.crawl() {
+                from_fn(|k| (here.acceleration[k] - tangent[k] * along) * per)
+            } else {
+                // In a crawl the motion says little of the shape of the path, and the path's own
+                // curvature makes no difference that could be felt.
+                let end = station.arrival(after);
+                let curve = Hermite::of_cell(&station.node, &station.cell, &end);
+                curve.node(&station.node, way / station.cell.length).curvature
+            };
+            Node { at, tangent, curvature }
         };
         let v = dot(&here.velocity, &node.tangent);
         let state = State { b: v * v, a: dot(&here.acceleration, &node.tangent) };
@@ -228,15 +241,22 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         (cut.cell.length > S::ZERO).then_some(cut)
     }
 
-    /// Speed below which a motion is not cut, mm/s: it comes to rest or gets going in a moment.
-    fn least_speed(&self) -> S {
-        let jerk = self.config.limits.axes().iter().fold(S::of(1.0e12), |j, axis| j.least(axis.jerk));
-        jerk * self.config.cycle * self.config.cycle
+    /// Speed, mm/s, below which accelerations across the path are lost beside what jerk changes in
+    /// a servo cycle.
+    fn crawl(&self) -> S {
+        let jerk =
+            self.config.limits.axes().iter().fold(S::of(1.0e12), |j, axis| j.least(axis.jerk));
+        jerk * self.config.cycle * self.config.cycle * S::of(CRAWL)
+    }
+
+    /// Stations that one answer may still add.
+    fn room_to_add(&self) -> usize {
+        (ADDED - self.changes.added.len()).min(self.window.room())
     }
 
     /// Puts a station behind the one at `i`; whether there was room.
     fn add(&mut self, i: usize, station: Station<S, N>) -> bool {
-        if self.changes.added.is_full() || !self.window.insert_after(i, station) {
+        if self.room_to_add() == 0 || !self.window.insert_after(i, station) {
             return false;
         }
         let serial = self.window.serial(i + 1);
@@ -268,13 +288,14 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 break;
             }
             let time = self.window.agreed_law(i).map(|law| law.time * S::of(0.5));
-            let middle = time.and_then(|t| Some((self.station_within(i, t)?, t)));
+            let middle = time
+                .filter(|t| *t > self.config.cycle)
+                .and_then(|t| Some((self.station_within(i, t)?, t)));
             match middle {
                 // The last one is for the stop itself.
-                Some((cut, t)) if length > longest && self.changes.added.len() + 1 < ADDED => {
-                    if !self.shorten(i, &cut, t) || !self.add(i, cut) {
-                        break;
-                    }
+                Some((cut, t)) if length > longest && self.room_to_add() > 1 => {
+                    self.shorten(i, &cut, t);
+                    self.add(i, cut);
                     last += 1;
                     self.window.bound(i, &pace);
                     self.window.bound(i + 1, &pace);
@@ -289,8 +310,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// Makes the cell of station `i` end at a station within it, `t` seconds after its start.
-    fn shorten(&mut self, i: usize, cut: &Station<S, N>, t: S) -> bool {
-        let Some(station) = self.window.get_mut(i) else { return false };
+    fn shorten(&mut self, i: usize, cut: &Station<S, N>, t: S) {
+        let Some(station) = self.window.get_mut(i) else { return };
         if station.cell.straight {
             let way: [S; N] = from_fn(|k| cut.node.at[k].minus(station.node.at[k]));
             station.cell.length = dot(&way, &station.node.tangent);
@@ -300,13 +321,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 + t * t * (from.a - to.a) * S::of(1.0 / 12.0);
             station.cell.bulge = station.node.bulge_to(&cut.node.at, station.cell.length);
         }
-        true
     }
 
     /// Splits the cell of station `i` in its middle; nothing is known of the motion there.
     pub(super) fn split_cell(&mut self, i: usize) -> bool {
         let Some((station, after)) = self.window.pair(i) else { return false };
-        let (first, middle, second) = hermite::split(&station.node, &station.cell, &after.node);
+        let (first, middle, second) =
+            hermite::split(&station.node, &station.cell, &station.arrival(after));
         let mut cut = *station;
         cut.way = station.way.plus(first.length);
         cut.node = middle;
@@ -428,7 +449,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     fn rest_within(&mut self, i: usize, share: S) -> Option<usize> {
         let (station, after) = self.window.pair(i)?;
         let (first, middle, second) =
-            hermite::split_at(&station.node, &station.cell, &after.node, share);
+            hermite::split_at(&station.node, &station.cell, &station.arrival(after), share);
         let mut cut = *station;
         cut.way = station.way.plus(first.length);
         cut.node = middle;
@@ -538,6 +559,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let most = self.config.iterations;
         let steps = self.solver.improve(&mut self.window, stretch, &limits, most, (aim, false));
         self.counters.steps += u32::from(steps);
+        if !self.solver.holds(&self.window, stretch, &limits) {
+            self.overrides = before;
+            return self.give_up();
+        }
         self.loosen(first, last);
         self.publish(stretch, branch, before);
         true

@@ -262,7 +262,9 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// Whether a plan may end at a node.
     fn may_rest_at(&self, serial: u32) -> bool {
         let rests = self.window.get(self.window.index(serial)).is_some_and(|station| station.rest);
-        rests || serial == self.planned_end || self.pending.is_some_and(|pending| pending.end == serial)
+        rests
+            || serial == self.planned_end
+            || self.pending.is_some_and(|pending| pending.end == serial)
     }
 
     /// At rest where the plan ends: start when the look-ahead is full, when no more is to come, or

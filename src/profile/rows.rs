@@ -449,7 +449,8 @@ mod tests {
             dwell: 0.0,
             straight,
         };
-        let bounds = Bounds::new(&from, &cell, &to, &Pace { limits, cycle: 1e-3, feed: 1.0, rapid: 1.0 });
+        let bounds =
+            Bounds::new(&from, &cell, &to, &Pace { limits, cycle: 1e-3, feed: 1.0, rapid: 1.0 });
         let law = Law::new(h, State { b: x[0] * x[0], a: x[1] }, State { b: x[2] * x[2], a: x[3] })
             .unwrap();
         let mut sink = List::default();

@@ -148,11 +148,7 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         let rounding = square * S::of(EXCESS_ROUNDING);
         let root = (excess * excess + rounding * rounding).sqrt();
         let slope = S::ONE + excess / root;
-        [
-            price * (excess + root),
-            price * slope,
-            price * rounding * rounding / (root * root * root),
-        ]
+        [price * (excess + root), price * slope, price * rounding * rounding / (root * root * root)]
     }
 
     /// Time minus barrier over cells `from..to`, `None` if a limit is broken.
@@ -310,7 +306,12 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
     }
 
     /// The price at which a halt costs as much at first as it takes time.
-    fn set_price<const N: usize>(&mut self, window: &Window<S, N, NODES>, stretch: Stretch, time: S) {
+    fn set_price<const N: usize>(
+        &mut self,
+        window: &Window<S, N, NODES>,
+        stretch: Stretch,
+        time: S,
+    ) {
         self.price = S::ONE;
         if self.aim == Aim::Halt {
             self.price = time / self.tolls(window, stretch).greatest(S::of(1.0e-9));
@@ -499,11 +500,8 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
             if timed {
                 add_time_curvature(&mut h, station.cell.length, ends, (free0, free1));
             }
-            let [_, slope, curvature] = if free1 {
-                self.toll(window, i + 1, to.b)
-            } else {
-                [S::ZERO; 3]
-            };
+            let [_, slope, curvature] =
+                if free1 { self.toll(window, i + 1, to.b) } else { [S::ZERO; 3] };
             let work = &mut self.work[i];
             for (sum, part) in work.block.iter_mut().zip([h[0], h[1], h[4]]) {
                 *sum += part;

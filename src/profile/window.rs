@@ -3,8 +3,10 @@
 use super::law::{Law, State};
 use super::rows::{Bounds, Pace, View};
 use crate::machine::Limits;
+use crate::number::vector::dot;
 use crate::number::{Coord, Scalar};
 use crate::path::node::{Cell, Node, Order};
+use core::array::from_fn;
 use heapless::Deque;
 
 /// A node of the window, its speed and acceleration, and the cell that leaves it.
@@ -99,13 +101,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
     }
 
     /// Adds a cell behind the last station; the new last station rests.
-    pub fn append(
-        &mut self,
-        cell: Cell<S, N>,
-        node: Node<S, N>,
-        rest: bool,
-        pace: &Pace<S, N>,
-    ) {
+    pub fn append(&mut self, cell: Cell<S, N>, node: Node<S, N>, rest: bool, pace: &Pace<S, N>) {
         let mut way = Coord::ZERO;
         if let Some(last) = self.stations.back_mut() {
             way = last.way.plus(cell.length);
@@ -195,6 +191,27 @@ impl<S: Scalar, const N: usize> Station<S, N> {
             bounds: self.bounds,
             limits,
             share: S::ONE,
+        }
+    }
+    /// How the path arrives at the next station. A node at rest holds the direction in which the
+    /// motion goes on, which says nothing of the cell before: that is taken for an arc, as long
+    /// as this one's curvature and chord make it.
+    pub fn arrival(&self, next: &Self) -> Node<S, N> {
+        let (here, cell) = (&self.node, &self.cell);
+        if cell.straight {
+            return Node { at: next.node.at, ..*here };
+        }
+        if !next.rest {
+            return next.node;
+        }
+        let chord: [S; N] = from_fn(|i| here.tangent[i] * cell.length + cell.bulge[i]);
+        let per = S::of(2.0) / dot(&chord, &chord);
+        let (along, across) =
+            (dot(&here.tangent, &chord) * per, dot(&here.curvature, &chord) * per);
+        Node {
+            at: next.node.at,
+            tangent: from_fn(|i| chord[i] * along - here.tangent[i]),
+            curvature: from_fn(|i| here.curvature[i] - chord[i] * across),
         }
     }
 }

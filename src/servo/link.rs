@@ -241,11 +241,8 @@ impl<S: Scalar, const N: usize> ServoSide<'_, S, N> {
 
     /// Takes or refuses an offer; `false` if it has been withdrawn meanwhile.
     fn decide(&mut self, offer: u32, verdict: u32) -> bool {
-        let done = self
-            .flags
-            .offer
-            .compare_exchange(offer, offer | verdict, AcqRel, Acquire)
-            .is_ok();
+        let done =
+            self.flags.offer.compare_exchange(offer, offer | verdict, AcqRel, Acquire).is_ok();
         if done && verdict == TAKEN {
             self.active = 1 - self.active;
             self.next = 0;

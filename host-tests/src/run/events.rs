@@ -78,8 +78,7 @@ impl Events {
         for record in reader.records() {
             let record = record?;
             let line = record.position().map_or(0, csv::Position::line);
-            let event =
-                event(&record).with_context(|| format!("line {line}")).context(FORMAT)?;
+            let event = event(&record).with_context(|| format!("line {line}")).context(FORMAT)?;
             list.push(event);
         }
         Ok(Self::new(list))
