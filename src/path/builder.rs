@@ -4,12 +4,13 @@
 //! wants of it: so a block is held until two more have come, or until the path is closed.
 
 use super::blend::{self, Blend};
-use super::corner::{Corner, Transition};
+use super::corner::Corner;
 use super::cut::{Emitted, next_way, rest_cell, standstill};
 use super::item::{Item, Joint};
-use super::joint::{bent_lengths, joint, mean_node, reach};
+use super::joint::{Taken, bent_lengths, joint, mean_node, reach};
 use super::node::{Node, Order};
 use super::segment::{Segment, Shape, raw_to_mm};
+use super::transition::{Half, Transition};
 use crate::block::{Block, PushError};
 use crate::machine::{Config, CornerMode};
 use crate::number::vector::{dot, norm};
@@ -49,6 +50,8 @@ pub struct Builder<S, const N: usize, const BLOCKS: usize> {
     stage: Stage<S, N>,
     /// Length kept free of the front segment's end by the joint under way, 1e-12 mm.
     kept: i64,
+    /// Shape of that joint, if it is a corner.
+    half: Option<Half<S>>,
     /// Vertices that the last block has merged.
     passed: heapless::Vec<[Coord; N], MERGED>,
     /// Whether the last cell ended at rest, so that the direction may change.
@@ -64,6 +67,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             closed: false,
             stage: Stage::Waiting,
             kept: 0,
+            half: None,
             passed: heapless::Vec::new(),
             rested: true,
         }
@@ -276,12 +280,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         if item.stop_after || ahead.is_none() {
             joint = Joint::Stop;
         }
-        self.kept = match (joint, &next, ahead) {
+        let taken = match (joint, &next, ahead) {
             (Joint::Corner | Joint::Blend, Some(next), Some(ahead)) => {
                 reach(item, segment, next, ahead, joint, config)
             }
-            _ => 0,
+            _ => Taken { raw: 0, half: None },
         };
+        (self.kept, self.half) = (taken.raw, taken.half);
         if matches!(joint, Joint::Corner | Joint::Blend) && self.kept <= 0 {
             joint = Joint::Stop;
             self.kept = 0;
@@ -338,18 +343,16 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             return;
         };
         let reach = raw_to_mm::<S>(self.kept);
-        match item.joint {
-            Joint::Corner => {
+        match (item.joint, self.half) {
+            (Joint::Corner, Some(half)) => {
                 let (a, b) = (segment.end_frame(true).0, ahead.end_frame(false).0);
-                let corner = Corner::new(&a, &b);
-                let edge = reach * S::of(0.5);
-                let transition = Transition::new(segment.end, a, b, &corner, edge);
+                let transition = Transition::new(segment.end, (&a, &b), &Corner::new(&a, &b), half);
                 self.stage = Stage::Corner { transition, index: 0 };
             }
-            Joint::Blend => {
+            (Joint::Blend, _) => {
                 self.stage = Stage::Blend { blend: Blend::new(segment, &ahead, reach), index: 0 };
             }
-            Joint::Stop | Joint::Through => self.next_item(),
+            _ => self.next_item(),
         }
     }
 

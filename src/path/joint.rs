@@ -5,6 +5,8 @@ use super::corner::Corner;
 use super::item::{Frame, Item, Joint};
 use super::node::Node;
 use super::segment::{Segment, Shape, mm_to_raw, raw_to_mm};
+use super::swing;
+use super::transition::Half;
 use crate::machine::{Config, CornerMode};
 use crate::number::vector::{dot, norm};
 use crate::number::{Coord, Scalar};
@@ -107,8 +109,7 @@ pub fn joint<S: Scalar, const N: usize>(
     match (&a.shape, &b.shape, mode) {
         (Shape::Line(_), Shape::Line(_), CornerMode::Paper { .. }) => (Joint::Corner, 0),
         (Shape::Line(_), Shape::Line(_), CornerMode::Band) => {
-            let edge = corner.full_band_edge(tolerance, shorter * S::of(0.5));
-            (Joint::Corner, mm_to_raw(edge) * 2)
+            (Joint::Corner, mm_to_raw(swing::longest_reach(&corner, tolerance, shorter)))
         }
         _ => {
             let bound = |segment: &Segment<S, N>| {
@@ -120,7 +121,16 @@ pub fn joint<S: Scalar, const N: usize>(
     }
 }
 
-/// Length the joint behind `item` takes of either segment, 1e-12 mm.
+/// What a joint takes of either segment.
+#[derive(Clone, Copy, Debug)]
+pub struct Taken<S> {
+    /// Length, 1e-12 mm; none or less if there is no room for the joint.
+    pub raw: i64,
+    /// Its shape, if it is a corner between lines.
+    pub half: Option<Half<S>>,
+}
+
+/// What the joint behind `item` takes of either segment.
 pub fn reach<S: Scalar, const N: usize>(
     item: &Item<S, N>,
     segment: &Segment<S, N>,
@@ -128,19 +138,20 @@ pub fn reach<S: Scalar, const N: usize>(
     ahead: &Segment<S, N>,
     joint: Joint,
     config: &Config<S, N>,
-) -> i64 {
+) -> Taken<S> {
     let mut left = segment.length_raw - item.taken;
     // A node that is passed is bent: the bend must end before the next transition begins.
     let bent = item.entered == Joint::Through;
     if bent {
         left -= segment.length_raw / 8;
     }
+    let corner = Corner::new(&segment.end_frame(true).0, &ahead.end_frame(false).0);
+    let tolerance = item.tolerance.least(next.tolerance);
     if let (Joint::Corner, CornerMode::Paper { lambda }) = (joint, config.corner) {
-        let corner = Corner::new(&segment.end_frame(true).0, &ahead.end_frame(false).0);
-        let tolerance = item.tolerance.least(next.tolerance);
         let leg_in = raw_to_mm::<S>(left) * (S::ONE - lambda);
-        let edge = corner.paper_edge(tolerance, leg_in, ahead.length);
-        return (mm_to_raw(edge) * 2).min(left).min(ahead.length_raw);
+        let half = corner.paper_half(corner.paper_edge(tolerance, leg_in, ahead.length));
+        let raw = mm_to_raw(half.reach()).min(left).min(ahead.length_raw);
+        return Taken { raw, half: Some(half) };
     }
     // Sharing by need: what the next joint does not want of the next segment is free for this one.
     let next_want = if next.stop_after { 0 } else { next.want };
@@ -150,16 +161,29 @@ pub fn reach<S: Scalar, const N: usize>(
     } else {
         (ahead.length_raw - next_want).max(ahead.length_raw / 2)
     };
-    let granted = item.want.min(left).min(free);
-    // Either nothing of the body is left, or a stretch long enough to be a cell of its own.
-    let body = left - granted;
-    if body <= granted / 1024 {
-        // Within rounding: the band has room for it.
+    let mut raw = item.want.min(left).min(free);
+    if raw <= 0 {
+        return Taken { raw, half: None };
+    }
+    let mut half = None;
+    if joint == Joint::Corner {
+        let shape = swing::half(&corner, tolerance, raw_to_mm(raw));
+        raw = mm_to_raw(shape.reach()).min(raw);
+        half = Some(shape);
+    }
+    let raw = with_body(raw, left, bent);
+    // Within rounding the band has room for more.
+    let half = half.map(|half| half.scaled(raw_to_mm::<S>(raw) / half.reach()));
+    Taken { raw, half }
+}
+
+/// What to take of `left` so that either nothing of the body is left, or a stretch long enough to be
+/// a cell of its own.
+fn with_body(wanted: i64, left: i64, bent: bool) -> i64 {
+    let body = left - wanted;
+    if body <= wanted / 1024 {
         return left;
     }
-    if bent {
-        return granted;
-    }
-    let least = granted / 8;
-    if body < least { granted - (least - body) } else { granted }
+    let least = wanted / 8;
+    if !bent && body < least { wanted - (least - body) } else { wanted }
 }

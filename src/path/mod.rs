@@ -17,3 +17,5 @@ pub(crate) mod item;
 mod joint;
 pub(crate) mod node;
 pub(crate) mod segment;
+mod swing;
+mod transition;
