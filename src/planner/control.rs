@@ -255,7 +255,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// Puts a station behind the one at `i`; whether there was room.
+    ///
+    /// The cell of station `i` is still the whole one: it is to be shortened afterwards.
     fn add(&mut self, i: usize, station: Station<S, N>) -> bool {
+        let Some(whole) = self.window.get(i).map(|station| station.cell) else { return false };
         if self.room_to_add() == 0 || !self.window.insert_after(i, station) {
             return false;
         }
@@ -263,7 +266,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.planned_end.wrapping_sub(serial) <= u32::MAX / 2 {
             self.planned_end = self.planned_end.wrapping_add(1);
         }
-        let _ = self.changes.added.push(serial);
+        let _ = self.changes.added.push((serial, whole));
         true
     }
 
@@ -294,8 +297,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             match middle {
                 // The last one is for the stop itself.
                 Some((cut, t)) if length > longest && self.room_to_add() > 1 => {
-                    self.shorten(i, &cut, t);
                     self.add(i, cut);
+                    self.shorten(i, &cut, t);
                     last += 1;
                     self.window.bound(i, &pace);
                     self.window.bound(i + 1, &pace);
@@ -414,7 +417,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                     self.publish(held, branch, self.overrides);
                     return true;
                 }
-                self.take_out(end);
+                if let Some((_, cell)) = self.changes.added.pop() {
+                    self.take_out(end, cell, &self.pace());
+                    self.loosen(i, i + 1);
+                }
             }
             tries += 1;
             if tries >= STOP_TRIES {
@@ -468,19 +474,6 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             station.bounds.speed = station.bounds.goal.greatest(bounds.speed);
         }
         Some(i + 1)
-    }
-
-    /// Takes the station that was added last out again.
-    fn take_out(&mut self, index: usize) {
-        let Some((extra, next)) = self.window.pair(index) else { return };
-        let (length, to) = (extra.cell.length, next.node.at);
-        self.changes.added.pop();
-        self.planned_end = self.planned_end.wrapping_sub(1);
-        if let Some(station) = self.window.get_mut(index - 1) {
-            station.cell.length += length;
-            station.cell.bulge = station.node.bulge_to(&to, station.cell.length);
-        }
-        self.window.remove(index);
     }
 
     /// The first node behind station `first` at which a block ends.

@@ -2,8 +2,10 @@
 
 use super::{Halt, Planner, Progress};
 use crate::number::Scalar;
+use crate::path::node::Cell;
 use crate::profile::compile::{self, Place};
 use crate::profile::law::{Law, State};
+use crate::profile::rows::Pace;
 use crate::profile::solver::{Aim, Stretch};
 use crate::profile::window::Station;
 use crate::servo::link::Branch;
@@ -30,8 +32,8 @@ pub const ADDED: usize = 10;
 pub struct Changes<S, const N: usize> {
     /// The station whose cell was under way, with its running number.
     pub replaced: Option<(u32, Station<S, N>)>,
-    /// Running numbers of stations put in, in order.
-    pub added: heapless::Vec<u32, ADDED>,
+    /// Stations put in, in order: running number, and the cell that each was put into.
+    pub added: heapless::Vec<(u32, Cell<S, N>), ADDED>,
 }
 
 impl<S, const N: usize> Changes<S, N> {
@@ -90,18 +92,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     pub(super) fn undo(&mut self) {
         let changes = core::mem::replace(&mut self.changes, Changes::NONE);
         let pace = self.pace();
-        for serial in changes.added.iter().rev() {
-            let i = self.window.index(*serial);
-            let Some((extra, next)) = self.window.pair(i) else { continue };
-            let (length, to) = (extra.cell.length, next.node.at);
-            let Some(before) = i.checked_sub(1) else { continue };
-            if let Some(station) = self.window.get_mut(before) {
-                station.cell.length += length;
-                station.cell.bulge = station.node.bulge_to(&to, station.cell.length);
-            }
-            self.window.remove(i);
-            self.planned_end = self.planned_end.wrapping_sub(1);
-            self.window.bound(before, &pace);
+        for (serial, cell) in changes.added.iter().rev() {
+            self.take_out(self.window.index(*serial), *cell, &pace);
         }
         if let Some((serial, original)) = changes.replaced {
             let i = self.window.index(serial);
@@ -109,6 +101,17 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 *station = original;
             }
         }
+    }
+
+    /// Takes out the station at `i`, which was put into `cell`.
+    pub(super) fn take_out(&mut self, i: usize, cell: Cell<S, N>, pace: &Pace<S, N>) {
+        let Some(before) = i.checked_sub(1) else { return };
+        if let Some(station) = self.window.get_mut(before) {
+            station.cell = cell;
+        }
+        self.window.remove(i);
+        self.planned_end = self.planned_end.wrapping_sub(1);
+        self.window.bound(before, pace);
     }
 
     /// Time from the end of the piece under way to the end of the plan, s.
