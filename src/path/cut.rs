@@ -10,7 +10,7 @@ use crate::number::vector::zero;
 /// Longest time one cell may take at the programmed feed, s.
 const LONGEST_CELL_TIME: f64 = 0.25;
 /// Each cell of a line may be longer than the one before by this share of the way from the end.
-const GROWTH: f64 = 0.8;
+const GROWTH: f64 = 0.5;
 
 /// A cell, the nodes it starts and ends at, and whether the motion rests at the end.
 pub struct Emitted<S, const N: usize> {
