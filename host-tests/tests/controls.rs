@@ -4,7 +4,10 @@ mod common;
 
 use common::{Draw, config, draws, machine, program};
 use proptest::prelude::*;
-use splineway::{Activity, AxisLimits, Block, Config, Coord, Limits, Link, Progress};
+use splineway::{
+    Activity, AxisLimits, Block, Config, Controls, Coord, Feed, Limits, Link, Progress, PushError,
+    Setpoint,
+};
 use splineway_host::machine::Machine;
 use splineway_host::program::Program;
 use splineway_host::run::{
@@ -74,53 +77,6 @@ fn check(
     }
     let limits = machine.axes_of(&program).unwrap();
     let broken = violations(&verdict, precision, machine.cycle, machine.tolerance, &limits);
-    if !broken.is_empty() && std::env::var("DBG").is_ok() {
-        struct P {
-            last: Vec<Vec<f64>>,
-            lim: Vec<(f64, f64)>,
-            h: f64,
-            said: u32,
-        }
-        impl splineway_host::run::Observer for P {
-            fn setpoint(&mut self, s: &splineway_host::run::Sample<'_>) -> anyhow::Result<()> {
-                self.last.push(s.position.to_vec());
-                let n = self.last.len();
-                if n > 4 {
-                    let q = |b: usize, k: usize| self.last[n - 1 - b][k];
-                    let mut w: f64 = 0.0;
-                    let mut jw: f64 = 0.0;
-                    for k in 0..s.position.len() {
-                        let a =
-                            (q(0, k) - 2.0 * q(1, k) + q(2, k)) / self.h.powi(2) / self.lim[k].0;
-                        w = w.max(a.abs());
-                        let j = (q(0, k) - 3.0 * q(1, k) + 3.0 * q(2, k) - q(3, k))
-                            / self.h.powi(3)
-                            / self.lim[k].1;
-                        jw = jw.max(j.abs());
-                    }
-                    if (w > 1.003 || jw > 1.002) && self.said < 8 {
-                        self.said += 1;
-                        eprintln!(
-                            "{:.4} tag {} {:?} a {w:.4} j {jw:.4} v {:.5} acc {:?} path {:.6} {:?}",
-                            s.time, s.tag, s.position, s.speed, s.acceleration, s.path, s.activity
-                        );
-                    }
-                }
-                Ok(())
-            }
-        }
-        let mut o = P {
-            last: vec![],
-            lim: limits.iter().map(|l| (l.acceleration, l.jerk)).collect(),
-            h: machine.cycle,
-            said: 0,
-        };
-        eprintln!("---- {broken:?} {:?}", events.list());
-        for m in &program.moves {
-            eprintln!("{:?} {:?} stop {} line {}", m.path, m.speed, m.exact_stop, m.line);
-        }
-        let _ = run_with(&program, machine, precision, &events, &mut [&mut o]);
-    }
     prop_assert!(broken.is_empty(), "{broken:?} {:?}", events.list());
     Ok(())
 }
@@ -156,4 +112,227 @@ proptest! {
         let axes: Vec<usize> = (0..6).collect();
         check((&draws, &axes), &machine(0.02, (1.0, 1.0), 6), Precision::F64, &commands)?;
     }
+}
+
+fn axis() -> AxisLimits<f64> {
+    AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false }
+}
+
+fn setting() -> Config<f64, 2> {
+    let mut config = Config::new(Limits::new([axis(); 2]).unwrap());
+    config.tolerance = 0.05;
+    config
+}
+
+fn at(x: f64, y: f64) -> [Coord; 2] {
+    [Coord::from_mm(x).unwrap(), Coord::from_mm(y).unwrap()]
+}
+
+/// Runs blocks until `then` says stop; it sees the cycle's number, the planner's last word and the
+/// setpoint, and may give commands.
+fn drive(
+    blocks: &[Block<f64, 2>],
+    mut then: impl FnMut(u32, Progress, &Setpoint<f64, 2>, Controls<'_>) -> bool,
+) {
+    let mut link = Box::new(Link::<f64, 2, 192>::new());
+    let (mut planner, mut interpolator) = link.handles::<64>(setting(), at(0.0, 0.0)).unwrap();
+    for block in blocks {
+        planner.push(block).unwrap();
+    }
+    planner.finish();
+    let controls = planner.controls();
+    for cycle in 0..60_000 {
+        let progress = planner.poll();
+        let setpoint = interpolator.tick();
+        if !then(cycle, progress, &setpoint, controls) {
+            return;
+        }
+    }
+    panic!("the run did not end");
+}
+
+fn speeds(blocks: &[Block<f64, 2>], mut command: impl FnMut(u32, Controls<'_>)) -> Vec<f64> {
+    let mut speeds = Vec::new();
+    drive(blocks, |cycle, progress, setpoint, controls| {
+        speeds.push(setpoint.path_speed);
+        command(cycle, controls);
+        let idle = setpoint.activity == Activity::Idle;
+        !(idle && matches!(progress, Progress::Done | Progress::Held) && cycle > 1300)
+    });
+    speeds
+}
+
+/// At 100 mm/s on a line: a hold changes the very next setpoint, and the stop takes no longer than
+/// four-jerk-phase braking needs, v / A + A / J, within a tenth.
+#[test]
+fn a_hold_brakes_in_the_next_cycle() {
+    let blocks = [Block::line(at(300.0, 0.0), 100.0, 1)];
+    let plain = speeds(&blocks, |_, _| {});
+    let held = speeds(&blocks, |cycle, controls| {
+        if cycle == 999 {
+            controls.hold();
+        }
+        if cycle == 1300 {
+            controls.resume();
+        }
+    });
+    assert_eq!(plain[..1000], held[..1000]);
+    assert!(held[1000] < plain[1000], "{} and {}", held[1000], plain[1000]);
+    let rest = held[1000..].iter().position(|v| *v == 0.0).unwrap();
+    assert!(rest as f64 <= 1.1 * 90.0, "{rest} cycles to rest");
+    assert!(held[1400..].iter().any(|v| *v > 99.0));
+}
+
+/// Lowering the feed shows within two cycles, raising it within twenty milliseconds, and both are
+/// reached as fast as the limits allow, about.
+#[test]
+fn overrides_take_effect_at_once() {
+    let blocks = [Block::line(at(400.0, 0.0), 100.0, 1)];
+    let speeds = speeds(&blocks, |cycle, controls| match cycle {
+        999 => controls.feed_override(50),
+        1499 => controls.feed_override(180),
+        _ => {}
+    });
+    assert!(speeds[1001] < speeds[999] - 0.02, "{:?}", &speeds[998..1003]);
+    // 50 mm/s by jerk alone: 2 sqrt(50 / J) = 63 ms.
+    assert!(speeds[1066..1499].iter().all(|v| *v < 50.0 && *v > 44.0), "{:?}", &speeds[1060..1100]);
+    assert!(speeds[1200] > 49.5, "{}", speeds[1200]);
+    assert!(speeds[1519] > speeds[1499] + 0.02, "{:?}", &speeds[1498..1520]);
+    assert!(speeds[1700] > 178.0, "{}", speeds[1700]);
+    assert!(speeds.iter().all(|v| *v <= 180.0));
+}
+
+/// A rapid keeps its own override, a feed move is not touched by it.
+#[test]
+fn rapids_have_an_override_of_their_own() {
+    let line = |x: f64, tag| Block::line(at(x, 0.0), 50.0, tag);
+    let blocks = [Block { feed: Feed::Rapid, ..line(80.0, 1) }, line(120.0, 2)];
+    let mut most = [0.0f64; 3];
+    drive(&blocks, |cycle, progress, setpoint, controls| {
+        if cycle == 0 {
+            controls.rapid_override(25);
+        }
+        let tag = setpoint.tag as usize;
+        most[tag] = most[tag].max(setpoint.path_speed);
+        !(progress == Progress::Done && setpoint.activity == Activity::Idle)
+    });
+    assert!(most[1] <= 50.5 && most[1] > 48.0, "{most:?}");
+    assert!(most[2] <= 50.5 && most[2] > 48.0, "{most:?}");
+}
+
+/// Single block: one rest per block, at its end, until resumed.
+#[test]
+fn single_block_rests_at_every_end() {
+    let blocks: Vec<_> = (1..=4)
+        .map(|n| {
+            let (x, y) = (f64::from((n + 1) / 2) * 10.0, f64::from(n / 2) * 10.0);
+            Block::line(at(x, y), 100.0, n)
+        })
+        .collect();
+    let mut rests = Vec::new();
+    drive(&blocks, |cycle, progress, setpoint, controls| {
+        if cycle == 0 {
+            controls.single_block(true);
+        }
+        let idle = setpoint.activity == Activity::Idle;
+        if progress == Progress::Held && idle {
+            rests.push((setpoint.tag, setpoint.position_mm(0), setpoint.position_mm(1)));
+            controls.resume();
+        }
+        !(progress == Progress::Done && idle)
+    });
+    assert_eq!(rests.iter().map(|rest| rest.0).collect::<Vec<_>>(), [1, 2, 3, 4], "{rests:?}");
+    for (n, (_, x, y)) in rests.iter().enumerate() {
+        let n = n as u32 + 1;
+        let off = (x - f64::from(n.div_ceil(2)) * 10.0).hypot(y - f64::from(n / 2) * 10.0);
+        assert!(off < 0.11, "rest {n} is {off} mm off the block's end");
+    }
+}
+
+/// A stop finishes the block under way.
+#[test]
+fn a_stop_finishes_the_block() {
+    let blocks = [Block::line(at(60.0, 0.0), 50.0, 1), Block::line(at(60.0, 60.0), 50.0, 2)];
+    let mut rest = None;
+    drive(&blocks, |cycle, progress, setpoint, controls| {
+        if cycle == 400 {
+            controls.stop();
+        }
+        if progress == Progress::Held && setpoint.activity == Activity::Idle {
+            rest.get_or_insert((setpoint.tag, setpoint.position_mm(0)));
+            controls.resume();
+        }
+        !(progress == Progress::Done && setpoint.activity == Activity::Idle)
+    });
+    let (tag, x) = rest.unwrap();
+    assert!(tag == 1 && (x - 60.0).abs() < 0.1, "tag {tag} at {x}");
+}
+
+/// After an abort the core knows to a nanometre where it stands, and goes on from there.
+#[test]
+fn an_abort_drops_the_queue_and_knows_the_position() {
+    let mut link = Box::new(Link::<f32, 2, 192>::new());
+    let narrow =
+        AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false };
+    let config = Config::<f32, 2>::new(Limits::new([narrow; 2]).unwrap());
+    let (mut planner, mut interpolator) = link.handles::<64>(config, at(0.0, 0.0)).unwrap();
+    for n in 1..=20 {
+        planner.push(&Block::line(at(f64::from(n) * 5.0, f64::from(n % 2)), 100.0, n)).unwrap();
+    }
+    let controls = planner.controls();
+    let mut setpoint = interpolator.tick();
+    for cycle in 0.. {
+        if cycle == 500 {
+            controls.abort();
+            assert_eq!(planner.push(&Block::line(at(1.0, 1.0), 1.0, 99)), Err(PushError::Full));
+        }
+        if planner.poll() == Progress::Aborted {
+            break;
+        }
+        setpoint = interpolator.tick();
+        assert!(cycle < 2000);
+    }
+    assert_eq!(planner.blocks_waiting(), 0);
+    for (axis, end) in planner.end().iter().enumerate() {
+        assert!((end.to_nm() - setpoint.position_nm(axis)).abs() <= 1, "axis {axis}");
+    }
+    planner.push(&Block::line(at(0.0, 0.0), 100.0, 100)).unwrap();
+    planner.finish();
+    loop {
+        let progress = planner.poll();
+        let setpoint = interpolator.tick();
+        if progress == Progress::Done && setpoint.activity == Activity::Idle {
+            assert_eq!(setpoint.tag, 100);
+            assert!(setpoint.position_nm(0).abs() <= 1 && setpoint.position_nm(1).abs() <= 1);
+            break;
+        }
+    }
+}
+
+/// A planner that answers late is refused, tries again with more time, and nothing is disturbed.
+#[test]
+fn late_answers_are_refused_and_repeated() {
+    let mut link = Box::new(Link::<f64, 2, 192>::new());
+    let (mut planner, mut interpolator) = link.handles::<64>(setting(), at(0.0, 0.0)).unwrap();
+    planner.push(&Block::line(at(300.0, 0.0), 100.0, 1)).unwrap();
+    planner.finish();
+    let controls = planner.controls();
+    let mut positions = vec![0.0; 3];
+    let mut held = false;
+    for cycle in 0..3000 {
+        if cycle == 600 {
+            controls.hold();
+        }
+        // Other work keeps the background busy: it plans every third cycle only, and the interrupt
+        // comes in between at the worst time.
+        if cycle % 3 == 0 {
+            held |= planner.poll() == Progress::Held;
+        }
+        let setpoint = interpolator.tick();
+        positions.push(setpoint.position_mm(0));
+        let [.., a, b, c, d] = positions[..] else { unreachable!() };
+        let jerk = (d - 3.0 * c + 3.0 * b - a) / 1.0e-9;
+        assert!(jerk.abs() < 50_050.0, "{jerk} at {cycle}");
+    }
+    assert!(held);
 }

@@ -33,7 +33,11 @@ const CRAWL: f64 = 20.0;
 /// Share of a crawl below which a motion is not cut: it comes to rest or gets going in a moment.
 const LEAST_SPEED: f64 = 1.0e-4;
 /// Cells in the distance that it takes to stop.
-const BRAKE_CELLS: f64 = 6.0;
+const BRAKE_CELLS: f64 = 4.0;
+/// Share of the jerk limit with which a stop ends.
+const STOP_JERK: f64 = 0.97;
+/// A part of a stop is a cell of its own if it is this much of the whole.
+const LEAST_PART: f64 = 0.03;
 /// Places tried for a stop.
 const STOP_TRIES: u32 = 8;
 /// Ends of blocks tried for a stop.
@@ -295,8 +299,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 .filter(|t| *t > self.config.cycle)
                 .and_then(|t| Some((self.station_within(i, t)?, t)));
             match middle {
-                // The last one is for the stop itself.
-                Some((cut, t)) if length > longest && self.room_to_add() > 1 => {
+                // The last two are for the stop itself.
+                Some((cut, t)) if length > longest && self.room_to_add() > 2 => {
                     self.add(i, cut);
                     self.shorten(i, &cut, t);
                     last += 1;
@@ -402,37 +406,29 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         };
         let mut tries = 0;
         for i in stretch.first..stretch.last {
-            let Some(station) = self.window.get(i) else { break };
-            let State { b, a } = station.state;
-            // Constant jerk a^2 / 2 v takes speed and acceleration to zero over 2 v^2 / 3 |a|.
-            let way = b * S::of(2.0 / 3.0);
-            if !(a < S::ZERO && way < -(a * station.cell.length)) {
-                continue;
+            let added = self.changes.added.len();
+            let Some(end) = self.stop_within(i) else { continue };
+            let held = Stretch { last: end, ..stretch };
+            if self.solver.holds(&self.window, held, &self.config.limits) {
+                self.halt = Some(Halt::Hold);
+                self.publish(held, branch, self.overrides);
+                return true;
             }
-            let share = way / (-(a * station.cell.length));
-            if let Some(end) = self.rest_within(i, share) {
-                let held = Stretch { last: end, ..stretch };
-                if self.solver.holds(&self.window, held, &self.config.limits) {
-                    self.halt = Some(Halt::Hold);
-                    self.publish(held, branch, self.overrides);
-                    return true;
-                }
-                if let Some((_, cell)) = self.changes.added.pop() {
-                    self.take_out(end, cell, &self.pace());
-                    self.loosen(i, i + 1);
-                }
+            let pace = self.pace();
+            while self.changes.added.len() > added
+                && let Some((serial, cell)) = self.changes.added.pop()
+            {
+                self.take_out(self.window.index(serial), cell, &pace);
             }
+            self.loosen(i, i + 1);
             tries += 1;
             if tries >= STOP_TRIES {
                 break;
             }
         }
         // The rest that the plan comes to anyway may be nearer than any other.
-        if stretch.last - stretch.first <= 3 && self.counters.plans != self.tried {
-            let _ = self.give_up();
-            return self.rest_next();
-        }
-        self.give_up()
+        self.give_up();
+        self.rest_next()
     }
 
     /// If the motion comes to rest at the end of the piece under way, lets it stay there.
@@ -451,9 +447,35 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         false
     }
 
-    /// Puts a station within the cell of station `i`; returns its index.
-    fn rest_within(&mut self, i: usize, share: S) -> Option<usize> {
+    /// Puts a stop into the cell of station `i`, if the motion there can come to rest within it:
+    /// on with the same acceleration, then with constant jerk to rest. Returns its index.
+    fn stop_within(&mut self, i: usize) -> Option<usize> {
+        let station = self.window.get(i)?;
+        let (length, State { b, a }) = (station.cell.length, station.state);
+        if !(a < S::ZERO && b > S::ZERO) {
+            return None;
+        }
+        // Constant jerk J takes a and the speed a^2 / 2 J to zero over 2 v^2 / 3 |a|.
+        let (speed, jerk) = (b.sqrt(), station.bounds.jerk * S::of(STOP_JERK));
+        let last = (a * a / (jerk + jerk)).least(speed);
+        let steady = (last * last - b) / (a + a);
+        let ramp = -(last * last * S::of(2.0 / 3.0) / a);
+        let whole = steady + ramp;
+        if !(whole < length) {
+            return None;
+        }
+        self.insert(i, whole / length, State::REST)?;
+        if steady > whole * S::of(LEAST_PART) && ramp > whole * S::of(LEAST_PART) {
+            self.insert(i, steady / whole, State { b: last * last, a })?;
+            return Some(i + 2);
+        }
+        Some(i + 1)
+    }
+
+    /// Puts a station with a state within the cell of station `i`, at a share of its length.
+    fn insert(&mut self, i: usize, share: S, state: State<S>) -> Option<()> {
         let (station, after) = self.window.pair(i)?;
+        let bound = station.bounds.speed;
         let (first, middle, second) =
             hermite::split_at(&station.node, &station.cell, &station.arrival(after), share);
         let mut cut = *station;
@@ -461,19 +483,18 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         cut.node = middle;
         cut.cell = second;
         cut.rest = false;
-        cut.state = State::REST;
+        cut.state = state;
         if !self.add(i, cut) {
             return None;
         }
-        let bounds = self.window.get(i)?.bounds;
         self.window.get_mut(i)?.cell = first;
         let pace = self.pace();
         for k in [i, i + 1] {
             self.window.bound(k, &pace);
             let station = self.window.get_mut(k)?;
-            station.bounds.speed = station.bounds.goal.greatest(bounds.speed);
+            station.bounds.speed = station.bounds.goal.greatest(bound);
         }
-        Some(i + 1)
+        Some(())
     }
 
     /// The first node behind station `first` at which a block ends.
@@ -544,19 +565,23 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let slower = (first..last).any(|i| {
             self.window.get(i).is_some_and(|station| station.bounds.speed > station.bounds.goal)
         });
-        let aim = if slower { Aim::Slow } else { Aim::Time };
         let rests = self.window.get(last).is_some_and(|station| station.rest);
-        let held = self.halt.is_some();
-        let stretch = Stretch { first, last, open: !rests && !held };
+        let stretch = Stretch { first, last, open: !rests && self.halt.is_none() };
         let limits = self.config.limits;
-        let most = self.config.iterations;
-        let steps = self.solver.improve(&mut self.window, stretch, &limits, most, (aim, false));
-        self.counters.steps += u32::from(steps);
+        // First down to the goal, at a price; then, with the speeds reached as bounds, for time.
+        for aim in [Aim::Slow, Aim::Time] {
+            if aim == Aim::Slow && !slower {
+                continue;
+            }
+            let (window, most) = (&mut self.window, self.config.iterations);
+            let steps = self.solver.improve(window, stretch, &limits, most, (aim, false));
+            self.counters.steps += u32::from(steps);
+            self.loosen(first, last);
+        }
         if !self.solver.holds(&self.window, stretch, &limits) {
             self.overrides = before;
             return self.give_up();
         }
-        self.loosen(first, last);
         self.publish(stretch, branch, before);
         true
     }

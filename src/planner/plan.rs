@@ -25,7 +25,7 @@ pub struct Pending {
 }
 
 /// Most stations that one answer to a command adds to the window.
-pub const ADDED: usize = 10;
+pub const ADDED: usize = 12;
 
 /// What an answer to a command has changed in the window, in case it is refused.
 #[derive(Clone, Debug)]

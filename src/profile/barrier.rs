@@ -9,6 +9,22 @@ use crate::number::Scalar;
 /// grow threefold in a step instead of by two thirds.
 const TIME_CURVATURE: f64 = 0.3;
 
+/// Rounding of the corner in the price of an excess.
+const ROUNDING: f64 = 0.01;
+
+/// What r exceeds 1 by, its corner rounded: value and first two derivatives.
+fn hinge<S: Scalar>(r: S) -> [S; 3] {
+    let half = S::of(0.5);
+    let rounding = S::of(ROUNDING);
+    let excess = r - S::ONE;
+    let root = (excess * excess + rounding * rounding).sqrt();
+    [
+        (excess + root) * half,
+        (S::ONE + excess / root) * half,
+        rounding * rounding / (root * root * root) * half,
+    ]
+}
+
 /// Collects gradient and second derivatives of the barrier over one cell.
 pub struct Model<S> {
     pub weight: S,
@@ -54,6 +70,11 @@ impl<S: Scalar> Sink<S> for Model<S> {
         let per = S::ONE / r;
         self.add(-(self.weight * per), self.weight * per * per, g);
     }
+    #[inline]
+    fn priced(&mut self, r: S, price: S, g: &Gradient<S>) {
+        let [_, slope, curvature] = hinge(r);
+        self.add(price * slope, price * curvature, g);
+    }
 }
 
 /// Sums the logarithms of what is left of the limits; notices a broken one.
@@ -62,6 +83,8 @@ pub struct Slack<S> {
     pub logarithm: S,
     /// Least slack seen; positive means that all limits hold.
     pub least: S,
+    /// Sum of the prices.
+    pub price: S,
 }
 
 impl<S: Scalar> Slack<S> {
@@ -97,6 +120,10 @@ impl<S: Scalar> Sink<S> for Slack<S> {
     #[inline]
     fn positive(&mut self, r: S, _: &Gradient<S>) {
         self.take(r);
+    }
+    #[inline]
+    fn priced(&mut self, r: S, price: S, _: &Gradient<S>) {
+        self.price += price * hinge(r)[0];
     }
 }
 

@@ -39,6 +39,8 @@ pub trait Sink<S> {
     fn one_sided(&mut self, r: S, gradient: &Gradient<S>);
     /// A row with r > 0.
     fn positive(&mut self, r: S, gradient: &Gradient<S>);
+    /// A row that may exceed 1 but costs `price` times the excess.
+    fn priced(&mut self, r: S, price: S, gradient: &Gradient<S>);
 }
 
 /// How fast the machine may go, and is asked to.
@@ -122,6 +124,8 @@ pub struct View<'a, S, const N: usize> {
     pub limits: &'a Limits<S, N>,
     /// Share of acceleration and jerk limits that may be used.
     pub share: S,
+    /// Price of speed above the goal, s for as much again; 0 if there is none.
+    pub price: S,
 }
 
 /// How one Bernstein coefficient of the jerk is made of bulge, turn and the end accelerations:
@@ -246,16 +250,25 @@ fn speed_rows<S: Scalar, const N: usize, K: Sink<S>>(
     let per = one / view.bounds.speed;
     let third = S::of(1.0 / 3.0);
     let reach = law.time * third;
-    sink.one_sided(law.v0 * per, &[per, zero, zero, zero]);
-    sink.one_sided(law.v1 * per, &[zero, zero, per, zero]);
-    let mut early: Gradient<S> = core::array::from_fn(|k| law.a0 * slopes.time[k] * third * per);
-    early[0] += per;
-    early[1] += reach * per;
-    sink.one_sided((law.v0 + law.a0 * reach) * per, &early);
-    let mut late: Gradient<S> = core::array::from_fn(|k| -(law.a1 * slopes.time[k] * third * per));
-    late[2] += per;
-    late[3] -= reach * per;
-    sink.one_sided((law.v1 - law.a1 * reach) * per, &late);
+    let mut early: Gradient<S> = core::array::from_fn(|k| law.a0 * slopes.time[k] * third);
+    early[0] += one;
+    early[1] += reach;
+    let mut late: Gradient<S> = core::array::from_fn(|k| -(law.a1 * slopes.time[k] * third));
+    late[2] += one;
+    late[3] -= reach;
+    let speeds = [
+        (law.v0, [one, zero, zero, zero]),
+        (law.v1, [zero, zero, one, zero]),
+        (law.v0 + law.a0 * reach, early),
+        (law.v1 - law.a1 * reach, late),
+    ];
+    for (speed, gradient) in speeds {
+        sink.one_sided(speed * per, &gradient.map(|g| g * per));
+        if view.price > zero {
+            let per = one / view.bounds.goal;
+            sink.priced(speed * per, view.price, &gradient.map(|g| g * per));
+        }
+    }
     forward_rows(view, law, sink);
 }
 
@@ -426,6 +439,9 @@ mod tests {
         fn positive(&mut self, r: f64, gradient: &Gradient<f64>) {
             self.rows.push((r, *gradient));
         }
+        fn priced(&mut self, r: f64, _: f64, gradient: &Gradient<f64>) {
+            self.rows.push((r, *gradient));
+        }
     }
 
     fn list(straight: bool, x: [f64; 4]) -> Vec<(f64, Gradient<f64>)> {
@@ -455,7 +471,15 @@ mod tests {
             .unwrap();
         let mut sink = List::default();
         rows(
-            &View { from: &from, cell: &cell, to: &to, bounds, limits: &limits, share: 1.0 },
+            &View {
+                from: &from,
+                cell: &cell,
+                to: &to,
+                bounds,
+                limits: &limits,
+                share: 1.0,
+                price: 1.0,
+            },
             &law,
             &mut sink,
         );

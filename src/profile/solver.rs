@@ -46,9 +46,7 @@ const SMALL_STEP: f64 = 10.0;
 /// a few per cent of the speed at its start.
 const HALT_SHARE: f64 = 1.0e-3;
 /// How much dearer it is to be above the goal than time is at the goal.
-const EXCESS_PRICE: f64 = 8.0;
-/// Rounding of the corner in the price of being above the goal, as a share of the goal squared.
-const EXCESS_ROUNDING: f64 = 0.02;
+const EXCESS_PRICE: f64 = 1.5;
 
 /// What is minimised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,6 +91,7 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
     /// A cell with its limits. The last one before an end that is only the end of what is known
     /// keeps a reserve, so that the plan can be taken on from there without a break.
     fn view<'a, const N: usize>(
+        &self,
         window: &'a Window<S, N, NODES>,
         stretch: Stretch,
         i: usize,
@@ -103,6 +102,9 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         if i + 1 == stretch.last && stretch.open && !after.rest {
             view.share = S::of(OPEN_END_SHARE);
             view.bounds = view.bounds.share(view.share);
+        }
+        if self.aim == Aim::Slow {
+            view.price = S::of(EXCESS_PRICE) * station.cell.length / station.bounds.goal;
         }
         Some(view)
     }
@@ -126,29 +128,17 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         State { b: station.state.b - share * step[0], a: station.state.a - share * step[1] }
     }
 
-    /// What speed at a station costs besides time: value and first two derivatives by b.
-    fn toll<const N: usize>(&self, window: &Window<S, N, NODES>, i: usize, b: S) -> [S; 3] {
-        let none = [S::ZERO; 3];
-        if self.aim == Aim::Time {
+    /// What speed at a station costs in a halt: value and derivative by b.
+    fn toll<const N: usize>(&self, window: &Window<S, N, NODES>, i: usize, b: S) -> [S; 2] {
+        let none = [S::ZERO; 2];
+        if self.aim != Aim::Halt {
             return none;
         }
         let Some((before, here)) = i.checked_sub(1).and_then(|i| window.pair(i)) else {
             return none;
         };
-        let half = S::of(0.5);
-        let length = (before.cell.length + here.cell.length) * half;
-        if self.aim == Aim::Halt {
-            let price = self.price * length;
-            return [price * b, price, S::ZERO];
-        }
-        let goal = before.bounds.goal.least(here.bounds.goal);
-        let square = goal * goal;
-        let price = S::of(EXCESS_PRICE) * length / (square * goal) * half;
-        let excess = b - square;
-        let rounding = square * S::of(EXCESS_ROUNDING);
-        let root = (excess * excess + rounding * rounding).sqrt();
-        let slope = S::ONE + excess / root;
-        [price * (excess + root), price * slope, price * rounding * rounding / (root * root * root)]
+        let length = (before.cell.length + here.cell.length) * S::of(0.5);
+        [self.price * length * b, self.price * length]
     }
 
     /// Time minus barrier over cells `from..to`, `None` if a limit is broken.
@@ -161,7 +151,8 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         (from, to): (usize, usize),
     ) -> Option<S> {
         let mut time = S::ZERO;
-        let mut slack = Slack { product: S::ONE, logarithm: S::ZERO, least: S::ONE };
+        let mut slack =
+            Slack { product: S::ONE, logarithm: S::ZERO, least: S::ONE, price: S::ZERO };
         let mut here = self.trial(window, stretch, from, share);
         for i in from..to {
             let next = self.trial(window, stretch, i + 1, share);
@@ -174,18 +165,18 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
                 if self.aim != Aim::Halt {
                     time += law.time;
                 }
-                rows(&Self::view(window, stretch, i, limits)?, &law, &mut slack);
+                rows(&self.view(window, stretch, i, limits)?, &law, &mut slack);
                 if !(slack.least > S::ZERO) {
                     return None;
                 }
             }
-            if self.aim != Aim::Time && Self::is_free(window, stretch, i + 1) {
+            if self.aim == Aim::Halt && Self::is_free(window, stretch, i + 1) {
                 time += self.toll(window, i + 1, next.b)[0];
             }
             here = next;
         }
         slack.fold();
-        let value = time - weight * slack.logarithm;
+        let value = time + slack.price - weight * slack.logarithm;
         value.is_finite().then_some(value)
     }
 
@@ -291,10 +282,9 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         self.aim = aim;
         if let Some(time) = Self::time(window, stretch) {
             self.set_price(window, stretch, time);
-            let cost = time + self.tolls(window, stretch);
-            // Far from the least cost the barrier must keep up with it, or the first steps run
+            // Far from the least time the barrier must keep up with it, or the first steps run
             // into a corner of the limits and stay there.
-            weight = weight.greatest(cost / cells * S::of(FIRST_SHARE));
+            weight = weight.greatest(time / cells * S::of(FIRST_SHARE));
             if aim == Aim::Halt {
                 weight = time / cells * S::of(FIRST_SHARE);
                 last_weight = weight * S::of(HALT_SHARE);
@@ -486,7 +476,7 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
             let timed = self.aim != Aim::Halt;
             let gradient = if timed { time_gradient(&law) } else { [S::ZERO; 4] };
             let mut model = Model { weight, gradient, hessian: [S::ZERO; 10] };
-            let Some(view) = Self::view(window, stretch, i, limits) else { continue };
+            let Some(view) = self.view(window, stretch, i, limits) else { continue };
             rows(&view, &law, &mut model);
             let (g, mut h) = by_square(&model, &law, (free0, free1));
             add_damping(
@@ -500,8 +490,7 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
             if timed {
                 add_time_curvature(&mut h, station.cell.length, ends, (free0, free1));
             }
-            let [_, slope, curvature] =
-                if free1 { self.toll(window, i + 1, to.b) } else { [S::ZERO; 3] };
+            let toll = if free1 { self.toll(window, i + 1, to.b)[1] } else { S::ZERO };
             let work = &mut self.work[i];
             for (sum, part) in work.block.iter_mut().zip([h[0], h[1], h[4]]) {
                 *sum += part;
@@ -513,8 +502,7 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
             for (sum, part) in work.block.iter_mut().zip([h[7], h[8], h[9]]) {
                 *sum += part;
             }
-            work.block[0] += curvature;
-            work.gradient[0] += g[2] + slope;
+            work.gradient[0] += g[2] + toll;
             work.gradient[1] += g[3];
         }
         for i in stretch.first..=stretch.last {

@@ -191,6 +191,7 @@ impl<S: Scalar, const N: usize> Station<S, N> {
             bounds: self.bounds,
             limits,
             share: S::ONE,
+            price: S::ZERO,
         }
     }
     /// How the path arrives at the next station. A node at rest holds the direction in which the
