@@ -17,5 +17,5 @@ pub(crate) mod item;
 mod joint;
 pub(crate) mod node;
 pub(crate) mod segment;
-mod swing;
-mod transition;
+pub(crate) mod swing;
+pub(crate) mod transition;

@@ -25,8 +25,8 @@ use core::array::from_fn;
 type Shape = [f64; 8];
 
 /// Share of the band that the shapes use. A motion that rests or starts within a cell leaves the
-/// spline by up to two per cent of the band.
-const SHARE: f64 = 0.97;
+/// spline by up to four per cent of the band (`profile::compile` tests it).
+const SHARE: f64 = 0.95;
 
 /// Turns of the columns: 30, 60, 90, 120, 135 and 154 degrees.
 const TURNS: usize = 6;
@@ -186,9 +186,9 @@ mod tests {
             let corner = Corner::new(&[1.0, 0.0], &[turn.cos(), turn.sin()]);
             for room in [1e-3, 0.05, 0.3, 1.0, 3.0, 10.0, 100.0] {
                 let half = half(&corner, 0.05, room);
-                assert!(half.deviation() <= 0.05 * 0.975, "{degrees} {room} {}", half.deviation());
+                assert!(half.deviation() <= 0.05 * 0.951, "{degrees} {room} {}", half.deviation());
                 assert!(half.reach() <= room * 1.000_001, "{degrees} {room}");
-                let used = half.deviation() > 0.048 || half.reach() > 0.99 * room;
+                let used = half.deviation() > 0.047 || half.reach() > 0.99 * room;
                 assert!(used, "{degrees} {room} {} {}", half.deviation(), half.reach());
             }
         }

@@ -70,3 +70,68 @@ pub fn standstill<S: Scalar, const N: usize>(view: &View<'_, S, N>, place: Place
         sequel: place.sequel,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::{AxisLimits, Limits};
+    use crate::path::corner::Corner;
+    use crate::path::node::Order;
+    use crate::path::swing;
+    use crate::path::transition::Transition;
+    use crate::profile::law::State;
+    use crate::profile::rows::Bounds;
+
+    /// A motion that comes to rest in a cell, or starts there, follows the cell's spline less closely
+    /// than one that passes: in a corner it must stay inside the band all the same.
+    #[test]
+    fn a_rest_in_any_cell_of_a_corner_keeps_the_band() {
+        let band = 0.05f64;
+        let axis = AxisLimits { velocity: 1e3, acceleration: 1e4, jerk: 1e6, rotary: false };
+        let limits = Limits::new([axis; 2]).unwrap();
+        for degrees in [2.0f64, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0, 105.0, 120.0, 135.0, 150.0] {
+            let turn = degrees.to_radians();
+            let (a, b) = ([1.0, 0.0], [turn.cos(), turn.sin()]);
+            let corner = Corner::new(&a, &b);
+            for room in [0.1, 0.3, 0.5, 0.8, 1.2, 2.0, 5.0, 20.0] {
+                let half = swing::half(&corner, band, room);
+                let transition = Transition::new([Coord::ZERO; 2], (&a, &b), &corner, half);
+                for index in 0..transition.cells() {
+                    let (from, to) = (transition.node(index), transition.node(index + 1));
+                    let order = Order { feed: 1.0, rapid: false, tag: 0 };
+                    let cell = transition.cell(index, &from, order);
+                    let view = View {
+                        from: &from,
+                        cell: &cell,
+                        to: &to,
+                        bounds: Bounds::default(),
+                        limits: &limits,
+                        share: 1.0,
+                        price: 0.0,
+                    };
+                    // Constant jerk to or from rest: 2 v^2 = 3 |a| h.
+                    let push = 2.0 / 3.0 / cell.length;
+                    for (start, end) in [
+                        (State { b: 1.0, a: -push }, State::REST),
+                        (State::REST, State { b: 1.0, a: push }),
+                    ] {
+                        let law = Law::new(cell.length, start, end).unwrap();
+                        let place = Place { serial: 0, way: Coord::ZERO, sequel: Sequel::Motion };
+                        let piece = piece(&view, &law, place);
+                        for k in 0..=20 {
+                            let at = piece.at(law.time * f64::from(k) / 20.0);
+                            let p = [at.position_mm(0), at.position_mm(1)];
+                            let off = |d: &[f64; 2], sign: f64| {
+                                let along = (p[0] * d[0] + p[1] * d[1]) * sign;
+                                let beside = (p[0] * d[1] - p[1] * d[0]).abs();
+                                if along > 0.0 { p[0].hypot(p[1]) } else { beside }
+                            };
+                            let off = off(&a, 1.0).min(off(&b, -1.0));
+                            assert!(off <= band * 0.999, "{degrees} {room} {index}: {off}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -10,7 +10,8 @@
 //!   Q2 = x0' j(T)    +  60 bulge w^3 - 36 turn v1 w^2 + (9 E1 - 3 E0) w
 //! and those of the acceleration A0, A0 + Q0 T / 3, A1 - Q2 T / 3, A1. A polynomial lies between
 //! its least and greatest Bernstein coefficient: where these keep the limits, the axis keeps them
-//! at every instant of the cell. Those of the path speed, v0, v0 + a0 T / 3, v1 - a1 T / 3, v1,
+//! at every instant of the cell. (For the jerk those of either half of the cell are taken: Q0, (Q0 +
+//! Q1) / 2, (Q1 + Q2) / 2, Q2, their middle ones being the mean of two of these.) Those of the path speed, v0, v0 + a0 T / 3, v1 - a1 T / 3, v1,
 //! are kept below the feed; [`Law`] exists only where they are not below zero.
 
 use super::law::Law;
@@ -362,8 +363,14 @@ fn axis_rows<S: Scalar, const N: usize, K: Sink<S>>(
             g[2] += (turn * axis.turn * w + two * e1 * axis.k1 * law.v1) * w;
             g[3] += e1 * axis.turn * w;
         }
-        let scaled = core::array::from_fn(|k| jerk_gradient[n][k] * per);
-        sink.two_sided(jerk[n] * per, &scaled);
+    }
+    // The coefficients of either half of the cell: a kinked path swings the middle one of the whole
+    // far beyond any jerk that occurs.
+    let half = S::of(0.5);
+    for (i, j) in [(0, 0), (0, 1), (1, 2), (2, 2)] {
+        let scaled =
+            core::array::from_fn(|k| (jerk_gradient[i][k] + jerk_gradient[j][k]) * (half * per));
+        sink.two_sided((jerk[i] + jerk[j]) * (half * per), &scaled);
     }
     let parts = Ends {
         per: S::ONE / (limits.acceleration * view.share),
