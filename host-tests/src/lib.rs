@@ -1,5 +1,6 @@
 //! The host side of splineway: reading tool paths, simulating servo cycles, judging and showing.
 
+pub mod baseline;
 pub mod commands;
 pub mod machine;
 pub mod program;

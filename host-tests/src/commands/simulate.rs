@@ -1,9 +1,10 @@
 //! `splineway simulate`: a file through the core, cycle by cycle.
 
-use crate::machine::{Machine, Mode};
+use crate::baseline::{self, Law};
+use crate::machine::{Axis, Machine, Mode};
 use crate::program::{self, LETTERS, Program, ReadOptions, Speed};
 use crate::run::{Events, Judge, Observer, Precision, Track, run_with};
-use crate::view::{CsvOut, Progress, Report, Scene, Trace, plot, violations};
+use crate::view::{CsvOut, Curve, Progress, Report, Scene, Trace, plot, plot_speeds, violations};
 use anyhow::{Context, Result, bail};
 use std::path::PathBuf;
 
@@ -61,6 +62,10 @@ pub struct Simulate {
     /// Plot (.html, .svg or .png).
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
+    /// Prints other speed laws on the same path beside this planner; `--plot` then shows their
+    /// speeds along the way.
+    #[arg(long)]
+    pub compare: bool,
     /// Print nothing but errors.
     #[arg(long)]
     pub quiet: bool,
@@ -136,7 +141,7 @@ impl Simulate {
             None => None,
         };
         let mut observers: Vec<&mut dyn Observer> = vec![&mut judge, &mut progress];
-        if self.plot.is_some() {
+        if self.plot.is_some() || self.compare {
             observers.push(&mut trace);
         }
         if let Some(csv) = &mut csv {
@@ -166,17 +171,17 @@ impl Simulate {
                 report.time_s,
                 machine.tolerance
             );
-            plot(
-                path,
-                &Scene {
-                    title: &title,
-                    track: &track,
-                    tolerance: machine.tolerance,
-                    letters: &letters,
-                    limits: &limits,
-                    trace: &trace,
-                },
-            )?;
+            let scene = Scene {
+                title: &title,
+                track: &track,
+                tolerance: machine.tolerance,
+                letters: &letters,
+                limits: &limits,
+                trace: &trace,
+            };
+            if !self.compare {
+                plot(path, &scene)?;
+            }
         }
         if !self.quiet {
             print_summary(&report);
@@ -184,9 +189,61 @@ impl Simulate {
                 println!("aborted         the rest of the program was dropped");
             }
         }
+        if self.compare {
+            let setting = (machine.tolerance, machine.cycle);
+            self.compare(&program, &limits, setting, report.time_s, &trace)?;
+        }
         let broken = violations(&verdict, self.scalar, machine.cycle, widest, &limits);
         if !broken.is_empty() {
             bail!("the run broke limits: {}", broken.join("; "));
+        }
+        Ok(())
+    }
+}
+
+impl Simulate {
+    /// Other speed laws on the same path: a table, and a plot if one is wanted.
+    fn compare(
+        &self,
+        program: &Program,
+        limits: &[Axis],
+        (tolerance, cycle): (f64, f64),
+        time: f64,
+        trace: &Trace,
+    ) -> Result<()> {
+        let own = trace.points.iter().map(|point| (point.way, point.speed)).collect();
+        let mut curves = vec![Curve { name: format!("splineway: {time:.3} s"), points: own }];
+        println!(
+            "{:<46} {:>9} {:>7} {:>12} {:>14}",
+            "speed law", "time, s", "ratio", "jump, mm/s", "jerk / limit"
+        );
+        println!("{:<46} {time:>9.3} {:>7.2} {:>12} {:>14}", "splineway", 1.0, "none", "<= 1");
+        let jerk = limits.iter().map(|axis| axis.jerk).fold(f64::INFINITY, f64::min);
+        for (law, name) in [
+            (Law::ExactStop, "exact stop at every corner, S-curve"),
+            (Law::Trapezoid, "junction deviation, trapezoid (no jerk limit)"),
+            (Law::SCurve, "junction deviation, S-curve, a = 0 at corners"),
+        ] {
+            let outcome = baseline::run(program, limits, tolerance, law);
+            println!(
+                "{name:<46} {:>9.3} {:>7.2} {:>12.2} {:>14.0}",
+                outcome.time,
+                outcome.time / time,
+                outcome.jump,
+                (outcome.jump / (cycle * cycle) / jerk).max(1.0)
+            );
+            curves.push(Curve {
+                name: format!("{name}: {:.3} s", outcome.time),
+                points: outcome.curve,
+            });
+        }
+        println!(
+            "jump: greatest step of velocity at a corner, within one servo cycle. To keep the jerk\n\
+             limit there, these laws would have to stop: they become the exact stop."
+        );
+        if let Some(path) = &self.plot {
+            let name = self.file.file_name().unwrap_or_default().to_string_lossy();
+            plot_speeds(path, &format!("{name}: speed along the way"), &curves)?;
         }
         Ok(())
     }

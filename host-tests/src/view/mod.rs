@@ -33,16 +33,42 @@ pub struct Scene<'a> {
     pub trace: &'a Trace,
 }
 
+/// Speed over the way of one run.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// What it shows.
+    pub name: String,
+    /// Way in mm and speed in mm/s.
+    pub points: Vec<(f64, f64)>,
+}
+
 /// Writes a plot; the kind is told by the file's ending.
 ///
 /// # Errors
 /// An unknown ending, or a file that cannot be written.
 pub fn plot(path: &Path, scene: &Scene<'_>) -> Result<()> {
+    write(path, || picture::svg(scene), |_| html::page(scene))
+}
+
+/// Writes a plot of speeds over the way, one below the other.
+///
+/// # Errors
+/// An unknown ending, or a file that cannot be written.
+pub fn plot_speeds(path: &Path, title: &str, curves: &[Curve]) -> Result<()> {
+    let page = |svg: &str| Ok(format!("<!doctype html><meta charset=\"utf-8\">{svg}"));
+    write(path, || picture::speeds_svg(title, curves), page)
+}
+
+fn write(
+    path: &Path,
+    svg: impl FnOnce() -> Result<String>,
+    page: impl FnOnce(&str) -> Result<String>,
+) -> Result<()> {
     let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or("");
     let bytes = match ending {
-        "html" => html::page(scene)?.into_bytes(),
-        "svg" => picture::svg(scene)?.into_bytes(),
-        "png" => picture::png(scene)?,
+        "html" => page(&svg()?)?.into_bytes(),
+        "svg" => svg()?.into_bytes(),
+        "png" => picture::png(&svg()?)?,
         _ => bail!("{}: plots are .svg, .png or .html", path.display()),
     };
     std::fs::write(path, bytes).with_context(|| format!("cannot write {}", path.display()))

@@ -1,11 +1,12 @@
 //! Plots as SVG and PNG.
 
-use super::{Point, Scene};
+use super::{Curve, Point, Scene};
 use anyhow::{Result, anyhow};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
 const SIZE: (u32, u32) = (1400, 1500);
+const SPEEDS_SIZE: (u32, u32) = (1400, 1100);
 const COLOURS: [RGBColor; 9] = [
     RGBColor(0, 92, 171),
     RGBColor(214, 96, 0),
@@ -29,16 +30,55 @@ pub fn svg(scene: &Scene<'_>) -> Result<String> {
     Ok(text)
 }
 
-/// The plot as PNG; letters need a font on the machine.
-pub fn png(scene: &Scene<'_>) -> Result<Vec<u8>> {
+/// A picture as PNG; letters need a font on the machine.
+pub fn png(svg: &str) -> Result<Vec<u8>> {
     use resvg::{tiny_skia, usvg};
     let mut options = usvg::Options::default();
     options.fontdb_mut().load_system_fonts();
-    let tree = usvg::Tree::from_str(&svg(scene)?, &options)?;
-    let mut pixels =
-        tiny_skia::Pixmap::new(SIZE.0, SIZE.1).ok_or_else(|| anyhow!("no picture of this size"))?;
+    let tree = usvg::Tree::from_str(svg, &options)?;
+    let size = tree.size().to_int_size();
+    let mut pixels = tiny_skia::Pixmap::new(size.width(), size.height())
+        .ok_or_else(|| anyhow!("no picture of this size"))?;
     resvg::render(&tree, tiny_skia::Transform::identity(), &mut pixels.as_mut());
     Ok(pixels.encode_png()?)
+}
+
+/// Speeds over the way, one curve per name, as SVG text.
+pub fn speeds_svg(title: &str, curves: &[Curve]) -> Result<String> {
+    let mut text = String::new();
+    draw_speeds(&mut text, title, curves).map_err(|error| anyhow!("plot: {error}"))?;
+    Ok(text)
+}
+
+fn draw_speeds(
+    text: &mut String,
+    title: &str,
+    curves: &[Curve],
+) -> Result<(), Box<dyn std::error::Error>> {
+    let root = SVGBackend::with_string(text, SPEEDS_SIZE).into_drawing_area();
+    root.fill(&WHITE)?;
+    let root = root.titled(title, ("sans-serif", 26))?;
+    let panels = root.split_evenly((curves.len().max(1), 1));
+    let (_, end) = range(curves.iter().flat_map(|curve| &curve.points).map(|point| point.0));
+    let (_, most) = range(curves.iter().flat_map(|curve| &curve.points).map(|point| point.1));
+    for (n, (panel, curve)) in panels.iter().zip(curves).enumerate() {
+        let mut chart = ChartBuilder::on(panel)
+            .margin(8)
+            .caption(&curve.name, ("sans-serif", 18))
+            .x_label_area_size(36)
+            .y_label_area_size(70)
+            .build_cartesian_2d(0.0..end.max(1e-3), 0.0..most.max(1e-3) * 1.05)?;
+        chart
+            .configure_mesh()
+            .x_desc("way, mm")
+            .y_desc("speed, mm/s")
+            .light_line_style(WHITE)
+            .draw()?;
+        let colour = COLOURS[n % COLOURS.len()];
+        chart.draw_series(LineSeries::new(curve.points.iter().copied(), colour))?;
+    }
+    root.present()?;
+    Ok(())
 }
 
 fn draw(text: &mut String, scene: &Scene<'_>) -> Result<(), Box<dyn std::error::Error>> {

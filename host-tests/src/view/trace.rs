@@ -10,6 +10,8 @@ pub struct Point {
     pub time: f64,
     /// Positions, mm.
     pub position: Vec<f64>,
+    /// Arc length, mm.
+    pub way: f64,
     /// Speed along the path, mm/s.
     pub speed: f64,
     /// Acceleration per axis of largest magnitude, mm/s2.
@@ -95,6 +97,7 @@ impl Observer for Trace {
         let mut point = std::mem::take(&mut self.current);
         point.time = sample.time;
         point.position = sample.position.to_vec();
+        point.way = sample.path;
         point.speed = sample.speed;
         point.line = sample.tag;
         self.points.push(point);
