@@ -29,9 +29,9 @@ use core::array::from_fn;
 /// A cell is cut only if this many servo cycles are left of it.
 const LEAST_CYCLES: f64 = 2.0;
 /// Speed that jerk builds up in as many servo cycles squared is a crawl.
-const CRAWL: f64 = 20.0;
+const CRAWL: f64 = 4.0;
 /// Share of a crawl below which a motion is not cut: it comes to rest or gets going in a moment.
-const LEAST_SPEED: f64 = 1.0e-4;
+const LEAST_SPEED: f64 = 1.0e-3;
 /// Cells in the distance that it takes to stop.
 const BRAKE_CELLS: f64 = 4.0;
 /// Share of the jerk limit with which a stop ends.
