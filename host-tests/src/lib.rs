@@ -4,5 +4,6 @@ pub mod baseline;
 pub mod commands;
 pub mod machine;
 pub mod program;
+pub mod reference;
 pub mod run;
 pub mod view;

@@ -1,11 +1,13 @@
 //! Running programs through the core, cycle by cycle, and judging what comes out.
 
 pub mod events;
+pub mod geometry;
 pub mod judge;
 pub mod runner;
 pub mod track;
 
 pub use events::{Action, Event, Events, FORMAT};
+pub use geometry::Geometry;
 pub use judge::{Judge, Verdict};
 pub use runner::{Observer, Precision, Sample, Stats, Timing, run, run_with};
 pub use track::Track;
