@@ -2,6 +2,7 @@
 
 pub mod baseline;
 pub mod commands;
+pub mod corners;
 pub mod machine;
 pub mod program;
 pub mod reference;

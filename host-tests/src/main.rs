@@ -1,6 +1,7 @@
 //! The `splineway` program.
 
 use clap::{Parser, Subcommand};
+use splineway_host::commands::corners::Corners;
 use splineway_host::commands::simulate::Simulate;
 use std::process::ExitCode;
 
@@ -15,11 +16,15 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Simulate(Simulate),
+    Corners(Corners),
 }
 
 fn main() -> ExitCode {
-    let Command::Simulate(simulate) = Arguments::parse().command;
-    match simulate.execute() {
+    let outcome = match Arguments::parse().command {
+        Command::Simulate(simulate) => simulate.execute(),
+        Command::Corners(corners) => corners.execute(),
+    };
+    match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error:#}");

@@ -9,7 +9,7 @@
 //!   jerk;
 //! - S-curve: the same speeds at corners, seven phases between, acceleration 0 at every corner.
 
-mod profile;
+pub(crate) mod profile;
 
 use crate::machine::Axis;
 use crate::program::{Course, Program, Speed};

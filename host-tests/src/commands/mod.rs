@@ -1,3 +1,4 @@
 //! The commands of the `splineway` program.
 
+pub mod corners;
 pub mod simulate;

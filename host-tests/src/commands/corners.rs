@@ -1,0 +1,63 @@
+//! `splineway corners`: corner transitions of the literature beside this core's.
+
+use crate::corners::{Continuity, table};
+use crate::machine::Machine;
+use anyhow::{Result, bail};
+use std::path::PathBuf;
+
+/// Compares corner transitions at equal deviation: smoothness, time, effort.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Corners {
+    /// True deviation of every transition from the corner's legs, mm.
+    #[arg(long, value_name = "MM", default_value_t = 0.05)]
+    pub tolerance: f64,
+    /// Turns, degrees.
+    #[arg(long, value_name = "DEGREES", value_delimiter = ',', default_values_t = [30.0, 60.0, 90.0, 120.0, 150.0])]
+    pub turns: Vec<f64>,
+    /// Machine description (TOML); the limits of its default axis are used.
+    #[arg(long, value_name = "TOML")]
+    pub machine: Option<PathBuf>,
+}
+
+impl Corners {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// Values out of range, a machine that cannot be read, a speed law that cannot be solved.
+    pub fn execute(&self) -> Result<()> {
+        if !(self.tolerance > 0.0 && self.tolerance <= 0.2) {
+            bail!("--tolerance {}: it must be greater than 0 and at most 0.2 mm", self.tolerance);
+        }
+        let machine = match &self.machine {
+            Some(path) => Machine::read(path)?,
+            None => Machine::default(),
+        };
+        for &turn in &self.turns {
+            if !(15.0..=155.0).contains(&turn) {
+                bail!("--turns {turn}: turns of 15 to 155 degrees can be compared");
+            }
+            println!("turn {turn} degrees, deviation {} mm, legs of 10 mm", self.tolerance);
+            println!(
+                "  {:<42} {:<5} {:>11} {:>14} {:>11}  {}",
+                "method (* derived)", "", "peak, 1/mm", "third, 1/mm2", "s per leg", "operations"
+            );
+            for row in table(turn, self.tolerance, &machine)? {
+                let mark = if row.method.derived { " *" } else { "" };
+                let continuity = match row.method.continuity {
+                    Continuity::G1 => "G1",
+                    Continuity::G2 => "G2",
+                    Continuity::G3 => "G3",
+                };
+                println!(
+                    "  {:<42} {continuity:<5} {:>11.3} {:>14.2} {:>11.4}  {}",
+                    format!("{}{mark}", row.method.name),
+                    row.curvature,
+                    row.third,
+                    row.time,
+                    row.method.operations
+                );
+            }
+        }
+        Ok(())
+    }
+}
