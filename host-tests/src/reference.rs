@@ -138,7 +138,7 @@ pub fn least_time(
             let before = if k == 0 { 0.0 } else { places[k - 1].step };
             let after = if k + 1 == n { 0.0 } else { places[k].step };
             // w y^-1/2 at y = 1: slope -1/2, curvature 3/4.
-            let weight = (before + after) / 2.0 / b[k].sqrt();
+            let weight = f64::midpoint(before, after) / b[k].sqrt();
             linear[k] = weight * (-0.5 - 0.75);
             square[k] = weight * 0.75;
         }

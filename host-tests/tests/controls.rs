@@ -224,8 +224,8 @@ fn rapids_have_an_override_of_their_own() {
 #[test]
 fn single_block_rests_at_every_end() {
     let blocks: Vec<_> = (1..=4)
-        .map(|n| {
-            let (x, y) = (f64::from((n + 1) / 2) * 10.0, f64::from(n / 2) * 10.0);
+        .map(|n: u32| {
+            let (x, y) = (f64::from(n.div_ceil(2)) * 10.0, f64::from(n / 2) * 10.0);
             Block::line(at(x, y), 100.0, n)
         })
         .collect();

@@ -294,7 +294,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// In motion: plan on when a part of the plan has been run or its end is near.
     fn poll_moving(&mut self, at: u32) -> Progress {
         self.waiting_since = None;
-        let urgent = self.time_ahead(at) < self.config.lead * S::of(URGENT_LEADS);
+        let urgent = self.ends_within(self.config.lead * S::of(URGENT_LEADS), at);
         if urgent
             && self.window.room() >= LEAST_ROOM
             && !self.builder.is_full()

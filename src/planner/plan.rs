@@ -114,13 +114,17 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         self.window.bound(before, pace);
     }
 
-    /// Time from the end of the piece under way to the end of the plan, s.
-    pub(super) fn time_ahead(&self, at: u32) -> S {
+    /// Whether less than this time, s, is left from the end of the piece under way to the end of
+    /// the plan. Looks no further than it must.
+    pub(super) fn ends_within(&self, limit: S, at: u32) -> bool {
         let mut time = S::ZERO;
         for i in self.window.index(at) + 1..self.window.index(self.planned_end) {
             time += self.agreed_time(i);
+            if time >= limit {
+                return false;
+            }
         }
-        time
+        true
     }
 
     pub(super) fn agreed_time(&self, i: usize) -> S {

@@ -38,8 +38,8 @@ impl Corners {
             }
             println!("turn {turn} degrees, deviation {} mm, legs of 10 mm", self.tolerance);
             println!(
-                "  {:<42} {:<5} {:>11} {:>14} {:>11}  {}",
-                "method (* derived)", "", "peak, 1/mm", "third, 1/mm2", "s per leg", "operations"
+                "  {:<42} {:<5} {:>11} {:>14} {:>11}  operations",
+                "method (* derived)", "", "peak, 1/mm", "third, 1/mm2", "s per leg"
             );
             for row in table(turn, self.tolerance, &machine)? {
                 let mark = if row.method.derived { " *" } else { "" };

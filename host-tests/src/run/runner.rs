@@ -5,7 +5,8 @@ use crate::machine::Machine;
 use crate::program::{Course, Move, Program, Speed};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use splineway::{
-    Activity, Block, Config, Coord, Counters, Feed, Link, Motion, Progress, PushError, Scalar, Turn,
+    Activity, Block, Config, Coord, Counters, Feed, Link, Motion, Planner, Progress, PushError,
+    Scalar, Setpoint, Turn,
 };
 use std::time::Instant;
 
@@ -204,22 +205,8 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 silent_until = now + seconds;
             }
         }
-        while let Some(step) = moves.peek()
-            && now >= silent_until
-        {
-            let block =
-                block::<S, N>(step, &axes).with_context(|| format!("line {}", step.line))?;
-            match planner.push(&block) {
-                Ok(()) => {
-                    stats.blocks += 1;
-                    moves.next();
-                }
-                Err(PushError::Full) => break,
-                Err(PushError::Rejected { tag, reason }) => bail!("line {tag}: {reason}"),
-            }
-        }
-        if moves.peek().is_none() {
-            planner.finish();
+        if now >= silent_until {
+            stats.blocks += feed_blocks(&mut planner, &mut moves, &axes)?;
         }
         let began = Instant::now();
         let progress = planner.poll();
@@ -261,10 +248,7 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             }
             if progress == Progress::Aborted {
                 stats.aborted = true;
-                for (k, place) in planner.end().iter().enumerate() {
-                    let off = (place.to_mm() - setpoint.position_mm(k)).abs();
-                    ensure!(off < 1.0e-5, "axis {k} stands {off} mm off where the core says");
-                }
+                check_rest(planner.end(), &setpoint)?;
                 break;
             }
             idle = if waiting { 0 } else { idle + 1 };
@@ -280,6 +264,40 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         stats.least_ahead = 0;
     }
     Ok(stats)
+}
+
+/// Pushes moves until the core takes no more; returns how many it took.
+fn feed_blocks<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
+    planner: &mut Planner<'_, S, N, BLOCKS, NODES>,
+    moves: &mut std::iter::Peekable<std::slice::Iter<'_, Move>>,
+    axes: &[usize],
+) -> Result<u64> {
+    let mut taken = 0;
+    while let Some(step) = moves.peek() {
+        let block = block::<S, N>(step, axes).with_context(|| format!("line {}", step.line))?;
+        match planner.push(&block) {
+            Ok(()) => {
+                taken += 1;
+                moves.next();
+            }
+            Err(PushError::Full) => return Ok(taken),
+            Err(PushError::Rejected { tag, reason }) => bail!("line {tag}: {reason}"),
+        }
+    }
+    planner.finish();
+    Ok(taken)
+}
+
+/// Whether the machine stands where the core says after an abort.
+fn check_rest<S: Scalar, const N: usize>(
+    end: &[Coord; N],
+    setpoint: &Setpoint<S, N>,
+) -> Result<()> {
+    for (k, place) in end.iter().enumerate() {
+        let off = (place.to_mm() - setpoint.position_mm(k)).abs();
+        ensure!(off < 1.0e-5, "axis {k} stands {off} mm off where the core says");
+    }
+    Ok(())
 }
 
 fn show(observers: &mut [&mut dyn Observer], sample: &Sample<'_>) -> Result<()> {

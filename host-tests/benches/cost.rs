@@ -1,0 +1,165 @@
+//! What planning and interpolating cost: nanoseconds (divan) and instructions (callgrind).
+//!
+//! `cargo bench -p splineway-host --bench cost`. A dense program - a circle of 20 mm in chords of
+//! 0.05 mm, then a meander of 0.2 mm steps - runs through the core with three axes in `f32`, at
+//! look-ahead depths of 16, 64 and 256 blocks. Instruction counts are exact and need valgrind; without
+//! it they are skipped, and it says so.
+
+use divan::Bencher;
+use divan::counter::ItemsCount;
+use splineway::{
+    Activity, AxisLimits, Block, Config, Coord, Interpolator, Limits, Link, Planner, Progress,
+    PushError, Setpoint,
+};
+use std::hint::black_box;
+use std::process::Command;
+
+/// Which part of the core is counted in a run under callgrind, and at which depth.
+const PART: &str = "SPLINEWAY_COST_PART";
+const DEPTH: &str = "SPLINEWAY_COST_DEPTH";
+const DEPTHS: [usize; 3] = [16, 64, 256];
+
+fn program() -> Vec<Block<f32, 3>> {
+    let point = |x: f64, y: f64| [x, y, 0.0].map(|mm| Coord::from_mm(mm).unwrap());
+    let circle = (1..=1257).map(|k| {
+        let angle = f64::from(k) * std::f64::consts::TAU / 1257.0;
+        (10.0 * angle.sin(), 10.0 - 10.0 * angle.cos())
+    });
+    let meander = (1..=400).map(|k| {
+        let along = f64::from(k) * 0.2;
+        (along, 1.5 * (along * 0.9).sin() + 0.4 * (along * 2.7).sin())
+    });
+    circle
+        .chain(meander)
+        .zip(1..)
+        .map(|((x, y), tag)| Block::line(point(x, y), 200.0, tag))
+        .collect()
+}
+
+fn config() -> Config<f32, 3> {
+    let axis = AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false };
+    let mut config = Config::new(Limits::new([axis; 3]).unwrap());
+    config.tolerance = 0.01;
+    config
+}
+
+#[inline(never)]
+fn planning_step<const BLOCKS: usize, const NODES: usize>(
+    planner: &mut Planner<'_, f32, 3, BLOCKS, NODES>,
+    blocks: &mut std::iter::Peekable<std::slice::Iter<'_, Block<f32, 3>>>,
+) -> Progress {
+    while let Some(block) = blocks.peek() {
+        match planner.push(block) {
+            Ok(()) => blocks.next(),
+            Err(PushError::Full) => break,
+            Err(error) => panic!("{error}"),
+        };
+    }
+    if blocks.peek().is_none() {
+        planner.finish();
+    }
+    planner.poll()
+}
+
+#[inline(never)]
+fn servo_tick(interpolator: &mut Interpolator<'_, f32, 3>) -> Setpoint<f32, 3> {
+    interpolator.tick()
+}
+
+/// Runs the program; returns blocks and ticks.
+fn run<const BLOCKS: usize, const NODES: usize>(program: &[Block<f32, 3>]) -> (usize, usize) {
+    let mut link = Box::new(Link::<f32, 3, NODES>::new());
+    let (mut planner, mut interpolator) =
+        link.handles::<BLOCKS>(config(), [Coord::ZERO; 3]).unwrap();
+    let mut blocks = program.iter().peekable();
+    for ticks in 1.. {
+        let progress = planning_step(&mut planner, &mut blocks);
+        let setpoint = black_box(servo_tick(&mut interpolator));
+        if progress == Progress::Done && setpoint.activity == Activity::Idle {
+            return (program.len(), ticks);
+        }
+    }
+    unreachable!("a run ends")
+}
+
+fn run_at(depth: usize, program: &[Block<f32, 3>]) -> (usize, usize) {
+    match depth {
+        16 => run::<16, 64>(program),
+        64 => run::<64, 192>(program),
+        _ => run::<256, 512>(program),
+    }
+}
+
+/// A whole run per block: planning, and the ticks that belong to it.
+#[divan::bench(args = DEPTHS)]
+fn whole_run_per_block(bencher: Bencher<'_, '_>, depth: usize) {
+    let program = program();
+    bencher.counter(ItemsCount::new(program.len())).bench(|| run_at(depth, &program));
+}
+
+/// One tick in motion.
+#[divan::bench(sample_count = 200)]
+fn tick(bencher: Bencher<'_, '_>) {
+    let program = program();
+    let mut link = Box::new(Link::<f32, 3, 512>::new());
+    let (mut planner, mut interpolator) = link.handles::<256>(config(), [Coord::ZERO; 3]).unwrap();
+    let mut blocks = program.iter().peekable();
+    // Planning happens in between, outside the measured time.
+    bencher
+        .with_inputs(|| {
+            if planning_step(&mut planner, &mut blocks) == Progress::Done {
+                blocks = program.iter().peekable();
+            }
+        })
+        .bench_local_values(|()| servo_tick(&mut interpolator));
+}
+
+/// Instructions of the functions whose name matches, in a run at a depth; `None` without valgrind.
+fn instructions(part: &str, depth: usize) -> Option<f64> {
+    let own = std::env::current_exe().ok()?;
+    let output = Command::new("valgrind")
+        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
+        .arg(format!("--toggle-collect=*{part}*"))
+        .arg(own)
+        .env(PART, part)
+        .env(DEPTH, depth.to_string())
+        .output()
+        .ok()?;
+    let text = String::from_utf8_lossy(&output.stderr);
+    let line = text.lines().find(|line| line.contains("Collected"))?;
+    line.rsplit(':').next()?.trim().parse().ok()
+}
+
+fn print_instructions() {
+    let program = program();
+    println!("{:<8} {:>24} {:>22}", "depth", "instructions per block", "instructions per tick");
+    let mut first = None;
+    for depth in DEPTHS {
+        let (blocks, ticks) = run_at(depth, &program);
+        let (Some(planning), Some(ticking)) =
+            (instructions("planning_step", depth), instructions("servo_tick", depth))
+        else {
+            println!("skipped: valgrind is not there, so no instructions are counted");
+            return;
+        };
+        let per_block = planning / blocks as f64;
+        let first = *first.get_or_insert(per_block);
+        println!(
+            "{depth:<8} {per_block:>24.0} {:>22.1}   ({:.2} of depth 16)",
+            ticking / ticks as f64,
+            per_block / first
+        );
+        assert!(per_block <= 2.0 * first, "planning a block costs more than twice as much");
+    }
+}
+
+fn main() {
+    if std::env::var_os(PART).is_some() {
+        // Under callgrind: just the run.
+        let depth = std::env::var(DEPTH).ok().and_then(|depth| depth.parse().ok());
+        black_box(run_at(depth.unwrap_or(64), &program()));
+        return;
+    }
+    print_instructions();
+    divan::main();
+}
