@@ -15,20 +15,23 @@
 //!
 //! - [`block`]: what comes in. A [`Block`] is plain data, checked as a whole when it is pushed.
 //! - `path`: geometry, which knows no time. Blocks wait until their neighbours are known; corners
-//!   become cubic B-splines inside the tolerance band (Guo, Yan, Wang 2023), joints with arcs quintic
-//!   blends, vertices of dense runs are passed on a common circle. Everything is cut into *cells*
+//!   become cubic B-splines inside the tolerance band (shaped for least time, or as in Guo, Yan, Wang
+//!   2023), joints with arcs quintic blends, vertices of dense runs are passed on a common circle. Everything is cut into *cells*
 //!   between *nodes* that carry position, tangent and curvature: the path is curvature-continuous.
 //! - `profile`: the speed law over a window of cells. The unknowns are speed and acceleration at the
 //!   nodes; every limit of every axis is a bound on Bernstein coefficients of the very polynomials
 //!   that will be executed, so it holds at every instant, not only at samples. A barrier method
 //!   minimises the time; each of its iterates keeps all limits, so it can stop after any bounded
 //!   number of steps.
-//! - [`servo`]: the interrupt side, which knows no planning. Plans arrive whole over single-producer
-//!   single-consumer queues ([`Link`]), each from a node still ahead of the motion to a stop; the
-//!   [`Interpolator`] changes over where they branch off. If nothing arrives it comes to rest on the
+//! - [`servo`]: the interrupt side, which knows no planning. Plans arrive whole in two buffers used in
+//!   turn ([`Link`]), each from a place still ahead of the motion to a stop; the [`Interpolator`]
+//!   changes over where they branch off. If nothing arrives it comes to rest on the
 //!   path, and goes on from there when something does.
 //! - [`machine`]: limits and settings, checked once. [`number`]: the [`Scalar`], and fixed-point
 //!   [`Coord`]inates that never drift.
+//!
+//! An operator's commands ([`Controls`]) overtake all this: the planner answers with a plan that
+//! branches off at the next servo cycle.
 //!
 //! Lower modules never import higher ones: `number`, `machine`, `block`, `path`, `servo`, `profile`,
 //! and on top the [`Planner`].

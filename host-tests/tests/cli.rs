@@ -38,6 +38,8 @@ fn help_names_options_and_examples() {
         "--setpoints",
         "--report",
         "--plot",
+        "--events",
+        "--compare",
         "Examples:",
     ] {
         assert!(text.contains(word), "{word} is missing");
@@ -138,4 +140,44 @@ fn arcs_helices_dwells_and_inverse_time_run() {
         let output = splineway(&["simulate", &program, "--scalar", scalar]);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     }
+}
+
+/// The example of an operator at work: the run ends, later than without.
+#[test]
+fn events_are_played() {
+    let path = file("zigzag.txt", "0 0 0 100\n30 0 0 100\n30 30 0 100\n60 30 0 100\n60 60 0 100\n");
+    let path = path.display().to_string();
+    let events = format!("{}/examples/commands.csv", env!("CARGO_MANIFEST_DIR"));
+    let seconds = |arguments: &[&str]| -> f64 {
+        let output = splineway(arguments);
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        text.split_whitespace().nth(1).unwrap().parse().unwrap()
+    };
+    let plain = seconds(&["simulate", &path]);
+    let played = seconds(&["simulate", &path, "--events", &events]);
+    assert!(played > plain + 0.3, "{played} and {plain}");
+    let abort = file("abort.csv", "0.3, abort\n").display().to_string();
+    assert!(seconds(&["simulate", &path, "--events", &abort]) < plain);
+    let wrong = file("wrong.csv", "0.3, hold\n0.4, jump\n").display().to_string();
+    let error = error_of(&["simulate", &path, "--events", &wrong], 1);
+    assert!(error.contains("wrong.csv") && error.contains("line 2"), "{error}");
+    let held = file("held.csv", "0.3, hold\n").display().to_string();
+    let error = error_of(&["simulate", &path, "--events", &held], 1);
+    assert!(error.contains("needs a resume"), "{error}");
+}
+
+#[test]
+fn other_speed_laws_and_corners_are_compared() {
+    let plot = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("laws.svg");
+    let name = plot.display().to_string();
+    let output = splineway(&["simulate", &example(), "--compare", "--plot", &name]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success() && text.contains("exact stop"), "{text}");
+    assert!(std::fs::read_to_string(plot).unwrap().contains("speed along the way"));
+    let output = splineway(&["corners", "--turns", "90"]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success() && text.contains("Guo 2023"), "{text}");
+    let error = error_of(&["corners", "--turns", "180"], 1);
+    assert!(error.contains("15 to 155"), "{error}");
 }

@@ -40,8 +40,55 @@ const STOP_JERK: f64 = 0.97;
 const LEAST_PART: f64 = 0.03;
 /// Places tried for a stop.
 const STOP_TRIES: u32 = 8;
+/// Most stations on the way of a stop.
+const STOP_CELLS: usize = 16;
 /// Ends of blocks tried for a stop.
 const END_TRIES: u32 = 4;
+
+/// Coming to rest from a station: on with the same acceleration, then with constant jerk.
+struct Stop<S> {
+    /// Speed squared and acceleration where it begins.
+    from: State<S>,
+    /// Length of the first part and of the second, mm.
+    steady: S,
+    ramp: S,
+    /// Speed between them, mm/s.
+    last: S,
+    /// Where the rest is, from the branch, mm.
+    at: S,
+}
+
+impl<S: Scalar> Stop<S> {
+    /// The stop from a station that is `way` mm from the branch, if it brakes.
+    fn new<const N: usize>(station: &Station<S, N>, way: S) -> Option<Self> {
+        let State { b, a } = station.state;
+        if !(a < S::ZERO && b > S::ZERO && station.cell.length > S::ZERO) {
+            return None;
+        }
+        // Constant jerk J takes a and the speed a^2 / 2 J to zero over 2 v^2 / 3 |a|.
+        let (speed, jerk) = (b.sqrt(), station.bounds.jerk * S::of(STOP_JERK));
+        let last = (a * a / (jerk + jerk)).least(speed);
+        let steady = (last * last - b) / (a + a);
+        let ramp = -(last * last * S::of(2.0 / 3.0) / a);
+        Some(Self { from: station.state, steady, ramp, last, at: way + steady + ramp })
+    }
+
+    fn length(&self) -> S {
+        self.steady + self.ramp
+    }
+
+    /// Speed and acceleration `way` mm after its beginning.
+    fn state(&self, way: S) -> State<S> {
+        let a = self.from.a;
+        if way <= self.steady {
+            return State { b: self.from.b + (a + a) * way, a };
+        }
+        // What is left falls with the cube of the time that is left.
+        let left = ((self.length() - way) / self.ramp).greatest(S::ZERO).cbrt();
+        let speed = self.last * left * left;
+        State { b: speed * speed, a: a * left }
+    }
+}
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     Planner<'_, S, N, BLOCKS, NODES>
@@ -404,12 +451,16 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.give_up();
             return self.rest_next();
         };
-        let mut tries = 0;
-        for i in stretch.first..stretch.last {
+        // Nearest stops first.
+        let mut nearest = S::ZERO;
+        for _ in 0..STOP_TRIES {
+            let Some((i, stop)) = self.next_stop(stretch, nearest) else { break };
+            nearest = stop.at;
             let added = self.changes.added.len();
-            let Some(end) = self.stop_within(i) else { continue };
-            let held = Stretch { last: end, ..stretch };
-            if self.solver.holds(&self.window, held, &self.config.limits) {
+            let mut states = heapless::Vec::new();
+            let end = self.put_stop(i, &stop, stretch.last, &mut states);
+            let held = Stretch { last: end.unwrap_or(i), ..stretch };
+            if end.is_some() && self.solver.holds(&self.window, held, &self.config.limits) {
                 self.halt = Some(Halt::Hold);
                 self.publish(held, branch, self.overrides);
                 return true;
@@ -420,11 +471,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             {
                 self.take_out(self.window.index(serial), cell, &pace);
             }
-            self.loosen(i, i + 1);
-            tries += 1;
-            if tries >= STOP_TRIES {
-                break;
+            for (k, state) in states.iter().enumerate() {
+                self.set_state(i + 1 + k, *state);
             }
+            self.loosen(i, i + 1 + states.len());
         }
         // The rest that the plan comes to anyway may be nearer than any other.
         self.give_up();
@@ -447,29 +497,61 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         false
     }
 
-    /// Puts a stop into the cell of station `i`, if the motion there can come to rest within it:
-    /// on with the same acceleration, then with constant jerk to rest. Returns its index.
-    fn stop_within(&mut self, i: usize) -> Option<usize> {
-        let station = self.window.get(i)?;
-        let (length, State { b, a }) = (station.cell.length, station.state);
-        if !(a < S::ZERO && b > S::ZERO) {
-            return None;
+    /// The station from which the motion can come to rest nearest, but further than `beyond`.
+    fn next_stop(&self, stretch: Stretch, beyond: S) -> Option<(usize, Stop<S>)> {
+        let mut best: Option<(usize, Stop<S>)> = None;
+        let mut way = S::ZERO;
+        for i in stretch.first..stretch.last {
+            let station = self.window.get(i)?;
+            if let Some(stop) = Stop::new(station, way)
+                && stop.at > beyond
+                && best.as_ref().is_none_or(|(_, least)| stop.at < least.at)
+            {
+                best = Some((i, stop));
+            }
+            way += station.cell.length;
         }
-        // Constant jerk J takes a and the speed a^2 / 2 J to zero over 2 v^2 / 3 |a|.
-        let (speed, jerk) = (b.sqrt(), station.bounds.jerk * S::of(STOP_JERK));
-        let last = (a * a / (jerk + jerk)).least(speed);
-        let steady = (last * last - b) / (a + a);
-        let ramp = -(last * last * S::of(2.0 / 3.0) / a);
-        let whole = steady + ramp;
-        if !(whole < length) {
-            return None;
+        best
+    }
+
+    /// Puts a stop into the window: stations on the way there get its states, what they had goes
+    /// to `before`. Returns the index of the station at rest.
+    fn put_stop(
+        &mut self,
+        i: usize,
+        stop: &Stop<S>,
+        last: usize,
+        before: &mut heapless::Vec<State<S>, STOP_CELLS>,
+    ) -> Option<usize> {
+        let (mut cell, mut way) = (i, S::ZERO);
+        loop {
+            let length = self.window.get(cell)?.cell.length;
+            if way + length > stop.length() {
+                self.insert(cell, (stop.length() - way) / length, State::REST)?;
+                break;
+            }
+            way += length;
+            cell += 1;
+            if cell >= last {
+                return None;
+            }
+            before.push(self.window.get(cell)?.state).ok()?;
+            self.set_state(cell, stop.state(way));
         }
-        self.insert(i, whole / length, State::REST)?;
-        if steady > whole * S::of(LEAST_PART) && ramp > whole * S::of(LEAST_PART) {
-            self.insert(i, steady / whole, State { b: last * last, a })?;
-            return Some(i + 2);
+        let mut end = cell + 1;
+        // Where the acceleration begins to fall, unless a station is near.
+        way = S::ZERO;
+        for k in i..end {
+            let length = self.window.get(k)?.cell.length;
+            let share = (stop.steady - way) / length;
+            if share > S::of(LEAST_PART) && share < S::of(1.0 - LEAST_PART) {
+                self.insert(k, share, stop.state(stop.steady))?;
+                end += 1;
+                break;
+            }
+            way += length;
         }
-        Some(i + 1)
+        Some(end)
     }
 
     /// Puts a station with a state within the cell of station `i`, at a share of its length.
