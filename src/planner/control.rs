@@ -11,6 +11,7 @@
 //! next attempt allows more cycles.
 
 use super::plan::{ADDED, Changes};
+use super::stop::{DEPTHS, PHASES, Stop};
 use super::{Halt, Planner, Progress};
 use crate::number::Scalar;
 use crate::number::vector::{dot, norm, zero};
@@ -34,61 +35,17 @@ const CRAWL: f64 = 4.0;
 const LEAST_SPEED: f64 = 1.0e-3;
 /// Cells in the distance that it takes to stop.
 const BRAKE_CELLS: f64 = 4.0;
-/// Share of the jerk limit with which a stop ends.
-const STOP_JERK: f64 = 0.97;
 /// A part of a stop is a cell of its own if it is this much of the whole.
 const LEAST_PART: f64 = 0.03;
 /// Places tried for a stop.
 const STOP_TRIES: u32 = 8;
+/// Braking distances within which a stop is wanted; if there is none, it is looked for again a
+/// little later.
+const FURTHEST_STOP: f64 = 3.0;
 /// Most stations on the way of a stop.
 const STOP_CELLS: usize = 16;
 /// Ends of blocks tried for a stop.
 const END_TRIES: u32 = 4;
-
-/// Coming to rest from a station: on with the same acceleration, then with constant jerk.
-struct Stop<S> {
-    /// Speed squared and acceleration where it begins.
-    from: State<S>,
-    /// Length of the first part and of the second, mm.
-    steady: S,
-    ramp: S,
-    /// Speed between them, mm/s.
-    last: S,
-    /// Where the rest is, from the branch, mm.
-    at: S,
-}
-
-impl<S: Scalar> Stop<S> {
-    /// The stop from a station that is `way` mm from the branch, if it brakes.
-    fn new<const N: usize>(station: &Station<S, N>, way: S) -> Option<Self> {
-        let State { b, a } = station.state;
-        if !(a < S::ZERO && b > S::ZERO && station.cell.length > S::ZERO) {
-            return None;
-        }
-        // Constant jerk J takes a and the speed a^2 / 2 J to zero over 2 v^2 / 3 |a|.
-        let (speed, jerk) = (b.sqrt(), station.bounds.jerk * S::of(STOP_JERK));
-        let last = (a * a / (jerk + jerk)).least(speed);
-        let steady = (last * last - b) / (a + a);
-        let ramp = -(last * last * S::of(2.0 / 3.0) / a);
-        Some(Self { from: station.state, steady, ramp, last, at: way + steady + ramp })
-    }
-
-    fn length(&self) -> S {
-        self.steady + self.ramp
-    }
-
-    /// Speed and acceleration `way` mm after its beginning.
-    fn state(&self, way: S) -> State<S> {
-        let a = self.from.a;
-        if way <= self.steady {
-            return State { b: self.from.b + (a + a) * way, a };
-        }
-        // What is left falls with the cube of the time that is left.
-        let left = ((self.length() - way) / self.ramp).greatest(S::ZERO).cbrt();
-        let speed = self.last * left * left;
-        State { b: speed * speed, a: a * left }
-    }
-}
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     Planner<'_, S, N, BLOCKS, NODES>
@@ -321,16 +278,22 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         true
     }
 
+    /// About what braking takes from a station, mm: v (v / A + A / J) / 2 and a fifth more.
+    fn braking_distance(&self, i: usize) -> S {
+        let limits = &self.config.limits;
+        let speed = self.window.get(i).map_or(S::ZERO, |station| station.state.b.sqrt());
+        let mut time = S::ZERO;
+        for axis in limits.axes() {
+            time = time.greatest(speed / axis.acceleration);
+        }
+        speed * (time + limits.time_scale()) * S::of(0.6)
+    }
+
     /// Cuts the cells of the agreed motion within braking distance of `first` finer.
     fn refine(&mut self, first: usize, last: usize) -> usize {
-        let limits = self.config.limits;
         let Some(start) = self.window.get(first) else { return last };
         let speed = start.state.b.sqrt();
-        let mut worst = S::ZERO;
-        for axis in limits.axes() {
-            worst = worst.greatest(speed / axis.acceleration);
-        }
-        let distance = speed * (worst + limits.time_scale()) * S::of(0.6);
+        let distance = self.braking_distance(first);
         let longest = distance / S::of(BRAKE_CELLS);
         let (mut i, mut last) = (first, last);
         let mut way = S::ZERO;
@@ -341,13 +304,17 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             if i >= last || way > distance {
                 break;
             }
-            let time = self.window.agreed_law(i).map(|law| law.time * S::of(0.5));
-            let middle = time
+            // In its middle, or where braking may end if that is much nearer.
+            let near = (distance - way) / speed;
+            let middle = self
+                .window
+                .agreed_law(i)
+                .map(|law| (law.time * S::of(0.5)).least(near))
                 .filter(|t| *t > self.config.cycle)
                 .and_then(|t| Some((self.station_within(i, t)?, t)));
             match middle {
-                // The last two are for the stop itself.
-                Some((cut, t)) if length > longest && self.room_to_add() > 2 => {
+                // The last ones are for the stop itself.
+                Some((cut, t)) if length > longest && self.room_to_add() > PHASES => {
                     self.add(i, cut);
                     self.shorten(i, &cut, t);
                     last += 1;
@@ -425,36 +392,53 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         false
     }
 
-    /// Braking states from where an answer can take effect, on cells cut finer.
-    fn slow_down(&mut self) -> Option<(Stretch, Branch)> {
+    /// The motion as agreed from where an answer can take effect, on cells cut finer.
+    fn prepare(&mut self) -> Option<(Stretch, Branch)> {
         let (first, branch) = self.cut_in()?;
         let mut stretch = self.stretch_from(first);
         let before = self.planned_end;
         self.refine(first, stretch.last);
         stretch.last += self.planned_end.wrapping_sub(before) as usize;
         self.loosen(first, stretch.last);
-        let limits = self.config.limits;
-        let steps = self.solver.improve(
-            &mut self.window,
-            stretch,
-            &limits,
-            self.config.iterations,
-            (Aim::Halt, false),
-        );
-        self.counters.steps += u32::from(steps);
         Some((stretch, branch))
+    }
+
+    /// Gives a stretch states that brake as hard as the limits allow, and creep on.
+    fn slow_down(&mut self, stretch: Stretch) {
+        let limits = self.config.limits;
+        let (window, most) = (&mut self.window, self.config.iterations);
+        let steps = self.solver.improve(window, stretch, &limits, most, (Aim::Halt, false));
+        self.counters.steps += u32::from(steps);
     }
 
     /// A plan that comes to rest as soon as the limits allow.
     fn brake(&mut self) -> bool {
-        let Some((stretch, branch)) = self.slow_down() else {
+        let Some((stretch, branch)) = self.prepare() else {
             self.give_up();
             return self.rest_next();
         };
-        // Nearest stops first.
+        // At once, as on a straight; or from somewhere on the motion that brakes hardest.
+        if self.stop(stretch, branch) {
+            return true;
+        }
+        self.slow_down(stretch);
+        if self.stop(stretch, branch) {
+            return true;
+        }
+        // The rest that the plan comes to anyway may be nearer than any other.
+        self.give_up();
+        self.rest_next()
+    }
+
+    /// A plan that ends in the nearest stop that keeps the limits, if there is one near.
+    fn stop(&mut self, stretch: Stretch, branch: Branch) -> bool {
         let mut nearest = S::ZERO;
+        let furthest = self.braking_distance(stretch.first) * S::of(FURTHEST_STOP);
         for _ in 0..STOP_TRIES {
-            let Some((i, stop)) = self.next_stop(stretch, nearest) else { break };
+            let Some((i, stop)) = self.next_stop(stretch, nearest) else { return false };
+            if stop.at > furthest {
+                return false;
+            }
             nearest = stop.at;
             let added = self.changes.added.len();
             let mut states = heapless::Vec::new();
@@ -476,9 +460,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             }
             self.loosen(i, i + 1 + states.len());
         }
-        // The rest that the plan comes to anyway may be nearer than any other.
-        self.give_up();
-        self.rest_next()
+        false
     }
 
     /// If the motion comes to rest at the end of the piece under way, lets it stay there.
@@ -497,17 +479,20 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         false
     }
 
-    /// The station from which the motion can come to rest nearest, but further than `beyond`.
+    /// The station from which the motion can come to rest nearest, but further than `beyond`, and
+    /// how.
     fn next_stop(&self, stretch: Stretch, beyond: S) -> Option<(usize, Stop<S>)> {
         let mut best: Option<(usize, Stop<S>)> = None;
         let mut way = S::ZERO;
         for i in stretch.first..stretch.last {
             let station = self.window.get(i)?;
-            if let Some(stop) = Stop::new(station, way)
-                && stop.at > beyond
-                && best.as_ref().is_none_or(|(_, least)| stop.at < least.at)
-            {
-                best = Some((i, stop));
+            for depth in DEPTHS {
+                if let Some(stop) = Stop::new(station, way, depth)
+                    && stop.at > beyond
+                    && best.as_ref().is_none_or(|(_, least)| stop.at < least.at)
+                {
+                    best = Some((i, stop));
+                }
             }
             way += station.cell.length;
         }
@@ -539,17 +524,19 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.set_state(cell, stop.state(way));
         }
         let mut end = cell + 1;
-        // Where the acceleration begins to fall, unless a station is near.
-        way = S::ZERO;
-        for k in i..end {
-            let length = self.window.get(k)?.cell.length;
-            let share = (stop.steady - way) / length;
-            if share > S::of(LEAST_PART) && share < S::of(1.0 - LEAST_PART) {
-                self.insert(k, share, stop.state(stop.steady))?;
-                end += 1;
-                break;
+        // Where the jerk changes, unless a station is near.
+        for change in stop.ends() {
+            way = S::ZERO;
+            for k in i..end {
+                let length = self.window.get(k)?.cell.length;
+                let share = (change - way) / length;
+                if share > S::of(LEAST_PART) && share < S::of(1.0 - LEAST_PART) {
+                    self.insert(k, share, stop.state(change))?;
+                    end += 1;
+                    break;
+                }
+                way += length;
             }
-            way += length;
         }
         Some(end)
     }
@@ -595,7 +582,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// A plan that rests at the end of the block under way, or of the first one that is possible.
     fn rest_at_block_end(&mut self) -> bool {
-        let Some((stretch, branch)) = self.slow_down() else { return self.give_up() };
+        let Some((stretch, branch)) = self.prepare() else { return self.give_up() };
+        self.slow_down(stretch);
         let mut tries = 0;
         for end in stretch.first + 1..=stretch.last {
             if !self.ends_block(end) {

@@ -1,10 +1,11 @@
 //! The background side: blocks in, plans out.
 //!
 //! [`Planner`] holds the look-ahead and says what is to be done now; [`plan`] makes plans and hands
-//! them over; [`control`] answers an operator's commands.
+//! them over; [`control`] answers an operator's commands, with [`stop`] for coming to rest.
 
 mod control;
 mod plan;
+mod stop;
 
 use self::plan::{ADDED, Changes, Pending};
 

@@ -1,0 +1,126 @@
+//! Coming to rest along a straight: at most three phases of constant jerk.
+
+use crate::number::Scalar;
+use crate::profile::law::State;
+use crate::profile::window::Station;
+
+/// Share of acceleration and jerk limits that a stop uses.
+const SHARE: f64 = 0.97;
+/// Halvings of the time in a search for the state at a place.
+const HALVINGS: u32 = 40;
+/// Most phases.
+pub const PHASES: usize = 3;
+
+/// A stretch of constant jerk.
+#[derive(Clone, Copy, Debug)]
+struct Phase<S> {
+    speed: S,
+    acceleration: S,
+    jerk: S,
+    time: S,
+}
+
+impl<S: Scalar> Phase<S> {
+    /// Length, speed and acceleration after `t` seconds.
+    fn at(&self, t: S) -> (S, S, S) {
+        let half = S::of(0.5);
+        let Self { speed: v, acceleration: a, jerk: j, .. } = *self;
+        (((j * t * S::of(1.0 / 6.0) + a * half) * t + v) * t, (j * t * half + a) * t + v, j * t + a)
+    }
+
+    fn length(&self) -> S {
+        self.at(self.time).0
+    }
+}
+
+/// How hard a stop may brake.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Depth {
+    /// As hard as the limits of a straight allow.
+    Limits,
+    /// No harder than the motion brakes already.
+    Steady,
+}
+
+/// Both, the harder first.
+pub const DEPTHS: [Depth; 2] = [Depth::Limits, Depth::Steady];
+
+/// Acceleration down to a depth, held, and back to zero together with the speed.
+#[derive(Clone, Copy, Debug)]
+pub struct Stop<S> {
+    phases: [Phase<S>; PHASES],
+    /// Where the rest is, from the branch, mm.
+    pub at: S,
+}
+
+impl<S: Scalar> Stop<S> {
+    /// The stop from a station that is `way` mm from the branch, if there is one.
+    pub fn new<const N: usize>(station: &Station<S, N>, way: S, depth: Depth) -> Option<Self> {
+        let State { b, a } = station.state;
+        if !(b > S::ZERO && station.cell.length > S::ZERO) {
+            return None;
+        }
+        let (speed, share, half) = (b.sqrt(), S::of(SHARE), S::of(0.5));
+        let jerk = station.bounds.jerk * share;
+        // Where the depth p must give way to its release: v + a^2 / 2 J - p^2 / 2 J = p^2 / 2 J.
+        let free = jerk * speed + a * a * half;
+        let deepest = match depth {
+            Depth::Limits => (station.bounds.acceleration * share).greatest(-a),
+            Depth::Steady => -a,
+        };
+        let p = deepest.least(free.sqrt());
+        if !(p > S::ZERO && p + a >= S::ZERO) {
+            return None;
+        }
+        let fall = Phase { speed, acceleration: a, jerk: -jerk, time: (a + p) / jerk };
+        let (_, v1, _) = fall.at(fall.time);
+        let v2 = p * p * half / jerk;
+        let hold = Phase {
+            speed: v1,
+            acceleration: -p,
+            jerk: S::ZERO,
+            time: ((v1 - v2) / p).greatest(S::ZERO),
+        };
+        // To rest exactly, whatever the rounding: j = p^2 / 2 v over 2 v / p.
+        let (_, v2, _) = hold.at(hold.time);
+        let release =
+            Phase { speed: v2, acceleration: -p, jerk: p * p * half / v2, time: (v2 + v2) / p };
+        let phases = [fall, hold, release];
+        let length = phases.iter().fold(S::ZERO, |sum, phase| sum + phase.length());
+        length.is_finite().then_some(Self { phases, at: way + length })
+    }
+
+    /// Length, mm.
+    pub fn length(&self) -> S {
+        self.phases.iter().fold(S::ZERO, |sum, phase| sum + phase.length())
+    }
+
+    /// Ends of the first two phases, mm from its beginning.
+    pub fn ends(&self) -> [S; PHASES - 1] {
+        let first = self.phases[0].length();
+        [first, first + self.phases[1].length()]
+    }
+
+    /// Speed and acceleration `way` mm after its beginning.
+    pub fn state(&self, mut way: S) -> State<S> {
+        for phase in &self.phases {
+            let length = phase.length();
+            if way > length {
+                way = way - length;
+                continue;
+            }
+            let (mut low, mut high) = (S::ZERO, phase.time);
+            for _ in 0..HALVINGS {
+                let middle = (low + high) * S::of(0.5);
+                if phase.at(middle).0 < way {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
+            }
+            let (_, v, a) = phase.at(high);
+            return State { b: v * v, a };
+        }
+        State::REST
+    }
+}
