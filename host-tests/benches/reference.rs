@@ -1,22 +1,29 @@
 //! The planner's times beside the least time along the very same path.
 //!
 //! `cargo bench -p splineway-host --bench reference [-- FOLDER]`. The geometry is taken from the
-//! setpoints of the run itself: position, velocity and acceleration of every servo cycle give
+//! setpoints of the run itself, at several times the servo rate: position, velocity and acceleration of every servo cycle give
 //! tangent and curvature by arc length. The least time along it is that of
 //! `splineway_host::reference`.
 
-use anyhow::Result;
+use anyhow::{Result, anyhow};
 use splineway_host::machine::Machine;
 use splineway_host::program::{self, ReadOptions};
 use splineway_host::reference::{Ends, Place, least_time, time};
 use splineway_host::run::{Geometry, Precision, run};
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Speed, mm/s, from which on a motion is looked at: below it starts or stops at constant jerk.
 const SLOW: f64 = 3.0;
 /// Longest run of setpoints solved at once; its ends are kept as they are.
-const CHUNK: usize = 3000;
-const ROUNDS: usize = 12;
+const CHUNK: usize = 6000;
+const ROUNDS: usize = 8;
+/// Setpoints are taken this many times per servo cycle: between them the reference sees nothing, and
+/// kinks of dense paths would go unnoticed. Fewer for runs longer than [`LONG`], s, to save time.
+const FINER: f64 = 8.0;
+const LESS_FINE: f64 = 2.0;
+const LONG: f64 = 30.0;
 
 /// Planner's time and least time of a path.
 fn compare(path: &Path) -> Result<(f64, f64)> {
@@ -27,6 +34,10 @@ fn compare(path: &Path) -> Result<(f64, f64)> {
     }
     let limits = machine.axes_of(&program)?;
     let mut record = Geometry::new(machine.cycle);
+    run(&program, &machine, Precision::F64, &mut [&mut record])?;
+    let long = record.places.len() as f64 * machine.cycle > LONG;
+    machine.cycle /= if long { LESS_FINE } else { FINER };
+    record = Geometry::new(machine.cycle);
     run(&program, &machine, Precision::F64, &mut [&mut record])?;
     let (places, speeds): (&[Place], &[f64]) = (&record.places, &record.speeds);
     let own = (places.len() - 2) as f64 * machine.cycle;
@@ -62,8 +73,26 @@ fn main() -> Result<()> {
     paths.sort();
     println!("{:<20} {:>10} {:>14} {:>8}", "path", "planner, s", "least time, s", "ratio");
     let (mut sum, mut worst) = (0.0, 0.0f64);
-    for path in &paths {
-        let (own, least) = compare(path)?;
+    // On as many threads as the machine has: a path takes minutes.
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let next = AtomicUsize::new(0);
+    let outcomes = Mutex::new(vec![None; paths.len()]);
+    std::thread::scope(|scope| {
+        for _ in 0..threads {
+            scope.spawn(|| {
+                loop {
+                    let k = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(path) = paths.get(k) else { return };
+                    let outcome = compare(path).map_err(|error| format!("{error:#}"));
+                    outcomes.lock().unwrap()[k] = Some(outcome);
+                }
+            });
+        }
+    });
+    for (path, outcome) in paths.iter().zip(outcomes.into_inner().unwrap()) {
+        let (own, least) = outcome
+            .unwrap_or(Err("not run".to_owned()))
+            .map_err(|error| anyhow!("{}: {error}", path.display()))?;
         let ratio = own / least;
         sum += ratio;
         worst = worst.max(ratio);
