@@ -44,7 +44,7 @@ impl<S, const N: usize> Changes<S, N> {
 /// have as much in reserve.
 const EXCESS: f64 = 1.0001;
 /// New plans are asked for when this part of the present one has been run.
-const PLAN_PART: u32 = 4;
+const PLAN_PART: u32 = 2;
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     Planner<'_, S, N, BLOCKS, NODES>
