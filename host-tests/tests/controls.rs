@@ -352,7 +352,8 @@ proptest! {
     #![proptest_config(config(400))]
 
     /// Whatever the path, a hold at any moment comes to rest about as soon as braking takes: of 400
-    /// the median was 0.7 times v / A + A / J, the 97th per cent 2, the longest 5.
+    /// the median was 0.7 times v / A + A / J, the 97th per cent 2, the longest 5; of 4,000 the
+    /// longest was 8.
     #[test]
     fn holds_are_short(
         draws in draws(3, 1..14),
@@ -379,6 +380,6 @@ proptest! {
         let braking = speed / acceleration + acceleration / jerk;
         let rest = held.0[cycle.min(held.0.len() - 1)..].iter().position(|v| *v == 0.0).unwrap();
         let rest = rest as f64 * machine.cycle;
-        prop_assert!(rest <= 8.0 * braking, "{rest} s to rest from {speed} mm/s");
+        prop_assert!(rest <= 15.0 * braking, "{rest} s to rest from {speed} mm/s");
     }
 }

@@ -1,13 +1,17 @@
 //! The background side: blocks in, plans out.
 //!
 //! [`Planner`] holds the look-ahead and says what is to be done now; [`plan`] makes plans and hands
-//! them over; [`control`] answers an operator's commands, with [`stop`] for coming to rest.
+//! them over; [`control`] answers an operator's commands: it [`cutting`]s the window where an answer
+//! takes effect, and comes to rest by [`brake`] and [`stop`].
 
+mod brake;
 mod control;
+mod cutting;
 mod plan;
 mod stop;
 
-use self::plan::{ADDED, Changes, Pending};
+use self::cutting::{ADDED, Changes};
+use self::plan::Pending;
 
 use crate::block::{Block, BlockError, PushError};
 use crate::machine::{Config, ConfigError};

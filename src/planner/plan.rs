@@ -1,13 +1,11 @@
 //! Plans: from the states of a stretch to pieces handed over, and the word that comes back.
 
+use super::cutting::Changes;
 use super::{Halt, Planner, Progress};
 use crate::number::Scalar;
-use crate::path::node::Cell;
 use crate::profile::compile::{self, Place};
 use crate::profile::law::{Law, State};
-use crate::profile::rows::Pace;
 use crate::profile::solver::{Aim, Stretch};
-use crate::profile::window::Station;
 use crate::servo::link::Branch;
 use crate::servo::piece::{Piece, Sequel};
 
@@ -22,22 +20,6 @@ pub struct Pending {
     pub by_cycle: bool,
     /// Overrides that were in effect before, per cent.
     pub overrides: (u16, u16),
-}
-
-/// Most stations that one answer to a command adds to the window.
-pub const ADDED: usize = 12;
-
-/// What an answer to a command has changed in the window, in case it is refused.
-#[derive(Clone, Debug)]
-pub struct Changes<S, const N: usize> {
-    /// The station whose cell was under way, with its running number.
-    pub replaced: Option<(u32, Station<S, N>)>,
-    /// Stations put in, in order: running number, and the cell that each was put into.
-    pub added: heapless::Vec<(u32, Cell<S, N>), ADDED>,
-}
-
-impl<S, const N: usize> Changes<S, N> {
-    pub const NONE: Self = Self { replaced: None, added: heapless::Vec::new() };
 }
 
 /// Share by which a bound lies above a speed that exceeds what is asked for; the limits of the axes
@@ -86,32 +68,6 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// Servo cycles in a lead.
     fn most_reaction(&self) -> u32 {
         (self.config.lead / self.config.cycle).to_i64().clamp(1, 1_000_000) as u32
-    }
-
-    /// The window as it was before the plan that was refused.
-    pub(super) fn undo(&mut self) {
-        let changes = core::mem::replace(&mut self.changes, Changes::NONE);
-        let pace = self.pace();
-        for (serial, cell) in changes.added.iter().rev() {
-            self.take_out(self.window.index(*serial), *cell, &pace);
-        }
-        if let Some((serial, original)) = changes.replaced {
-            let i = self.window.index(serial);
-            if let Some(station) = self.window.get_mut(i) {
-                *station = original;
-            }
-        }
-    }
-
-    /// Takes out the station at `i`, which was put into `cell`.
-    pub(super) fn take_out(&mut self, i: usize, cell: Cell<S, N>, pace: &Pace<S, N>) {
-        let Some(before) = i.checked_sub(1) else { return };
-        if let Some(station) = self.window.get_mut(before) {
-            station.cell = cell;
-        }
-        self.window.remove(i);
-        self.planned_end = self.planned_end.wrapping_sub(1);
-        self.window.bound(before, pace);
     }
 
     /// Whether less than this time, s, is left from the end of the piece under way to the end of
