@@ -383,3 +383,73 @@ proptest! {
         prop_assert!(rest <= 15.0 * braking, "{rest} s to rest from {speed} mm/s");
     }
 }
+
+/// Planner, interrupt and operator in three threads, none waiting for another: answers come at
+/// odd moments, some too late. Whatever the interleaving, no limit is broken and no block lost.
+#[test]
+fn three_contexts() {
+    use std::sync::atomic::{AtomicBool, Ordering};
+    use std::time::Duration;
+    let mut link = Box::new(Link::<f64, 2, 192>::new());
+    let (mut planner, mut interpolator) = link.handles::<64>(setting(), at(0.0, 0.0)).unwrap();
+    let controls = planner.controls();
+    let (ran, done) = (AtomicBool::new(false), AtomicBool::new(false));
+    let setpoints = std::thread::scope(|scope| {
+        let servo = scope.spawn(|| {
+            let mut setpoints = vec![[0.0; 2]; 3];
+            while !done.load(Ordering::Acquire) {
+                let setpoint = interpolator.tick();
+                setpoints.push([0, 1].map(|axis| setpoint.position_mm(axis)));
+                std::thread::sleep(Duration::from_micros(60));
+            }
+            setpoints
+        });
+        scope.spawn(|| {
+            for round in 0u16.. {
+                if ran.load(Ordering::Acquire) {
+                    break;
+                }
+                match round % 6 {
+                    0 => controls.hold(),
+                    2 => controls.feed_override(20 + round % 180),
+                    3 => controls.stop(),
+                    4 => controls.rapid_override(50),
+                    _ => controls.resume(),
+                }
+                std::thread::sleep(Duration::from_micros(1700 + 137 * u64::from(round % 7)));
+            }
+            // Let it run out.
+            while !done.load(Ordering::Acquire) {
+                controls.resume();
+                std::thread::sleep(Duration::from_millis(5));
+            }
+        });
+        let started = std::time::Instant::now();
+        for n in 1..=200u32 {
+            let (x, y) = (f64::from(n) * 2.0, f64::from(n % 2) * 3.0);
+            while let Err(error) = planner.push(&Block::line(at(x, y), 150.0, n)) {
+                assert_eq!(error, PushError::Full);
+                planner.poll();
+                ran.store(started.elapsed() > Duration::from_millis(1500), Ordering::Release);
+            }
+        }
+        planner.finish();
+        while planner.poll() != Progress::Done {
+            ran.store(started.elapsed() > Duration::from_millis(1500), Ordering::Release);
+            std::thread::yield_now();
+        }
+        done.store(true, Ordering::Release);
+        servo.join().unwrap()
+    });
+    for axis in 0..2 {
+        for (k, p) in setpoints.windows(4).enumerate() {
+            let p = [p[0][axis], p[1][axis], p[2][axis], p[3][axis]];
+            let jerk = (p[3] - 3.0 * p[2] + 3.0 * p[1] - p[0]) / 1.0e-9;
+            let acceleration = (p[3] - 2.0 * p[2] + p[1]) / 1.0e-6;
+            assert!(jerk.abs() < 50_050.0, "{jerk} mm/s3 on axis {axis} at {k}");
+            assert!(acceleration.abs() < 2002.0, "{acceleration} mm/s2 on axis {axis} at {k}");
+        }
+    }
+    let last = setpoints[setpoints.len() - 1];
+    assert!((last[0] - 400.0).abs() < 1e-6 && last[1].abs() < 1e-6, "{last:?}");
+}

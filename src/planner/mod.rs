@@ -216,9 +216,15 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     ///
     /// Cost: bounded by the window and the number of iterations set.
     pub fn poll(&mut self) -> Progress {
-        self.hear();
         let at = self.side.progress();
-        self.window.release_before(at);
+        self.hear();
+        // While a plan is undecided, the motion may be on the one before, whose running numbers mean
+        // something else from the new plan's first node on: keep all behind that.
+        let behind = match self.pending {
+            Some(pending) if at.wrapping_sub(pending.first) <= u32::MAX / 2 => pending.first,
+            _ => at,
+        };
+        self.window.release_before(behind);
         if self.finished {
             self.builder.close();
         }

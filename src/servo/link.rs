@@ -50,8 +50,10 @@ pub struct Flags<S: Scalar> {
     lengths: [AtomicU32; 2],
     /// Node from which the piece under way starts, or at which the motion rests.
     progress: AtomicU32,
-    /// Odd while `began` and `lag` are being written.
+    /// Odd while what follows is being written.
     version: AtomicU32,
+    /// Number of the plan under way.
+    plan: AtomicU32,
     /// Servo cycle that saw the piece under way begin.
     began: AtomicU32,
     /// Time by which it had begun at the end of that cycle, s.
@@ -71,6 +73,7 @@ impl<S: Scalar> Flags<S> {
             lengths: [AtomicU32::new(0), AtomicU32::new(0)],
             progress: AtomicU32::new(0),
             version: AtomicU32::new(0),
+            plan: AtomicU32::new(0),
             began: AtomicU32::new(0),
             lag: S::Shared::ZERO,
             cycles: AtomicU32::new(0),
@@ -110,8 +113,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Link<S, N, NODES> {
         let plans = [&self.plans[0][..], &self.plans[1][..]];
         let flags = &self.flags;
         (
-            PlanSide { plans, flags, offered: 0, spare: 1, written: 0 },
-            ServoSide { plans, flags, active: 0, next: 0 },
+            PlanSide { plans, flags, offered: 0, taken: 0, spare: 1, written: 0 },
+            ServoSide { plans, flags, plan: 0, active: 0, next: 0 },
             &self.requests,
         )
     }
@@ -132,8 +135,9 @@ pub struct Timeline<S> {
 pub struct PlanSide<'a, S: Scalar, const N: usize> {
     plans: [&'a [Slot<S, N>]; 2],
     flags: &'a Flags<S>,
-    /// Number of the last offer.
+    /// Number of the last offer, and of the last one that was taken.
     offered: u32,
+    taken: u32,
     /// The buffer that is not being executed.
     spare: usize,
     written: usize,
@@ -151,6 +155,7 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
             OPEN => None,
             TAKEN => {
                 self.spare = 1 - self.spare;
+                self.taken = self.offered;
                 Some(true)
             }
             _ => Some(false),
@@ -190,7 +195,8 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
         self.flags.progress.load(Acquire)
     }
 
-    /// When the piece under way began; `None` if it changed at every look.
+    /// When the piece under way began; `None` if it changed at every look, or if the interpolator
+    /// has taken a plan and not yet begun on it.
     pub fn timeline(&self) -> Option<Timeline<S>> {
         for _ in 0..LOOKS {
             let version = self.flags.version.load(Acquire);
@@ -199,9 +205,10 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
                 began: self.flags.began.load(Relaxed),
                 lag: self.flags.lag.load(),
             };
+            let plan = self.flags.plan.load(Relaxed);
             fence(Acquire);
             if version & 1 == 0 && self.flags.version.load(Relaxed) == version {
-                return Some(timeline);
+                return (plan == self.taken).then_some(timeline);
             }
         }
         None
@@ -221,6 +228,8 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
 pub struct ServoSide<'a, S: Scalar, const N: usize> {
     plans: [&'a [Slot<S, N>]; 2],
     flags: &'a Flags<S>,
+    /// Number of the plan under way.
+    plan: u32,
     /// Buffer that is being executed.
     active: usize,
     /// Index of the next piece in it.
@@ -244,6 +253,7 @@ impl<S: Scalar, const N: usize> ServoSide<'_, S, N> {
         let done =
             self.flags.offer.compare_exchange(offer, offer | verdict, AcqRel, Acquire).is_ok();
         if done && verdict == TAKEN {
+            self.plan = offer >> 2;
             self.active = 1 - self.active;
             self.next = 0;
         }
@@ -285,6 +295,7 @@ impl<S: Scalar, const N: usize> ServoSide<'_, S, N> {
         let version = self.flags.version.load(Relaxed);
         self.flags.version.store(version.wrapping_add(1), Relaxed);
         fence(Release);
+        self.flags.plan.store(self.plan, Relaxed);
         self.flags.began.store(timeline.began, Relaxed);
         self.flags.lag.store(timeline.lag);
         self.flags.progress.store(timeline.serial, Release);
