@@ -16,7 +16,7 @@ use crate::number::Scalar;
 use crate::number::vector::{Vector, dot};
 
 /// Share of the band that the default mode uses; the rest is for rounding.
-pub const BAND_SHARE: f64 = 0.998;
+const BAND_SHARE: f64 = 0.998;
 
 /// The corner between two legs.
 #[derive(Clone, Copy, Debug)]

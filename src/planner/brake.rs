@@ -4,7 +4,7 @@ use super::stop::{DEPTHS, Stop};
 use super::{Halt, Planner};
 use crate::number::Scalar;
 use crate::profile::law::State;
-use crate::profile::solver::Stretch;
+use crate::profile::solver::{Aim, Stretch};
 use crate::servo::link::Branch;
 
 /// Places tried for a stop.
@@ -22,20 +22,18 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 {
     /// A plan that comes to rest as soon as the limits allow.
     pub(super) fn brake(&mut self) -> bool {
-        let Some((stretch, branch)) = self.prepare() else {
-            self.give_up();
-            return self.rest_next();
-        };
-        // At once, as on a straight; or from somewhere on the motion that brakes hardest.
-        if self.stop(stretch, branch) {
-            return true;
-        }
-        self.slow_down(stretch);
-        if self.stop(stretch, branch) {
-            return true;
+        if let Some((stretch, branch)) = self.prepare() {
+            // At once, as on a straight; or from somewhere on the motion that brakes hardest.
+            if self.stop(stretch, branch) {
+                return true;
+            }
+            self.improve(stretch, Aim::Halt, false);
+            if self.stop(stretch, branch) {
+                return true;
+            }
         }
         // The rest that the plan comes to anyway may be nearer than any other.
-        self.give_up();
+        self.undo();
         self.rest_next()
     }
 
@@ -65,7 +63,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 self.take_out(self.window.index(serial), cell, &pace);
             }
             for (k, state) in states.iter().enumerate() {
-                self.set_state(i + 1 + k, *state);
+                self.window.set_state(i + 1 + k, *state);
             }
             self.loosen(i, i + 1 + states.len());
         }
@@ -130,7 +128,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 return None;
             }
             before.push(self.window.get(cell)?.state).ok()?;
-            self.set_state(cell, stop.state(way));
+            self.window.set_state(cell, stop.state(way));
         }
         let mut end = cell + 1;
         // Where the jerk changes, unless a station is near.

@@ -43,8 +43,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.pending.is_none() && at == self.planned_end {
             return self.obey_at_rest(wish, resumed);
         }
-        let held = wish.hold || wish.abort || wish.overrides.0 == 0 || wish.overrides.1 == 0;
-        if held {
+        if wish.holds() || wish.abort {
             if matches!(self.halt, Some(Halt::Hold)) {
                 return Some(Progress::Waiting);
             }
@@ -105,8 +104,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if resumed {
             self.waits = false;
         }
-        let held = wish.hold || wish.overrides.0 == 0 || wish.overrides.1 == 0;
-        (held || self.waits).then_some(Progress::Held)
+        (wish.holds() || self.waits).then_some(Progress::Held)
     }
 
     /// Takes back a plan that has not been decided on. Whether there is none any more.
@@ -134,35 +132,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         Stretch { first, last, open: false }
     }
 
-    /// The window as it was: an answer could not be made.
-    pub(super) fn give_up(&mut self) -> bool {
-        self.undo();
-        let last = self.window.index(self.planned_end);
-        for i in 0..self.window.len() {
-            if let Some(station) = self.window.get_mut(i) {
-                station.state = if i <= last { station.agreed } else { State::REST };
-            }
-        }
-        false
-    }
-
     /// The motion as agreed from where an answer can take effect, on cells cut finer.
     pub(super) fn prepare(&mut self) -> Option<(Stretch, Branch)> {
         let (first, branch) = self.cut_in()?;
         let mut stretch = self.stretch_from(first);
-        let before = self.planned_end;
-        self.refine(first, stretch.last);
-        stretch.last += self.planned_end.wrapping_sub(before) as usize;
+        stretch.last = self.refine(first, stretch.last);
         self.loosen(first, stretch.last);
         Some((stretch, branch))
-    }
-
-    /// Gives a stretch states that brake as hard as the limits allow, and creep on.
-    pub(super) fn slow_down(&mut self, stretch: Stretch) {
-        let limits = self.config.limits;
-        let (window, most) = (&mut self.window, self.config.iterations);
-        let steps = self.solver.improve(window, stretch, &limits, most, (Aim::Halt, false));
-        self.counters.steps += u32::from(steps);
     }
 
     /// The first node behind station `first` at which a block ends.
@@ -181,33 +157,33 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// A plan that rests at the end of the block under way, or of the first one that is possible.
     fn rest_at_block_end(&mut self) -> bool {
-        let Some((stretch, branch)) = self.prepare() else { return self.give_up() };
-        self.slow_down(stretch);
+        let Some((stretch, branch)) = self.prepare() else {
+            self.undo();
+            return false;
+        };
+        self.improve(stretch, Aim::Halt, false);
         let mut tries = 0;
         for end in stretch.first + 1..=stretch.last {
             if !self.ends_block(end) {
                 continue;
             }
             let state = self.window.get(end).map_or(State::REST, |station| station.state);
-            self.set_state(end, State::REST);
+            self.window.set_state(end, State::REST);
             let held = Stretch { last: end, ..stretch };
             if self.solver.holds(&self.window, held, &self.config.limits) {
-                let limits = self.config.limits;
-                let start = (Aim::Time, false);
-                let most = self.config.iterations;
-                let steps = self.solver.improve(&mut self.window, held, &limits, most, start);
-                self.counters.steps += u32::from(steps);
+                self.improve(held, Aim::Time, false);
                 self.halt = Some(Halt::Block);
                 self.publish(held, branch, self.overrides);
                 return true;
             }
-            self.set_state(end, state);
+            self.window.set_state(end, state);
             tries += 1;
             if tries >= END_TRIES {
                 break;
             }
         }
-        self.give_up()
+        self.undo();
+        false
     }
 
     /// A plan at other overrides.
@@ -216,7 +192,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         self.overrides = overrides;
         let Some((first, branch)) = self.cut_in() else {
             self.overrides = before;
-            return self.give_up();
+            self.undo();
+            return false;
         };
         let end = self.window.index(self.planned_end);
         let last = self.refine(first, end);
@@ -230,20 +207,18 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         });
         let rests = self.window.get(last).is_some_and(|station| station.rest);
         let stretch = Stretch { first, last, open: !rests && self.halt.is_none() };
-        let limits = self.config.limits;
         // First down to the goal, at a price; then, with the speeds reached as bounds, for time.
         for aim in [Aim::Slow, Aim::Time] {
             if aim == Aim::Slow && !slower {
                 continue;
             }
-            let (window, most) = (&mut self.window, self.config.iterations);
-            let steps = self.solver.improve(window, stretch, &limits, most, (aim, false));
-            self.counters.steps += u32::from(steps);
+            self.improve(stretch, aim, false);
             self.loosen(first, last);
         }
-        if !self.solver.holds(&self.window, stretch, &limits) {
+        if !self.solver.holds(&self.window, stretch, &self.config.limits) {
             self.overrides = before;
-            return self.give_up();
+            self.undo();
+            return false;
         }
         self.publish(stretch, branch, before);
         true

@@ -97,11 +97,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     fn station_within(&self, i: usize, t: S) -> Option<Station<S, N>> {
         let (station, after) = self.window.pair(i)?;
         let piece: Piece<S, N> = self.piece(i, after.agreed, Sequel::Motion)?;
-        let (way, speed, _) = piece.path_at(t);
-        if !(speed > self.crawl() * S::of(LEAST_SPEED)) {
+        let here = piece.at(t);
+        let way = here.path_offset;
+        if !(here.path_speed > self.crawl() * S::of(LEAST_SPEED)) {
             return None;
         }
-        let here = piece.at(t);
         let at = from_fn(|k| here.origin[k].plus(here.offset[k]));
         let mut cut = *station;
         let node = if station.cell.straight {
@@ -129,17 +129,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         cut.way = station.way.plus(way);
         cut.state = state;
         cut.agreed = state;
-        if station.cell.straight {
-            let rest: [S; N] = from_fn(|k| after.node.at[k].minus(at[k]));
-            cut.cell.length = dot(&rest, &node.tangent);
-            cut.cell.bulge = zero();
-        } else {
-            // The length with which the rest takes the same time: then it is the same quintic.
-            let left = piece.time - t;
-            cut.cell.length = left * (v + after.agreed.b.sqrt()) * S::of(0.5)
-                + left * left * (state.a - after.agreed.a) * S::of(1.0 / 12.0);
-            cut.cell.bulge = cut.node.bulge_to(&after.node.at, cut.cell.length);
-        }
+        cut.lead_to(&after.node.at, after.agreed, piece.time - t);
         (cut.cell.length > S::ZERO).then_some(cut)
     }
 
@@ -156,45 +146,73 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         (ADDED - self.changes.added.len()).min(self.window.room())
     }
 
-    /// Puts a station behind the one at `i`; whether there was room.
+    /// Puts a station behind the one at `i`, to be undone if the answer is refused; whether there
+    /// was room.
     ///
     /// The cell of station `i` is still the whole one: it is to be shortened afterwards.
     fn add(&mut self, i: usize, station: Station<S, N>) -> bool {
         let Some(whole) = self.window.get(i).map(|station| station.cell) else { return false };
-        if self.room_to_add() == 0 || !self.window.insert_after(i, station) {
+        if self.room_to_add() == 0 || !self.put_behind(i, station) {
             return false;
         }
-        let serial = self.window.serial(i + 1);
-        if self.planned_end.wrapping_sub(serial) <= u32::MAX / 2 {
+        let _ = self.changes.added.push((self.window.serial(i + 1), whole));
+        true
+    }
+
+    /// Puts a station behind the one at `i`, for good; whether there was room.
+    fn put_behind(&mut self, i: usize, station: Station<S, N>) -> bool {
+        if !self.window.insert_after(i, station) {
+            return false;
+        }
+        if self.planned_end.wrapping_sub(self.window.serial(i + 1)) <= u32::MAX / 2 {
             self.planned_end = self.planned_end.wrapping_add(1);
         }
-        let _ = self.changes.added.push((serial, whole));
         true
+    }
+
+    /// The cell of station `i` cut at a share of its length: its first part, and a station with the
+    /// other.
+    fn parted(&self, i: usize, share: S) -> Option<(Cell<S, N>, Station<S, N>)> {
+        let (station, after) = self.window.pair(i)?;
+        let (first, node, cell) =
+            hermite::split_at(&station.node, &station.cell, &station.arrival(after), share);
+        let way = station.way.plus(first.length);
+        Some((first, Station { node, cell, way, rest: false, ..*station }))
+    }
+
+    /// Makes `first` the cell of station `i`; it and the one behind are bounded anew.
+    fn part(&mut self, i: usize, first: Cell<S, N>) {
+        if let Some(station) = self.window.get_mut(i) {
+            station.cell = first;
+        }
+        let pace = self.pace();
+        self.window.bound(i, &pace);
+        self.window.bound(i + 1, &pace);
     }
 
     /// Puts a station with a state within the cell of station `i`, at a share of its length.
     pub(super) fn insert(&mut self, i: usize, share: S, state: State<S>) -> Option<()> {
-        let (station, after) = self.window.pair(i)?;
-        let bound = station.bounds.speed;
-        let (first, middle, second) =
-            hermite::split_at(&station.node, &station.cell, &station.arrival(after), share);
-        let mut cut = *station;
-        cut.way = station.way.plus(first.length);
-        cut.node = middle;
-        cut.cell = second;
-        cut.rest = false;
-        cut.state = state;
-        if !self.add(i, cut) {
+        let bound = self.window.get(i)?.bounds.speed;
+        let (first, cut) = self.parted(i, share)?;
+        if !self.add(i, Station { state, ..cut }) {
             return None;
         }
-        self.window.get_mut(i)?.cell = first;
-        let pace = self.pace();
+        self.part(i, first);
         for k in [i, i + 1] {
-            self.window.bound(k, &pace);
             let station = self.window.get_mut(k)?;
             station.bounds.speed = station.bounds.goal.greatest(bound);
         }
         Some(())
+    }
+
+    /// Splits the cell of station `i` in its middle; nothing is known of the motion there.
+    pub(super) fn split_cell(&mut self, i: usize) -> bool {
+        let Some((first, cut)) = self.parted(i, S::of(0.5)) else { return false };
+        let done = self.put_behind(i, Station { state: State::REST, agreed: State::REST, ..cut });
+        if done {
+            self.part(i, first);
+        }
+        done
     }
 
     /// About what braking takes from a station, mm: v (v / A + A / J) / 2 and a fifth more.
@@ -235,7 +253,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 // The last ones are for the stop itself.
                 Some((cut, t)) if length > longest && self.room_to_add() > PHASES => {
                     self.add(i, cut);
-                    self.shorten(i, &cut, t);
+                    if let Some(station) = self.window.get_mut(i) {
+                        station.lead_to(&cut.node.at, cut.agreed, t);
+                    }
                     last += 1;
                     self.window.bound(i, &pace);
                     self.window.bound(i + 1, &pace);
@@ -249,55 +269,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         last
     }
 
-    /// Makes the cell of station `i` end at a station within it, `t` seconds after its start.
-    fn shorten(&mut self, i: usize, cut: &Station<S, N>, t: S) {
-        let Some(station) = self.window.get_mut(i) else { return };
-        if station.cell.straight {
-            let way: [S; N] = from_fn(|k| cut.node.at[k].minus(station.node.at[k]));
-            station.cell.length = dot(&way, &station.node.tangent);
-        } else {
-            let (from, to) = (station.agreed, cut.agreed);
-            station.cell.length = t * (from.b.sqrt() + to.b.sqrt()) * S::of(0.5)
-                + t * t * (from.a - to.a) * S::of(1.0 / 12.0);
-            station.cell.bulge = station.node.bulge_to(&cut.node.at, station.cell.length);
-        }
-    }
-
-    /// Splits the cell of station `i` in its middle; nothing is known of the motion there.
-    pub(super) fn split_cell(&mut self, i: usize) -> bool {
-        let Some((station, after)) = self.window.pair(i) else { return false };
-        let (first, middle, second) =
-            hermite::split(&station.node, &station.cell, &station.arrival(after));
-        let mut cut = *station;
-        cut.way = station.way.plus(first.length);
-        cut.node = middle;
-        cut.cell = second;
-        cut.rest = false;
-        cut.state = State::REST;
-        cut.agreed = State::REST;
-        let serial = self.window.serial(i + 1);
-        if !self.window.insert_after(i, cut) {
-            return false;
-        }
-        if self.planned_end.wrapping_sub(serial) <= u32::MAX / 2 {
-            self.planned_end = self.planned_end.wrapping_add(1);
-        }
-        if let Some(station) = self.window.get_mut(i) {
-            station.cell = first;
-        }
-        let pace = self.pace();
-        self.window.bound(i, &pace);
-        self.window.bound(i + 1, &pace);
-        true
-    }
-
-    pub(super) fn set_state(&mut self, i: usize, state: State<S>) {
-        if let Some(station) = self.window.get_mut(i) {
-            station.state = state;
-        }
-    }
-
-    /// The window as it was before the plan that was refused.
+    /// The window as it was before an answer that was refused or could not be made, with the states
+    /// of the plan that goes on.
     pub(super) fn undo(&mut self) {
         let changes = core::mem::replace(&mut self.changes, Changes::NONE);
         let pace = self.pace();
@@ -308,6 +281,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             let i = self.window.index(serial);
             if let Some(station) = self.window.get_mut(i) {
                 *station = original;
+            }
+        }
+        let last = self.window.index(self.planned_end);
+        for i in 0..self.window.len() {
+            if let Some(station) = self.window.get_mut(i) {
+                station.state = if i <= last { station.agreed } else { State::REST };
             }
         }
     }

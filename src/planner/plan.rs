@@ -2,6 +2,7 @@
 
 use super::cutting::Changes;
 use super::{Halt, Planner, Progress};
+use crate::machine::Config;
 use crate::number::Scalar;
 use crate::profile::compile::{self, Place};
 use crate::profile::law::{Law, State};
@@ -39,30 +40,32 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if taken {
             self.planned_end = pending.end;
             self.changes = Changes::NONE;
-        } else {
-            self.counters.late += 1;
-            #[cfg(feature = "defmt")]
-            defmt::warn!("the plan from node {} came too late", pending.first);
-            self.undo();
-            self.halt = None;
-            self.overrides = pending.overrides;
-            if pending.by_cycle {
-                // Allow more time for the next attempt.
-                self.reaction = (2 * self.reaction + 1).min(self.most_reaction());
-            }
-        }
-        // The part of the window that both plans share is the same in either.
-        let from = if taken { pending.first } else { self.side.progress() };
-        let last = self.window.index(self.planned_end);
-        for i in self.window.index(from)..self.window.len() {
-            if let Some(station) = self.window.get_mut(i) {
-                if taken {
+            // The part of the window before is the same in both plans.
+            for i in self.window.index(pending.first)..self.window.len() {
+                if let Some(station) = self.window.get_mut(i) {
                     station.agreed = station.state;
-                } else {
-                    station.state = if i <= last { station.agreed } else { State::REST };
                 }
             }
+            return;
         }
+        self.counters.late += 1;
+        #[cfg(feature = "defmt")]
+        defmt::warn!("the plan from node {} came too late", pending.first);
+        self.undo();
+        self.halt = None;
+        self.overrides = pending.overrides;
+        if pending.by_cycle {
+            // Allow more time for the next attempt.
+            self.reaction = (2 * self.reaction + 1).min(self.most_reaction());
+        }
+    }
+
+    /// Improves the states of a stretch for an aim, and counts the steps.
+    pub(super) fn improve(&mut self, stretch: Stretch, aim: Aim, cold: bool) {
+        let Config { limits, iterations, .. } = self.config;
+        let start = (aim, cold);
+        let steps = self.solver.improve(&mut self.window, stretch, &limits, iterations, start);
+        self.counters.steps += u32::from(steps);
     }
 
     /// Servo cycles in a lead.
@@ -129,10 +132,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             defmt::warn!("no motion found from node {}", branch);
             return Progress::Waiting;
         }
-        let start = (Aim::Time, new == first);
-        let steps =
-            self.solver.improve(&mut self.window, stretch, &limits, self.config.iterations, start);
-        self.counters.steps += u32::from(steps);
+        self.improve(stretch, Aim::Time, new == first);
         self.halt = halt;
         self.publish(stretch, Branch::Node(branch), self.overrides);
         Progress::Planned
@@ -165,9 +165,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             let Some(law) = Law::new(station.cell.length, station.state, after.state) else {
                 continue;
             };
-            let reach = law.time * S::of(1.0 / 3.0);
-            let inner = (law.v0 + law.a0 * reach).greatest(law.v1 - law.a1 * reach);
-            let most = law.v0.greatest(law.v1).greatest(inner);
+            let [early, late] = law.inner_speeds();
+            let most = law.v0.greatest(law.v1).greatest(early.greatest(late));
             if let Some(station) = self.window.get_mut(i) {
                 let goal = station.bounds.goal;
                 station.bounds.speed = if most < goal { goal } else { most * S::of(EXCESS) };
@@ -204,9 +203,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.side.write(&piece);
         }
         for i in stretch.last..self.window.len() {
-            if let Some(station) = self.window.get_mut(i) {
-                station.state = State::REST;
-            }
+            self.window.set_state(i, State::REST);
         }
         self.side.offer(branch);
         let (first, end) = (self.window.serial(stretch.first), self.window.serial(stretch.last));

@@ -57,9 +57,9 @@ impl<S: Scalar> Law<S> {
         let root = square.sqrt();
         let time = S::of(2.0) * length / (mean + root);
         let rate = S::ONE / time;
-        // Never backwards: the inner Bernstein coefficients of s'.
-        let reach = time * S::of(1.0 / 3.0);
-        if v0 + from.a * reach < S::ZERO || v1 - to.a * reach < S::ZERO {
+        // Never backwards.
+        let [early, late] = inner_speeds((v0, from.a), (v1, to.a), time);
+        if early < S::ZERO || late < S::ZERO {
             return None;
         }
         let slope = (to.a - from.a) * rate;
@@ -80,6 +80,26 @@ impl<S: Scalar> Law<S> {
             twist,
         })
     }
+}
+
+impl<S: Scalar> Law<S> {
+    /// The inner Bernstein coefficients of the speed s', mm/s.
+    #[inline]
+    pub fn inner_speeds(&self) -> [S; 2] {
+        inner_speeds((self.v0, self.a0), (self.v1, self.a1), self.time)
+    }
+
+    /// Length, mm, of the motion that takes `time` from one state to another.
+    pub fn length(from: State<S>, to: State<S>, time: S) -> S {
+        time * (from.b.sqrt() + to.b.sqrt()) * S::of(0.5)
+            + time * time * (from.a - to.a) * S::of(1.0 / 12.0)
+    }
+}
+
+#[inline]
+fn inner_speeds<S: Scalar>((v0, a0): (S, S), (v1, a1): (S, S), time: S) -> [S; 2] {
+    let reach = time * S::of(1.0 / 3.0);
+    [v0 + a0 * reach, v1 - a1 * reach]
 }
 
 #[cfg(test)]

@@ -257,11 +257,12 @@ fn speed_rows<S: Scalar, const N: usize, K: Sink<S>>(
     let mut late: Gradient<S> = core::array::from_fn(|k| -(law.a1 * slopes.time[k] * third));
     late[2] += one;
     late[3] -= reach;
+    let [inner_early, inner_late] = law.inner_speeds();
     let speeds = [
         (law.v0, [one, zero, zero, zero]),
         (law.v1, [zero, zero, one, zero]),
-        (law.v0 + law.a0 * reach, early),
-        (law.v1 - law.a1 * reach, late),
+        (inner_early, early),
+        (inner_late, late),
     ];
     for (speed, gradient) in speeds {
         sink.one_sided(speed * per, &gradient.map(|g| g * per));

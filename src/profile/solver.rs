@@ -128,17 +128,15 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         State { b: station.state.b - share * step[0], a: station.state.a - share * step[1] }
     }
 
-    /// What speed at a station costs in a halt: value and derivative by b.
-    fn toll<const N: usize>(&self, window: &Window<S, N, NODES>, i: usize, b: S) -> [S; 2] {
-        let none = [S::ZERO; 2];
-        if self.aim != Aim::Halt {
-            return none;
+    /// What b at a free station costs in a halt, s per unit; else nothing.
+    fn toll<const N: usize>(&self, window: &Window<S, N, NODES>, stretch: Stretch, i: usize) -> S {
+        if self.aim != Aim::Halt || !Self::is_free(window, stretch, i) {
+            return S::ZERO;
         }
         let Some((before, here)) = i.checked_sub(1).and_then(|i| window.pair(i)) else {
-            return none;
+            return S::ZERO;
         };
-        let length = (before.cell.length + here.cell.length) * S::of(0.5);
-        [self.price * length * b, self.price * length]
+        self.price * ((before.cell.length + here.cell.length) * S::of(0.5))
     }
 
     /// Time minus barrier over cells `from..to`, `None` if a limit is broken.
@@ -170,9 +168,7 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
                     return None;
                 }
             }
-            if self.aim == Aim::Halt && Self::is_free(window, stretch, i + 1) {
-                time += self.toll(window, i + 1, next.b)[0];
-            }
+            time += self.toll(window, stretch, i + 1) * next.b;
             here = next;
         }
         slack.fold();
@@ -256,11 +252,8 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
                 if i == new {
                     speed = speed * entry;
                 }
-                let free = Self::is_free(window, stretch, i);
-                if let Some(station) = window.get_mut(i) {
-                    let b = if free { speed * speed } else { S::ZERO };
-                    station.state = State { b, a: S::ZERO };
-                }
+                let b = if Self::is_free(window, stretch, i) { speed * speed } else { S::ZERO };
+                window.set_state(i, State { b, a: S::ZERO });
             }
         }
     }
@@ -281,13 +274,17 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         let cells = S::from_u32((stretch.last - stretch.first) as u32);
         self.aim = aim;
         if let Some(time) = Self::time(window, stretch) {
-            self.set_price(window, stretch, time);
             // Far from the least time the barrier must keep up with it, or the first steps run
             // into a corner of the limits and stay there.
-            weight = weight.greatest(time / cells * S::of(FIRST_SHARE));
+            let first_weight = time / cells * S::of(FIRST_SHARE);
             if aim == Aim::Halt {
-                weight = time / cells * S::of(FIRST_SHARE);
-                last_weight = weight * S::of(HALT_SHARE);
+                // A halt costs as much at first as it takes time.
+                self.price = S::ONE;
+                self.price = time / self.tolls(window, stretch).greatest(S::of(1.0e-9));
+                weight = first_weight;
+                last_weight = first_weight * S::of(HALT_SHARE);
+            } else {
+                weight = weight.greatest(first_weight);
             }
         }
         let steps = self.descend(window, stretch, limits, iterations, (weight, last_weight));
@@ -295,27 +292,12 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         steps
     }
 
-    /// The price at which a halt costs as much at first as it takes time.
-    fn set_price<const N: usize>(
-        &mut self,
-        window: &Window<S, N, NODES>,
-        stretch: Stretch,
-        time: S,
-    ) {
-        self.price = S::ONE;
-        if self.aim == Aim::Halt {
-            self.price = time / self.tolls(window, stretch).greatest(S::of(1.0e-9));
-        }
-    }
-
     /// Sum of the tolls of a stretch.
     fn tolls<const N: usize>(&self, window: &Window<S, N, NODES>, stretch: Stretch) -> S {
         let mut sum = S::ZERO;
         for i in stretch.first..stretch.last {
-            if let Some(station) = window.get(i)
-                && Self::is_free(window, stretch, i)
-            {
-                sum += self.toll(window, i, station.state.b)[0];
+            if let Some(station) = window.get(i) {
+                sum += self.toll(window, stretch, i) * station.state.b;
             }
         }
         sum
@@ -354,10 +336,7 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
             damping = next_damping(damping, found.is_some(), blocked);
             if let Some((share, value)) = found {
                 for i in stretch.first..=stretch.last {
-                    let state = self.trial(window, stretch, i, share);
-                    if let Some(station) = window.get_mut(i) {
-                        station.state = state;
-                    }
+                    window.set_state(i, self.trial(window, stretch, i, share));
                 }
                 known = Some(value);
                 failures = 0;
@@ -490,7 +469,7 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
             if timed {
                 add_time_curvature(&mut h, station.cell.length, ends, (free0, free1));
             }
-            let toll = if free1 { self.toll(window, i + 1, to.b)[1] } else { S::ZERO };
+            let toll = self.toll(window, stretch, i + 1);
             let work = &mut self.work[i];
             for (sum, part) in work.block.iter_mut().zip([h[0], h[1], h[4]]) {
                 *sum += part;

@@ -152,6 +152,13 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
         }
     }
 
+    /// Sets a station's state in the plan that is being worked on.
+    pub fn set_state(&mut self, index: usize, state: State<S>) {
+        if let Some(station) = self.stations.get_mut(index) {
+            station.state = state;
+        }
+    }
+
     /// Bounds of the cell that leaves a station, anew.
     pub fn bound(&mut self, index: usize, pace: &Pace<S, N>) {
         let Some((from, to)) = self.pair(index) else { return };
@@ -194,6 +201,19 @@ impl<S: Scalar, const N: usize> Station<S, N> {
             price: S::ZERO,
         }
     }
+    /// Makes the cell end at a place where the agreed motion arrives after `time` seconds.
+    pub fn lead_to(&mut self, end: &[Coord; N], arriving: State<S>, time: S) {
+        if self.cell.straight {
+            let way: [S; N] = from_fn(|i| end[i].minus(self.node.at[i]));
+            self.cell.length = dot(&way, &self.node.tangent);
+            self.cell.bulge = [S::ZERO; N];
+        } else {
+            // The length that takes this time: then it is a part of the same quintic.
+            self.cell.length = Law::length(self.agreed, arriving, time);
+            self.cell.bulge = self.node.bulge_to(end, self.cell.length);
+        }
+    }
+
     /// How the path arrives at the next station. A node at rest holds the direction in which the
     /// motion goes on, which says nothing of the cell before: that is taken for an arc, as long
     /// as this one's curvature and chord make it.

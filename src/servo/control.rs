@@ -35,6 +35,13 @@ pub struct Wish {
     pub resumes: u32,
 }
 
+impl Wish {
+    /// Whether the motion is to be held: by a hold, or by an override of 0.
+    pub fn holds(&self) -> bool {
+        self.hold || self.overrides.0 == 0 || self.overrides.1 == 0
+    }
+}
+
 impl Requests {
     pub const fn new() -> Self {
         Self {

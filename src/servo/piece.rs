@@ -72,17 +72,6 @@ impl<S: Scalar, const N: usize> Piece<S, N> {
         }
     }
 
-    /// Way, speed and acceleration along the path `t` seconds after the start.
-    pub fn path_at(&self, t: S) -> (S, S, S) {
-        let p = &self.path;
-        let (two, three, four) = (S::of(2.0), S::of(3.0), S::of(4.0));
-        (
-            (((p[3] * t + p[2]) * t + p[1]) * t + p[0]) * t,
-            ((four * p[3] * t + three * p[2]) * t + two * p[1]) * t + p[0],
-            (S::of(12.0) * p[3] * t + S::of(6.0) * p[2]) * t + two * p[1],
-        )
-    }
-
     fn is_dwell(&self) -> bool {
         self.path[0] == S::ZERO && self.path[2] == S::ZERO && self.path[3] == S::ZERO
     }
