@@ -46,6 +46,8 @@ pub struct Machine {
     pub lambda: f64,
     /// Lead of a plan over the motion, s.
     pub lead: f64,
+    /// Smoothing sweeps over a stretch of a run of short lines.
+    pub sweeps: u16,
     /// Limits by axis letter; "default" stands for those that are not named.
     pub axes: BTreeMap<String, Axis>,
 }
@@ -61,6 +63,7 @@ impl Default for Machine {
             mode: Mode::Band,
             lambda: 0.0,
             lead: 0.01,
+            sweeps: 6,
             axes: BTreeMap::from([("default".to_owned(), axis)]),
         }
     }
@@ -155,6 +158,7 @@ impl Machine {
         config.tolerance = S::of(self.tolerance);
         config.cycle = S::of(self.cycle);
         config.lead = S::of(self.lead);
+        config.sweeps = self.sweeps;
         config.corner = match self.mode {
             Mode::Band => CornerMode::Band,
             Mode::Paper => CornerMode::Paper { lambda: S::of(self.lambda) },

@@ -38,6 +38,9 @@ pub struct Config<S, const N: usize> {
     pub start_delay: S,
     /// Most improvement steps (Newton iterations) of one planning step: the bound on its work.
     pub iterations: u16,
+    /// Sweeps in which a stretch of a run of short lines is smoothed before it is handed on; 0 leaves
+    /// the spline as it is laid. Every number gives a path inside the tolerance.
+    pub sweeps: u16,
 }
 
 impl<S: Scalar, const N: usize> Config<S, N> {
@@ -51,6 +54,7 @@ impl<S: Scalar, const N: usize> Config<S, N> {
             lead: S::of(0.01),
             start_delay: S::of(0.05),
             iterations: 60,
+            sweeps: 6,
         }
     }
 

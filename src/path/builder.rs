@@ -9,24 +9,16 @@ use super::cut::{Emitted, next_way, rest_cell, standstill};
 use super::item::{Item, Joint};
 use super::joint::{Taken, bent_lengths, joint, mean_node, reach};
 use super::node::{Node, Order};
-use super::segment::{Segment, Shape, raw_to_mm};
+use super::run::{Run, Tie};
+use super::segment::{Segment, raw_to_mm};
 use super::transition::{Half, Transition};
 use crate::block::{Block, PushError};
 use crate::machine::{Config, CornerMode};
-use crate::number::vector::{dot, norm};
 use crate::number::{Coord, Scalar};
-use core::array::from_fn;
 use heapless::Deque;
 
-/// Most vertices merged into one line.
-const MERGED: usize = 16;
-/// Lines are merged only if the new one takes less than this at its feed, s, and both together
-/// twice as much.
-const MERGE_TIME: f64 = 0.01;
-/// Share of the tolerance that merging may take.
-const MERGE_SHARE: f64 = 0.15;
-/// Least cosine of the turn between lines that are merged.
-const MERGE_COSINE: f64 = 0.7;
+/// Share of a line next to a joint that is simply passed which a run leaves alone.
+const PASSED_SHARE: i64 = 4;
 
 /// What is being cut at the moment.
 #[derive(Clone, Copy)]
@@ -35,6 +27,9 @@ enum Stage<S, const N: usize> {
     Waiting,
     /// The body of the front segment, up to `until`.
     Body { way: i64, until: i64, first: S, last: S },
+    /// A run of lines from the front segment on. Once its end is known, the front segment is its last
+    /// line, which it leaves at `until`.
+    Run { until: Option<i64> },
     /// The corner behind the front segment.
     Corner { transition: Transition<S, N>, index: u8 },
     /// The blend behind the front segment.
@@ -52,8 +47,8 @@ pub struct Builder<S, const N: usize, const BLOCKS: usize> {
     kept: i64,
     /// Shape of that joint, if it is a corner.
     half: Option<Half<S>>,
-    /// Vertices that the last block has merged.
-    passed: heapless::Vec<[Coord; N], MERGED>,
+    /// The run of lines under way.
+    run: Run<S, N>,
     /// Whether the last cell ended at rest, so that the direction may change.
     rested: bool,
 }
@@ -68,7 +63,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             stage: Stage::Waiting,
             kept: 0,
             half: None,
-            passed: heapless::Vec::new(),
+            run: Run::new(),
             rested: true,
         }
     }
@@ -105,86 +100,17 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         self.closed = false;
         if let Some(segment) = &item.segment {
             self.end = segment.end;
-            if self.merge(&item, segment, config) {
-                return Ok(());
-            }
         }
-        self.passed.clear();
-        if let Some(last) = self.items.back_mut() {
+        // The joint behind a block that is being cut has been decided, unless a run goes on.
+        let waits = matches!(self.stage, Stage::Waiting | Stage::Run { until: None });
+        if (waits || self.items.len() > 1)
+            && let Some(last) = self.items.back_mut()
+        {
             (last.joint, last.want) = joint(last, &item, config.corner);
         }
         // Cannot fail: room was checked.
         let _ = self.items.push_back(item);
         Ok(())
-    }
-
-    /// Makes one line of the last block and a short one that goes on from it, if the vertices in
-    /// between stay within [`MERGE_SHARE`] of the tolerance. Returns whether it did.
-    ///
-    /// Dense programs would fill the window with a few millimetres of path otherwise. What merging
-    /// takes of the band is taken off the tolerance that corners and passed joints may use.
-    fn merge(&mut self, item: &Item<S, N>, segment: &Segment<S, N>, config: &Config<S, N>) -> bool {
-        let back = self.items.len().wrapping_sub(1);
-        // What is being cut must stay, and what its joint leads to, and a front item that was
-        // reached at speed: its direction is a part of the path already.
-        let fixed = match (&self.stage, self.items.front()) {
-            (Stage::Waiting, Some(front)) => usize::from(front.entered != Joint::Stop),
-            _ => 2,
-        };
-        if self.items.is_empty()
-            || back < fixed
-            || config.corner != CornerMode::Band
-            || self.passed.is_full()
-        {
-            return false;
-        }
-        let Some(last) = self.items.get(back) else { return false };
-        let Some(before) = &last.segment else { return false };
-        // Equal but for the rounding of directions.
-        let same_feed = (last.feed - item.feed).abs() <= item.feed * S::of(1.0e-3);
-        let alike = same_feed
-            && last.rapid == item.rapid
-            && last.programmed == item.programmed
-            && !last.stop_after;
-        let (Shape::Line(a), Shape::Line(b)) = (&before.shape, &segment.shape) else {
-            return false;
-        };
-        let short = segment.length < item.feed * S::of(MERGE_TIME)
-            && before.length + segment.length < item.feed * S::of(2.0 * MERGE_TIME);
-        if !(alike && short && dot(a, b) > S::of(MERGE_COSINE)) {
-            return false;
-        }
-        let Some(whole) = Segment::line(before.start, segment.end) else { return false };
-        let Shape::Line(tangent) = &whole.shape else { return false };
-        let most = item.programmed * S::of(MERGE_SHARE);
-        let mut along = S::ZERO;
-        for vertex in self.passed.iter().chain(core::iter::once(&before.end)) {
-            let way: [S; N] = from_fn(|i| vertex[i].minus(before.start[i]));
-            let on = dot(&way, tangent);
-            let off: [S; N] = from_fn(|i| way[i] - on * tangent[i]);
-            // In order along the line, so that every point of it has one of the path beside it.
-            if on < along || on > whole.length || norm(&off) > most {
-                return false;
-            }
-            along = on;
-        }
-        let _ = self.passed.push(before.end);
-        let merged = Item {
-            segment: Some(whole),
-            tolerance: item.programmed * S::of(1.0 - MERGE_SHARE),
-            feed: last.feed.least(item.feed),
-            entered: last.entered,
-            length_before: last.length_before,
-            taken: last.taken,
-            ..*item
-        };
-        if let Some(last) = self.items.back_mut() {
-            *last = merged;
-        }
-        if let Some(previous) = back.checked_sub(1).and_then(|i| self.items.get_mut(i)) {
-            (previous.joint, previous.want) = joint(previous, &merged, config.corner);
-        }
-        true
     }
 
     /// No more blocks for now: the path ends, at rest, where the last block ends.
@@ -210,6 +136,20 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                     }
                     self.start_front(&item, &segment, config);
                 }
+                Stage::Run { until } => {
+                    if let Some(cut) = self.run.next(last, self.rested, config.sweeps) {
+                        self.rested = cut.rest;
+                        return Some(cut);
+                    }
+                    if let Some(way) = until {
+                        if !self.run.is_done() {
+                            return None;
+                        }
+                        self.leave_run(&segment, way);
+                    } else if !self.run.has_room() || !self.extend_run((&item, &segment), config) {
+                        return None;
+                    }
+                }
                 Stage::Body { way, until, first, last: end } if way < until => {
                     let next = next_way(&segment, &item, (way, until), (first, end));
                     self.stage = Stage::Body { way: next, until, first, last: end };
@@ -218,6 +158,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                     let cut = self.body_cell(&item, &segment, (&from, &entry), (way, next), until);
                     self.rested = cut.rest;
                     return Some(cut);
+                }
+                Stage::Body { way, .. } if item.joint == Joint::Run => {
+                    self.start_run((&item, &segment), way, config);
                 }
                 Stage::Body { .. } => self.start_joint(&item, &segment),
                 Stage::Corner { transition, index } if index < transition.cells() => {
@@ -258,7 +201,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// Whether the joint behind the front item can be decided.
     fn front_is_ready(&self, config: &Config<S, N>) -> bool {
         let Some(item) = self.items.front() else { return false };
-        if item.stop_after || self.items.len() >= 3 {
+        let runs_on = item.joint == Joint::Run && self.items.len() >= 2;
+        if item.stop_after || runs_on || self.items.len() >= 3 {
             return true;
         }
         match self.items.get(1) {
@@ -272,8 +216,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         }
     }
 
-    /// Decides the joint behind the front item and starts on its body.
-    fn start_front(&mut self, item: &Item<S, N>, segment: &Segment<S, N>, config: &Config<S, N>) {
+    /// Decides the joint behind the front item: how it is, and what it takes of the segment.
+    fn decide(&mut self, item: &Item<S, N>, segment: &Segment<S, N>, config: &Config<S, N>) -> Joint {
         let next = self.items.get(1).copied();
         let mut joint = item.joint;
         let ahead = next.as_ref().and_then(|next| next.segment.as_ref());
@@ -294,15 +238,80 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         if let Some(front) = self.items.front_mut() {
             front.joint = joint;
         }
+        joint
+    }
+
+    /// Decides the joint behind the front item and starts on its body.
+    fn start_front(&mut self, item: &Item<S, N>, segment: &Segment<S, N>, config: &Config<S, N>) {
+        let joint = self.decide(item, segment, config);
+        if joint == Joint::Run {
+            let mut until = item.taken;
+            if item.entered == Joint::Through {
+                until += segment.length_raw / PASSED_SHARE;
+            }
+            let first = raw_to_mm(until - item.taken);
+            self.stage = Stage::Body { way: item.taken, until, first, last: first };
+            return;
+        }
         let until = segment.length_raw - self.kept;
+        let ahead = self.items.get(1).and_then(|next| next.segment.as_ref());
         let size = |joint: Joint, kept: i64, neighbour: S| match joint {
-            Joint::Stop => rest_cell(segment, item.feed, &config.limits),
+            Joint::Stop | Joint::Run => rest_cell(segment, item.feed, &config.limits),
             Joint::Through => bent_lengths(segment.length, neighbour).0,
             Joint::Corner | Joint::Blend => raw_to_mm::<S>(kept) * S::of(0.5),
         };
         let first = size(item.entered, item.taken, item.length_before);
         let last = size(joint, self.kept, ahead.map_or(S::ZERO, |ahead| ahead.length));
         self.stage = Stage::Body { way: item.taken, until, first, last };
+    }
+
+    /// Starts a run `way` along the front segment.
+    fn start_run(
+        &mut self,
+        (item, segment): (&Item<S, N>, &Segment<S, N>),
+        way: i64,
+        config: &Config<S, N>,
+    ) {
+        let tie = if self.rested { Tie::Rest } else { Tie::Smooth };
+        let rest_size = rest_cell(segment, item.feed, &config.limits);
+        self.run.begin(segment.node(way).at, tie, item.leg(), rest_size);
+        self.stage = Stage::Run { until: None };
+    }
+
+    /// Takes the front item into the run, if its joint is known. Returns whether it was.
+    fn extend_run(
+        &mut self,
+        (item, segment): (&Item<S, N>, &Segment<S, N>),
+        config: &Config<S, N>,
+    ) -> bool {
+        if !self.front_is_ready(config) {
+            return false;
+        }
+        let joint = self.decide(item, segment, config);
+        if joint == Joint::Run {
+            self.run.push(segment.end, item.leg());
+            self.next_item();
+            self.stage = Stage::Run { until: None };
+            return true;
+        }
+        let mut until = segment.length_raw - self.kept;
+        if joint == Joint::Through {
+            until -= segment.length_raw / PASSED_SHARE;
+        }
+        let tie = if joint == Joint::Stop { Tie::Rest } else { Tie::Smooth };
+        self.run.finish(segment.node(until).at, item.leg(), tie);
+        self.stage = Stage::Run { until: Some(until) };
+        true
+    }
+
+    /// The run is done: on with the rest of its last line.
+    fn leave_run(&mut self, segment: &Segment<S, N>, way: i64) {
+        if let Some(front) = self.items.front_mut() {
+            front.taken = way;
+        }
+        let until = segment.length_raw - self.kept;
+        let size = raw_to_mm(until - way);
+        self.stage = Stage::Body { way, until, first: size, last: size };
     }
 
     /// One cell of the front segment's body. `entry` is the segment's own node at its start,

@@ -8,7 +8,7 @@ use crate::number::Scalar;
 use crate::number::vector::zero;
 
 /// Longest time one cell may take at the programmed feed, s.
-const LONGEST_CELL_TIME: f64 = 0.25;
+pub const LONGEST_CELL_TIME: f64 = 0.25;
 /// Each cell of a line may be longer than the one before by this share of the way from the end.
 const GROWTH: f64 = 0.5;
 
@@ -59,28 +59,52 @@ pub fn rest_cell<S: Scalar, const N: usize>(
     jerk * time * time * time / S::of(6.0)
 }
 
+/// Length of the next of the pieces that a length is cut into, mm: `done` lies behind, `left` ahead,
+/// pieces next to the ends are `first` and `last` mm long and grow with the distance from there, as
+/// speed does, to `longest` at most. `None` where less than two pieces would be left.
+pub fn next_piece<S: Scalar>(
+    (done, left): (S, S),
+    (first, last): (S, S),
+    longest: S,
+) -> (S, Remainder) {
+    let growth = S::of(GROWTH);
+    let forward = first.greatest(growth * done);
+    let backward = last.greatest(left * S::of(GROWTH / (1.0 + GROWTH)));
+    let step = forward.least(backward).least(longest);
+    let remainder = if left <= step * S::of(1.0001) {
+        Remainder::One
+    } else if left < step * S::of(2.1) {
+        Remainder::Two
+    } else {
+        Remainder::More
+    };
+    (step, remainder)
+}
+
+/// How many pieces are left.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Remainder {
+    One,
+    /// Two, of equal length.
+    Two,
+    More,
+}
+
 /// The node at which the next cell of a body ends, by its way along the segment.
-///
-/// Cells grow from either end with the distance from it, as speed does.
 pub fn next_way<S: Scalar, const N: usize>(
     segment: &Segment<S, N>,
     item: &Item<S, N>,
     (way, until): (i64, i64),
-    (first, last): (S, S),
+    ends: (S, S),
 ) -> i64 {
-    let growth = S::of(GROWTH);
     let done = raw_to_mm::<S>(way - item.taken);
     let left = raw_to_mm::<S>(until - way);
     let longest = segment.longest_cell(item.tolerance).least(item.feed * S::of(LONGEST_CELL_TIME));
-    let forward = first.greatest(growth * done);
-    let backward = last.greatest(left * S::of(GROWTH / (1.0 + GROWTH)));
-    let step = forward.least(backward).least(longest);
-    if left < step * S::of(2.1) {
+    match next_piece((done, left), ends, longest) {
         // From rest to rest there must be a node between.
-        let whole =
-            left <= step * S::of(1.0001) && !(way == item.taken && item.joint == Joint::Stop);
-        return if whole { until } else { way + (until - way + 1) / 2 };
+        (_, Remainder::One) if !(way == item.taken && item.joint == Joint::Stop) => until,
+        (_, Remainder::One | Remainder::Two) => way + (until - way + 1) / 2,
+        // At least a thousandth of what is left, so that the count of cells is bounded.
+        (step, Remainder::More) => way + mm_to_raw(step).max((until - way) / 1024).max(1),
     }
-    // At least a thousandth of what is left, so that the count of cells is bounded.
-    way + mm_to_raw(step).max((until - way) / 1024).max(1)
 }

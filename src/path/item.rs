@@ -1,6 +1,7 @@
 //! Blocks that wait for their neighbours, checked and with their geometry.
 
 use super::node::Order;
+use super::run::Leg;
 use super::segment::Segment;
 use crate::block::{Block, BlockError, Feed, Field, Motion};
 use crate::machine::{Config, Limits};
@@ -18,6 +19,8 @@ pub enum Joint {
     Corner,
     /// Quintic blend where an arc takes part.
     Blend,
+    /// Within a run of lines that becomes one spline.
+    Run,
 }
 
 /// A block that waits for its neighbours.
@@ -28,9 +31,6 @@ pub struct Item<S, const N: usize> {
     pub dwell: S,
     pub feed: S,
     pub rapid: bool,
-    /// Tolerance as programmed.
-    pub programmed: S,
-    /// What is left of it for corners and passed joints.
     pub tolerance: S,
     pub stop_after: bool,
     pub tag: u32,
@@ -55,6 +55,11 @@ impl<S: Scalar, const N: usize> Item<S, N> {
         Order { feed: self.feed, rapid: self.rapid, tag: self.tag }
     }
 
+    /// What it asks of a run that it is a part of.
+    pub fn leg(&self) -> Leg<S> {
+        Leg { order: self.order(), tolerance: self.tolerance, error: S::ZERO }
+    }
+
     /// A block that starts at `from`, checked; `None` if there is nothing to do for it.
     pub fn new(
         from: [Coord; N],
@@ -73,7 +78,6 @@ impl<S: Scalar, const N: usize> Item<S, N> {
             dwell: S::ZERO,
             feed: S::ONE,
             rapid: block.feed == Feed::Rapid,
-            programmed: tolerance,
             tolerance,
             stop_after: block.exact_stop,
             tag: block.tag,

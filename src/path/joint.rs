@@ -15,6 +15,17 @@ use core::array::from_fn;
 /// Cosine of the turn (160 degrees) beyond which a joint is an exact stop: there a stop is faster
 /// than the rounding.
 const STOP_COSINE: f64 = -0.94;
+/// A corner between lines this many times as long as Guo's transition, with a turn whose cosine is
+/// less than this, is faster by itself than as a part of a run.
+const LONE_ROOM: f64 = 5.0;
+/// See [`LONE_ROOM`].
+const LONE_COSINE: f64 = 0.2;
+/// A turn whose cosine is less than this (100 degrees) is never a part of a run.
+const BACK_COSINE: f64 = -0.17;
+/// A reversal is no stop if one of its lines is shorter than this share of the tolerance.
+const SPIKE: f64 = 0.5;
+/// Share of a line that a run which goes on along it keeps for itself.
+const RUN_SHARE: i64 = 4;
 /// Turn, rad, up to which a joint is simply passed, however tight the tolerance.
 const STRAIGHT: f64 = 1.0e-6;
 /// Turn, rad, up to which a joint may be passed if the tolerance allows.
@@ -96,19 +107,30 @@ pub fn joint<S: Scalar, const N: usize>(
     let tolerance = before.tolerance.least(after.tolerance);
     let (frame_in, frame_out) = (a.end_frame(true), b.end_frame(false));
     let corner = Corner::new(&frame_in.0, &frame_out.0);
+    let shorter = a.length.least(b.length);
+    let lines = a.is_line() && b.is_line() && mode == CornerMode::Band;
+    // A spike smaller than the tolerance is ironed out.
+    let spike = lines && shorter < tolerance * S::of(SPIKE);
     if corner.cos_turn() < S::of(STOP_COSINE) {
-        return (Joint::Stop, 0);
+        return (if spike { Joint::Run } else { Joint::Stop }, 0);
     }
-    if corner.cos_turn() > S::ZERO && passes(a, b, (&frame_in, &frame_out), tolerance, mode) {
+    let straight = corner.cos_turn() > S::ZERO && !(lines && tolerance > S::ZERO);
+    if straight && passes(a, b, (&frame_in, &frame_out), tolerance, mode) {
         return (Joint::Through, 0);
     }
     if !(tolerance > S::ZERO) {
         return (Joint::Stop, 0);
     }
-    let shorter = a.length.least(b.length);
     match (&a.shape, &b.shape, mode) {
         (Shape::Line(_), Shape::Line(_), CornerMode::Paper { .. }) => (Joint::Corner, 0),
         (Shape::Line(_), Shape::Line(_), CornerMode::Band) => {
+            let most = shorter * S::of(1.0 / LONE_ROOM);
+            let slight = corner.cos_turn() > S::of(LONE_COSINE);
+            let short = corner.full_band_length(tolerance, most) >= most;
+            let back = corner.cos_turn() < S::of(BACK_COSINE) && !spike;
+            if !back && (slight || short) {
+                return (Joint::Run, 0);
+            }
             (Joint::Corner, mm_to_raw(swing::longest_reach(&corner, tolerance, shorter)))
         }
         _ => {
@@ -145,6 +167,9 @@ pub fn reach<S: Scalar, const N: usize>(
     if bent {
         left -= segment.length_raw / 8;
     }
+    if item.entered == Joint::Run {
+        left -= segment.length_raw / RUN_SHARE;
+    }
     let corner = Corner::new(&segment.end_frame(true).0, &ahead.end_frame(false).0);
     let tolerance = item.tolerance.least(next.tolerance);
     if let (Joint::Corner, CornerMode::Paper { lambda }) = (joint, config.corner) {
@@ -154,8 +179,10 @@ pub fn reach<S: Scalar, const N: usize>(
         return Taken { raw, half: Some(half) };
     }
     // Sharing by need: what the next joint does not want of the next segment is free for this one.
-    let next_want = if next.stop_after { 0 } else { next.want };
-    let free = if next_want == 0 {
+    let next_want = if next.stop_after || next.joint == Joint::Run { 0 } else { next.want };
+    let free = if next.joint == Joint::Run {
+        ahead.length_raw - ahead.length_raw / RUN_SHARE
+    } else if next_want == 0 {
         // The next segment ends in its own last point: it must keep a body.
         ahead.length_raw - ahead.length_raw / 8
     } else {

@@ -16,6 +16,7 @@ pub(crate) mod hermite;
 pub(crate) mod item;
 mod joint;
 pub(crate) mod node;
+mod run;
 pub(crate) mod segment;
 pub(crate) mod swing;
 pub(crate) mod transition;

@@ -17,7 +17,6 @@
 use super::law::Law;
 use crate::machine::Limits;
 use crate::number::Scalar;
-use crate::number::vector::norm;
 use crate::path::node::{Cell, Node};
 
 /// Share of the velocity limits and the feed that is used: the length of a curved cell is known to
@@ -85,11 +84,13 @@ impl<S: Scalar> Bounds<S> {
             acceleration: S::of(1.0e12),
             jerk: S::of(1.0e15),
         };
-        // Between the nodes a component of the tangent may exceed both ends by (kappa h)^2 / 8.
-        let bend = norm(&from.curvature).greatest(norm(&to.curvature)) * cell.length;
-        let swell = bend * bend * S::of(0.125);
+        let third = cell.length * S::of(1.0 / 3.0);
         for (i, axis) in limits.axes().iter().enumerate() {
-            let share = from.tangent[i].abs().greatest(to.tangent[i].abs()) + swell;
+            // Between the nodes the tangent is inside the hull of the cubic with its derivatives.
+            let early = from.tangent[i] + from.curvature[i] * third;
+            let late = to.tangent[i] - to.curvature[i] * third;
+            let ends = from.tangent[i].abs().greatest(to.tangent[i].abs());
+            let share = ends.greatest(early.abs()).greatest(late.abs());
             if share * bounds.speed > axis.velocity {
                 bounds.speed = axis.velocity / share;
             }

@@ -40,6 +40,9 @@ pub struct Simulate {
     /// Look-ahead depth, blocks (16, 64 or 256).
     #[arg(long, value_name = "BLOCKS")]
     pub lookahead: Option<usize>,
+    /// Smoothing sweeps over runs of short lines (0 leaves them as they are laid).
+    #[arg(long, value_name = "COUNT")]
+    pub sweeps: Option<u16>,
     /// Number type of the core.
     #[arg(long, value_enum, default_value_t)]
     pub scalar: Precision,
@@ -92,6 +95,9 @@ impl Simulate {
         }
         if let Some(lookahead) = self.lookahead {
             machine.lookahead = lookahead;
+        }
+        if let Some(sweeps) = self.sweeps {
+            machine.sweeps = sweeps;
         }
         Ok(machine)
     }

@@ -1,0 +1,139 @@
+//! Cubic B-splines over any knots, by what a single span sees of them.
+//!
+//! A span between two knots is a cubic made of four control points; besides its own two knots it
+//! depends on two more on either side.
+
+use crate::number::Scalar;
+
+/// The six knots a span depends on, as arc lengths from the span's start, mm; the third is 0, the
+/// fourth the length of the span.
+#[derive(Clone, Copy, Debug)]
+pub struct Local<S> {
+    knots: [S; 6],
+}
+
+impl<S: Scalar> Local<S> {
+    /// From arc lengths in 1e-12 mm; the span lies between the third and the fourth.
+    pub fn new(ways: &[i64; 6]) -> Self {
+        let start = ways[2];
+        Self { knots: ways.map(|way| S::from_i64(way - start) * S::of(1.0e-12)) }
+    }
+
+    /// Length of the span, mm.
+    pub fn step(&self) -> S {
+        self.knots[3]
+    }
+
+    /// The basis functions of the four control points at a place of the span, by the recurrence
+    /// of Cox and de Boor.
+    pub fn values(&self, at: S) -> [S; 4] {
+        let mut n = [S::ONE, S::ZERO, S::ZERO, S::ZERO];
+        for j in 1..=3 {
+            let mut saved = S::ZERO;
+            for r in 0..j {
+                let right = self.knots[3 + r] - at;
+                let left = at - self.knots[3 + r - j];
+                let part = n[r] / (right + left);
+                n[r] = saved + right * part;
+                saved = left * part;
+            }
+            n[j] = saved;
+        }
+        n
+    }
+
+    /// Factors 3 / support of the three edges of the control polygon: the control points of the
+    /// first derivative are these times the edges.
+    pub fn firsts(&self) -> [S; 3] {
+        let t = &self.knots;
+        let three = S::of(3.0);
+        [three / (t[3] - t[0]), three / (t[4] - t[1]), three / t[5]]
+    }
+
+    /// Factors 2 / support of the differences of those: the second derivatives at both ends.
+    pub fn seconds(&self) -> [S; 2] {
+        let two = S::of(2.0);
+        [two / (self.knots[3] - self.knots[1]), two / self.knots[4]]
+    }
+
+    /// The third derivative, which is constant on the span, by the four control points.
+    pub fn thirds(&self) -> [S; 4] {
+        let [a0, a1, a2] = self.firsts();
+        let [b0, b1] = self.seconds();
+        let per = S::ONE / self.step();
+        let (first, last) = (b0 * a0 * per, b1 * a2 * per);
+        let middle = (b0 + b1) * a1 * per;
+        [-first, first + middle, -(middle + last), last]
+    }
+
+    /// First derivative at the start of the span, by the first two edges.
+    pub fn first_at_start(&self) -> [S; 2] {
+        let [a0, a1, _] = self.firsts();
+        let t = &self.knots;
+        let per = S::ONE / (t[3] - t[1]);
+        [a0 * t[3] * per, -(a1 * t[1] * per)]
+    }
+
+    /// First derivative at the end of the span, by the last two edges.
+    pub fn first_at_end(&self) -> [S; 2] {
+        let [_, a1, a2] = self.firsts();
+        let t = &self.knots;
+        let per = S::ONE / t[4];
+        [a1 * (t[4] - t[3]) * per, a2 * t[3] * per]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const UNEVEN: [i64; 6] = [-3, -1, 0, 2, 3, 7];
+
+    fn local() -> Local<f64> {
+        Local::new(&UNEVEN.map(|k| k * 1_000_000_000_000))
+    }
+
+    /// The spline with control points at the Greville abscissae is the identity, and its values
+    /// add up to one.
+    #[test]
+    fn lines_are_reproduced() {
+        let knots = UNEVEN.map(|k| k as f64);
+        for k in 0..=8 {
+            let u = f64::from(k) * 0.25;
+            let n = local().values(u);
+            assert!((n.iter().sum::<f64>() - 1.0).abs() < 1e-14);
+            let at: f64 =
+                (0..4).map(|j| n[j] * (knots[j] + knots[j + 1] + knots[j + 2]) / 3.0).sum();
+            assert!((at - u).abs() < 1e-14, "{u} {at}");
+        }
+    }
+
+    /// Derivatives against differences of the values.
+    #[test]
+    fn derivatives_agree_with_differences() {
+        let local = local();
+        let c = [0.3, -1.0, 2.5, 0.7];
+        let value = |u: f64| -> f64 { local.values(u).iter().zip(c).map(|(n, c)| n * c).sum() };
+        let edges = [c[1] - c[0], c[2] - c[1], c[3] - c[2]];
+        let h = 1e-3;
+        let third = (value(1.0 + 2.0 * h) - 2.0 * value(1.0 + h) + 2.0 * value(1.0 - h)
+            - value(1.0 - 2.0 * h))
+            / (2.0 * h * h * h);
+        let by_points: f64 = local.thirds().iter().zip(c).map(|(g, c)| g * c).sum();
+        assert!((third - by_points).abs() < 1e-4, "{third} {by_points}");
+        let [a, b] = local.first_at_start();
+        let start = (value(h) - value(0.0)) / h;
+        assert!((a * edges[0] + b * edges[1] - start).abs() < 1e-2);
+        let [a, b] = local.first_at_end();
+        let end = (value(2.0) - value(2.0 - h)) / h;
+        assert!((a * edges[1] + b * edges[2] - end).abs() < 1e-2);
+        let [f0, f1, f2] = local.firsts();
+        let [s0, s1] = local.seconds();
+        let second = s0 * (f1 * edges[1] - f0 * edges[0]);
+        let measured = (value(2.0 * h) - 2.0 * value(h) + value(0.0)) / (h * h);
+        assert!((second - measured).abs() < 1e-2, "{second} {measured}");
+        let second = s1 * (f2 * edges[2] - f1 * edges[1]);
+        let measured = (value(2.0) - 2.0 * value(2.0 - h) + value(2.0 - 2.0 * h)) / (h * h);
+        assert!((second - measured).abs() < 1e-2, "{second} {measured}");
+    }
+}

@@ -1,0 +1,289 @@
+//! The programmed poly-line of a run, thinned a little, by its arc length.
+
+use crate::number::vector::{Vector, dot, norm, zero};
+use crate::number::{Coord, Scalar};
+use crate::path::node::Order;
+use crate::path::segment::Segment;
+use core::array::from_fn;
+use heapless::{Deque, Vec};
+
+/// Vertices held.
+const VERTICES: usize = 64;
+/// Vertices left out between two that are kept.
+const DROPPED: usize = 12;
+/// Share of the tolerance by which a vertex that is left out may lie off.
+const THINNING: f64 = 0.05;
+/// Most difference of the feeds of lines that become one, relative.
+const FEED_SLACK: f64 = 0.02;
+
+/// What is asked for on a line of the chain.
+#[derive(Clone, Copy, Debug)]
+pub struct Leg<S> {
+    pub order: Order<S>,
+    /// Tolerance, mm.
+    pub tolerance: S,
+    /// Greatest distance of the vertices left out, mm.
+    pub error: S,
+}
+
+impl<S: Scalar> Leg<S> {
+    /// Whether two lines may become one, or share a span.
+    pub fn is_like(&self, other: &Self) -> bool {
+        let (a, b) = (self.order.feed, other.order.feed);
+        (a - b).abs() <= a.least(b) * S::of(FEED_SLACK)
+            && self.order.rapid == other.order.rapid
+            && self.tolerance == other.tolerance
+    }
+
+    /// What is asked for where both are.
+    pub fn with(&self, later: &Self) -> Self {
+        Self {
+            order: Order { feed: self.order.feed.least(later.order.feed), ..later.order },
+            tolerance: self.tolerance.least(later.tolerance),
+            error: self.error.greatest(later.error),
+        }
+    }
+}
+
+/// A vertex, and the line that ends there.
+#[derive(Clone, Copy, Debug)]
+pub struct Vertex<S, const N: usize> {
+    pub at: [Coord; N],
+    /// Arc length from the start of the run, 1e-12 mm.
+    pub way: i64,
+    /// Direction of the line that ends here.
+    pub direction: Vector<S, N>,
+    pub leg: Leg<S>,
+}
+
+/// The poly-line.
+pub struct Chain<S, const N: usize> {
+    vertices: Deque<Vertex<S, N>, VERTICES>,
+    /// Running number of the first vertex.
+    first: u32,
+    /// End of the line that is still growing.
+    growing: Option<Vertex<S, N>>,
+    /// Vertices left out on it.
+    dropped: Vec<[Coord; N], DROPPED>,
+    /// What was lost when some of those were forgotten, mm.
+    forgotten: S,
+}
+
+impl<S: Scalar, const N: usize> Chain<S, N> {
+    pub const fn new() -> Self {
+        Self {
+            vertices: Deque::new(),
+            first: 0,
+            growing: None,
+            dropped: Vec::new(),
+            forgotten: S::ZERO,
+        }
+    }
+
+    /// Starts anew at a point.
+    pub fn begin(&mut self, at: [Coord; N], leg: Leg<S>) {
+        self.vertices.clear();
+        self.first = 0;
+        self.growing = None;
+        self.clear_dropped();
+        let _ = self.vertices.push_back(Vertex { at, way: 0, direction: zero(), leg });
+    }
+
+    /// Whether another line can be taken.
+    pub fn has_room(&self) -> bool {
+        self.vertices.len() + 2 <= VERTICES
+    }
+
+    /// Takes a line to `at`. It becomes one with the line before if that is alike and all vertices
+    /// between stay within a share of the tolerance.
+    pub fn push(&mut self, at: [Coord; N], leg: Leg<S>) {
+        if let Some(last) = self.growing {
+            if let Some(longer) = self.longer(&last, at, &leg) {
+                self.keep_dropped(last.at, &leg);
+                self.growing = Some(longer);
+                return;
+            }
+            self.settle();
+        }
+        if let Some(last) = self.vertices.back() {
+            self.growing = vertex(last, at, leg);
+        }
+    }
+
+    /// The growing line taken on to `at`, if all it leaves out is near enough.
+    fn longer(&self, last: &Vertex<S, N>, at: [Coord; N], leg: &Leg<S>) -> Option<Vertex<S, N>> {
+        if !last.leg.is_like(leg) {
+            return None;
+        }
+        let from = self.vertices.back()?;
+        let line = Ray::new(&from.at, &at)?;
+        let most = leg.tolerance * S::of(THINNING) - self.forgotten;
+        let (mut along, mut error) = (S::ZERO, S::ZERO);
+        for vertex in self.dropped.iter().chain(core::iter::once(&last.at)) {
+            let (on, off) = line.place(vertex);
+            // In order along the line, so that every point of it has one of the path beside it.
+            if on < along || on > line.length || off > most {
+                return None;
+            }
+            (along, error) = (on, error.greatest(off));
+        }
+        let leg = Leg { error: error + self.forgotten, ..last.leg.with(leg) };
+        vertex(from, at, leg)
+    }
+
+    /// Remembers a vertex that is left out. When there are too many every other one is forgotten:
+    /// what lies near the line between its neighbours is near whatever they are near.
+    fn keep_dropped(&mut self, at: [Coord; N], leg: &Leg<S>) {
+        if self.dropped.is_full() {
+            let mut kept: Vec<[Coord; N], DROPPED> = Vec::new();
+            let mut lost = S::ZERO;
+            for pair in self.dropped.chunks_exact(2) {
+                let after = self.dropped.get(2 * kept.len() + 2).copied().unwrap_or(at);
+                if let Some(line) = Ray::new(&pair[0], &after) {
+                    lost = lost.greatest(line.place(&pair[1]).1);
+                }
+                let _ = kept.push(pair[0]);
+            }
+            self.dropped = kept;
+            self.forgotten = (self.forgotten + lost).least(leg.tolerance);
+        }
+        let _ = self.dropped.push(at);
+    }
+
+    fn clear_dropped(&mut self) {
+        self.dropped.clear();
+        self.forgotten = S::ZERO;
+    }
+
+    /// Ends the growing line where it is.
+    pub fn settle(&mut self) {
+        if let Some(vertex) = self.growing.take() {
+            let _ = self.vertices.push_back(vertex);
+        }
+        self.clear_dropped();
+    }
+
+    /// Running number of the vertex behind the last.
+    pub fn end(&self) -> u32 {
+        self.first.wrapping_add(self.vertices.len() as u32)
+    }
+
+    /// A vertex by its running number.
+    pub fn vertex(&self, serial: u32) -> Option<&Vertex<S, N>> {
+        self.vertices.get(serial.wrapping_sub(self.first) as usize)
+    }
+
+    /// Forgets what lies before an arc length.
+    pub fn release_before(&mut self, way: i64) {
+        // At most all of them.
+        for _ in 0..VERTICES {
+            if self.vertices.len() < 3 || self.vertices.get(1).is_none_or(|v| v.way >= way) {
+                return;
+            }
+            self.vertices.pop_front();
+            self.first = self.first.wrapping_add(1);
+        }
+    }
+
+    /// Arc length at the end of the line that leaves an arc length.
+    pub fn line_end(&self, way: i64) -> i64 {
+        self.vertices.get(self.index(way + 1)).map_or(way, |v| v.way)
+    }
+
+    /// Index of the vertex at the end of the line that holds an arc length.
+    fn index(&self, way: i64) -> usize {
+        let mut i = self.vertices.len().saturating_sub(1);
+        while i > 1 && self.vertices.get(i - 1).is_some_and(|v| v.way >= way) {
+            i -= 1;
+        }
+        i
+    }
+
+    /// The point at an arc length. Beyond either end the chain goes on straight, for as much as its
+    /// last line is long.
+    pub fn point(&self, way: i64) -> [Coord; N] {
+        let (Some(front), Some(back)) = (self.vertices.front(), self.vertices.back()) else {
+            return [Coord::ZERO; N];
+        };
+        for end in [front, back] {
+            let mirrored = 2 * end.way - way;
+            if (end.way == front.way && way < end.way) || (end.way == back.way && way > end.way) {
+                let there = self.inside(mirrored);
+                return from_fn(|i| Coord::from_raw(2 * end.at[i].raw() - there[i].raw()));
+            }
+        }
+        self.inside(way)
+    }
+
+    fn inside(&self, way: i64) -> [Coord; N] {
+        let i = self.index(way);
+        let (Some(a), Some(b)) = (self.vertices.get(i.saturating_sub(1)), self.vertices.get(i))
+        else {
+            return self.vertices.front().map_or([Coord::ZERO; N], |v| v.at);
+        };
+        if way >= b.way || b.way <= a.way {
+            return b.at;
+        }
+        let done = (way - a.way).max(0);
+        let fraction = ((i128::from(done) << 62) / i128::from(b.way - a.way)) as i64;
+        from_fn(|k| a.at[k].towards(b.at[k], fraction))
+    }
+
+    /// The lines that hold the stretch between two arc lengths, each by the vertices at its start
+    /// and its end.
+    pub fn lines(
+        &self,
+        from: i64,
+        to: i64,
+    ) -> impl Iterator<Item = (&Vertex<S, N>, &Vertex<S, N>)> {
+        let first = self.index(from + 1);
+        let ends = self.vertices.iter().skip(first);
+        let starts = self.vertices.iter().skip(first.saturating_sub(1));
+        starts.zip(ends).take_while(move |(start, _)| start.way < to)
+    }
+
+    /// The line that starts at the vertex at an arc length, if there is one.
+    pub fn leaving(&self, way: i64) -> Option<&Vertex<S, N>> {
+        let end = self.index(way + 1);
+        let start = self.vertices.get(end.checked_sub(1)?)?;
+        (start.way == way).then(|| self.vertices.get(end))?
+    }
+}
+
+/// The vertex at the end of a line; `None` if it has no length.
+fn vertex<S: Scalar, const N: usize>(
+    from: &Vertex<S, N>,
+    at: [Coord; N],
+    leg: Leg<S>,
+) -> Option<Vertex<S, N>> {
+    let line = Segment::<S, N>::line(from.at, at)?;
+    let (direction, _) = line.end_frame(true);
+    Some(Vertex { at, way: from.way + line.length_raw, direction, leg })
+}
+
+/// A straight line, to place points beside.
+pub struct Ray<S, const N: usize> {
+    from: [Coord; N],
+    pub direction: Vector<S, N>,
+    pub length: S,
+}
+
+impl<S: Scalar, const N: usize> Ray<S, N> {
+    pub fn new(from: &[Coord; N], to: &[Coord; N]) -> Option<Self> {
+        let way: Vector<S, N> = from_fn(|i| to[i].minus(from[i]));
+        let length = norm(&way);
+        if !(length > S::ZERO) {
+            return None;
+        }
+        let per = S::ONE / length;
+        Some(Self { from: *from, direction: way.map(|x| x * per), length })
+    }
+
+    /// How far along the line and how far off it a point lies, mm.
+    pub fn place(&self, at: &[Coord; N]) -> (S, S) {
+        let way: Vector<S, N> = from_fn(|i| at[i].minus(self.from[i]));
+        let on = dot(&way, &self.direction);
+        let off: Vector<S, N> = from_fn(|i| way[i] - on * self.direction[i]);
+        (on, norm(&off))
+    }
+}

@@ -1,0 +1,106 @@
+//! One span of a run as nodes and cells.
+
+use crate::number::vector::{Vector, dot, norm, shifted, sub};
+use crate::number::{Coord, Scalar};
+use crate::path::node::{Cell, GAUSS, Node, Order, by_arc_length};
+use core::array::from_fn;
+
+/// Turn of a cell, rad. A cell is a quintic through its ends with their tangents and curvatures,
+/// which follows a cubic closely as long as it does not turn much.
+const TURN: f64 = 0.25;
+/// Most cells of a span.
+const PARTS: u32 = 8;
+
+/// A cubic by its first derivative, a parabola in Bezier form.
+#[derive(Clone, Copy)]
+pub struct Curve<S, const N: usize> {
+    first: [Vector<S, N>; 3],
+    /// Length of the parameter, mm.
+    step: S,
+    straight: bool,
+    parts: u32,
+}
+
+impl<S: Scalar, const N: usize> Curve<S, N> {
+    /// From the Bezier points of the first derivative; `still` if the control points are those of
+    /// the programmed line.
+    pub fn new(first: [Vector<S, N>; 3], step: S, still: bool) -> Self {
+        let unit = first.map(|v| {
+            let per = S::ONE / norm(&v).greatest(S::of(1.0e-9));
+            v.map(|x| x * per)
+        });
+        let turn = norm(&sub(&unit[1], &unit[0])) + norm(&sub(&unit[2], &unit[1]));
+        // Where the parameter slows down the turn is gathered.
+        let sizes = first.map(|v| norm(&v));
+        let (least, most) = (
+            sizes[0].least(sizes[1]).least(sizes[2]),
+            sizes[0].greatest(sizes[1]).greatest(sizes[2]),
+        );
+        let gathered = most * S::of(0.5) > least && turn > S::of(0.1);
+        let parts = 1 + (turn * S::of(1.0 / TURN)).to_i64().clamp(0, i64::from(PARTS) - 1) as u32;
+        let straight = still && turn <= S::EPSILON * S::of(8.0);
+        Self { first, step, straight, parts: if gathered { PARTS } else { parts } }
+    }
+
+    /// Cells it is cut into.
+    pub fn parts(&self) -> u32 {
+        self.parts
+    }
+
+    fn place(&self, part: u32) -> S {
+        S::from_u32(part) / S::from_u32(self.parts)
+    }
+
+    /// First derivative by the parameter.
+    fn first(&self, u: S) -> Vector<S, N> {
+        let (v, [a, b, c]) = (S::ONE - u, &self.first);
+        let two = S::of(2.0);
+        from_fn(|i| (a[i] * v + two * b[i] * u) * v + c[i] * (u * u))
+    }
+
+    /// From the start to a place, mm.
+    fn offset(&self, u: S) -> Vector<S, N> {
+        let third = S::of(1.0 / 3.0);
+        let [a, b, c] = &self.first;
+        let wa = ((third * u - S::ONE) * u + S::ONE) * u * self.step;
+        let wb = (S::ONE - (third + third) * u) * u * u * self.step;
+        let wc = third * u * u * u * self.step;
+        from_fn(|i| a[i] * wa + b[i] * wb + c[i] * wc)
+    }
+
+    fn length(&self, from: S, to: S) -> S {
+        let mut sum = S::ZERO;
+        for (x, weight) in GAUSS {
+            sum += S::of(weight) * norm(&self.first(from + (to - from) * S::of(x)));
+        }
+        sum * (to - from) * self.step
+    }
+
+    /// The node before a part, given where the curve starts and ends.
+    pub fn node(&self, part: u32, (start, end): (&[Coord; N], &[Coord; N])) -> Node<S, N> {
+        let u = self.place(part);
+        let [a, b, c] = &self.first;
+        let per = S::of(2.0) / self.step;
+        let second = from_fn(|i| ((b[i] - a[i]) * (S::ONE - u) + (c[i] - b[i]) * u) * per);
+        let (tangent, curvature) = by_arc_length(&self.first(u), &second);
+        let at = match part {
+            0 => *start,
+            _ if part == self.parts => *end,
+            _ => shifted(start, &self.offset(u)),
+        };
+        Node { at, tangent, curvature }
+    }
+
+    /// The cell over a part, between two nodes.
+    pub fn cell(&self, part: u32, from: &Node<S, N>, to: &Node<S, N>, order: Order<S>) -> Cell<S, N> {
+        let mut length = self.length(self.place(part), self.place(part + 1));
+        let mut bulge = [S::ZERO; N];
+        if self.straight {
+            let way: Vector<S, N> = from_fn(|i| to.at[i].minus(from.at[i]));
+            length = dot(&way, &from.tangent);
+        } else {
+            bulge = from.bulge_to(&to.at, length);
+        }
+        Cell { length, bulge, order, dwell: S::ZERO, straight: self.straight }
+    }
+}

@@ -1,0 +1,425 @@
+//! Runs of short lines as one cubic B-spline inside their tolerance band.
+//!
+//! [`chain`] holds the poly-line, thinned; [`Run`] lays knots along it, where it turns; [`window`]
+//! makes a spline over them that is inside the band, by a bound; [`sweep`] smooths it as far as the
+//! band allows; [`basis`] has the formulas. A stretch of spans is kept in hand: when it is full, or the
+//! run ends, it is smoothed and its first spans are handed on for good.
+
+mod basis;
+mod chain;
+mod curve;
+mod sweep;
+mod window;
+
+pub use self::chain::Leg;
+pub use self::window::Tie;
+
+use self::chain::{Chain, Ray};
+use self::window::Window;
+use super::cut::{Emitted, LONGEST_CELL_TIME, Remainder, next_piece};
+use super::node::Node;
+use super::segment::{mm_to_raw, raw_to_mm};
+use crate::number::vector::{Vector, norm, sub, zero};
+use crate::number::{Coord, Scalar};
+use heapless::Deque;
+
+/// Share of the tolerance by which vertices may lie off the line between two corners of a run: at
+/// least this far apart knots are laid.
+const COARSE: f64 = 0.5;
+/// Most vertices between two corners.
+const PASSED: u32 = 5;
+/// Corners waiting for their spans.
+const WAITING: usize = 6;
+/// Length of the spans at a corner, times turn over tolerance: what a uniform cubic spline with
+/// spans of this length cuts off is two thirds of the band.
+const CORNER_SPAN: f64 = 4.0;
+/// Reach at a corner, times turn^1.5 over tolerance: see [`sweep`].
+const CORNER_REACH: f64 = 25.0;
+/// Twice the sine of half the turn (100 degrees) from which on a corner of a run is a rest.
+const BACK: f64 = 1.53;
+/// Spans next to each other differ in length by less than this share of the distance to a corner.
+const GRADE: f64 = 0.5;
+/// Spans handed on at once.
+const BATCH: usize = 6;
+/// Share of the first or last line of a smooth end that one span may take: two must fit.
+const SMOOTH_SHARE: f64 = 0.49;
+
+/// A corner of the run: where the poly-line turns.
+#[derive(Clone, Copy)]
+struct Corner<S, const N: usize> {
+    way: i64,
+    at: [Coord; N],
+    /// Direction in which it is reached.
+    direction: Vector<S, N>,
+    /// Length of the spans next to it, mm.
+    size: S,
+    /// Longest span before it, mm.
+    longest: S,
+    /// Whether the path turns back there, so that the motion has to rest.
+    stop: bool,
+    tolerance: S,
+}
+
+/// A run of lines.
+pub struct Run<S, const N: usize> {
+    chain: Chain<S, N>,
+    window: Window<S, N>,
+    /// Corners from the one that knots have been laid up to.
+    corners: Deque<Corner<S, N>, WAITING>,
+    /// Vertex of the chain at the newest corner, and the next to be looked at.
+    newest: u32,
+    next: u32,
+    start: Tie,
+    end: Option<Tie>,
+    /// Length of spans next to a rest, mm.
+    rest_size: S,
+    state: State,
+    /// Spans of the window handed on, and that may be.
+    handed: usize,
+    ready: usize,
+    /// Cells of the next one that have been handed on.
+    part: u32,
+}
+
+/// How far the window has come.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum State {
+    /// Not begun.
+    New,
+    /// Taking knots.
+    Open,
+    /// It has its last knots.
+    Tied,
+    /// It has its last knots, but the run goes on behind them from rest: the band allowed no other.
+    Broken,
+}
+
+impl<S: Scalar, const N: usize> Run<S, N> {
+    pub const fn new() -> Self {
+        Self {
+            chain: Chain::new(),
+            window: Window::new(),
+            corners: Deque::new(),
+            newest: 0,
+            next: 1,
+            start: Tie::Rest,
+            end: None,
+            rest_size: S::ZERO,
+            state: State::Tied,
+            handed: 0,
+            ready: 0,
+            part: 0,
+        }
+    }
+
+    /// Starts a run at a point; `rest_size` is the length of spans next to a rest, mm.
+    pub fn begin(&mut self, at: [Coord; N], tie: Tie, leg: Leg<S>, rest_size: S) {
+        self.chain.begin(at, leg);
+        self.window.clear();
+        self.corners.clear();
+        (self.newest, self.next) = (0, 1);
+        (self.start, self.end) = (tie, None);
+        self.rest_size = rest_size;
+        self.state = State::New;
+        (self.handed, self.ready) = (0, 0);
+        let _ = self.corners.push_back(Corner {
+            way: 0,
+            at,
+            direction: zero(),
+            size: rest_size,
+            longest: S::ZERO,
+            stop: false,
+            tolerance: leg.tolerance,
+        });
+        if tie == Tie::Rest {
+            self.window.corner(0, rest_size);
+        }
+    }
+
+    /// Whether a line can be taken.
+    pub fn has_room(&self) -> bool {
+        self.end.is_none() && self.chain.has_room() && self.corners.len() + 3 <= WAITING
+    }
+
+    /// Takes a line to `at`.
+    pub fn push(&mut self, at: [Coord; N], leg: Leg<S>) {
+        self.chain.push(at, leg);
+        let first = self.start == Tie::Smooth && self.chain.end() == 1;
+        if first {
+            // The first line of a smooth start stays as it is.
+            self.chain.settle();
+        }
+        self.look(first);
+    }
+
+    /// Takes the last line, to `at`.
+    pub fn finish(&mut self, at: [Coord; N], leg: Leg<S>, tie: Tie) {
+        if tie == Tie::Smooth {
+            // It stays as it is.
+            self.chain.settle();
+            self.look(true);
+        }
+        self.chain.push(at, leg);
+        self.chain.settle();
+        self.look(true);
+        self.end = Some(tie);
+        if tie == Tie::Rest
+            && let Some(last) = self.corners.back_mut()
+        {
+            last.size = last.size.least(self.rest_size);
+            self.window.corner(last.way, self.rest_size);
+        }
+        if tie == Tie::Smooth
+            && let Some(last) = self.corners.back_mut()
+        {
+            last.size = last.size * S::of(SMOOTH_SHARE);
+        }
+        self.grade();
+    }
+
+    /// Looks at new vertices for corners; the last one is one if the run is `closed` there.
+    fn look(&mut self, closed: bool) {
+        // Every turn takes a vertex or makes a corner.
+        while self.next != self.chain.end() {
+            if self.next.wrapping_sub(self.newest) > 1 && !self.reaches(self.next) {
+                self.corner(self.next.wrapping_sub(1));
+            }
+            self.next = self.next.wrapping_add(1);
+        }
+        let last = self.next.wrapping_sub(1);
+        if closed && last != self.newest {
+            self.corner(last);
+        }
+    }
+
+    /// Whether the line from the newest corner to a vertex stands for all between.
+    fn reaches(&self, serial: u32) -> bool {
+        let (Some(corner), Some(end)) = (self.corners.back(), self.chain.vertex(serial)) else {
+            return false;
+        };
+        let Some(ray) = Ray::new(&corner.at, &end.at) else { return false };
+        let most = end.leg.tolerance * S::of(COARSE);
+        let first = self.newest.wrapping_add(1);
+        let between = serial.wrapping_sub(first);
+        let mut along = S::ZERO;
+        between <= PASSED
+            && (0..between).all(|k| {
+                let Some(vertex) = self.chain.vertex(first.wrapping_add(k)) else { return false };
+                let (on, off) = ray.place(&vertex.at);
+                let ordered = on + most >= along && on <= ray.length + most;
+                along = along.greatest(on);
+                ordered && off <= most && vertex.leg.is_like(&end.leg)
+            })
+    }
+
+    /// Makes a vertex the newest corner.
+    fn corner(&mut self, serial: u32) {
+        let (Some(vertex), Some(before)) = (self.chain.vertex(serial), self.corners.back().copied())
+        else {
+            return;
+        };
+        self.newest = serial;
+        let length = raw_to_mm::<S>(vertex.way - before.way);
+        let direction = Ray::new(&before.at, &vertex.at).map_or(before.direction, |r| r.direction);
+        let first = before.way == 0;
+        let mut size = before.size.least(length);
+        let mut stop = false;
+        if first && self.start == Tie::Smooth {
+            size = length * S::of(SMOOTH_SHARE);
+        }
+        if !first {
+            let turn = norm(&sub(&direction, &before.direction)).greatest(S::of(1.0e-6));
+            let band = before.tolerance.least(vertex.leg.tolerance);
+            size = size.least(band * S::of(CORNER_SPAN) / turn);
+            let mut reach = band * S::of(CORNER_REACH) / (turn * turn.sqrt());
+            if turn > S::of(BACK) {
+                stop = true;
+                size = size.least(self.rest_size);
+                reach = self.rest_size;
+            }
+            self.window.corner(before.way, reach);
+        }
+        if let Some(corner) = self.corners.back_mut() {
+            corner.size = size;
+            corner.stop = stop;
+        }
+        let _ = self.corners.push_back(Corner {
+            way: vertex.way,
+            at: vertex.at,
+            direction,
+            size: length,
+            longest: vertex.leg.order.feed * S::of(LONGEST_CELL_TIME),
+            stop: false,
+            tolerance: vertex.leg.tolerance,
+        });
+        self.grade();
+    }
+
+    /// Sizes at neighbouring corners differ by no more than their distance allows.
+    fn grade(&mut self) {
+        let n = self.corners.len();
+        let limit = |a: Option<Corner<S, N>>, b: Option<Corner<S, N>>| {
+            let (a, b) = (a?, b?);
+            let way = raw_to_mm::<S>((a.way - b.way).abs());
+            Some(a.size + way * S::of(GRADE))
+        };
+        let get = |corners: &Deque<_, WAITING>, i: usize| corners.get(i).copied();
+        for (a, b) in (1..n).map(|i| (i - 1, i)).chain((1..n).rev().map(|i| (i, i - 1))) {
+            let most = limit(get(&self.corners, a), get(&self.corners, b));
+            if let (Some(most), Some(corner)) = (most, self.corners.get_mut(b)) {
+                corner.size = corner.size.least(most);
+            }
+        }
+    }
+
+    /// Lays the next knot, if enough is known and there is room.
+    fn extend(&mut self) -> bool {
+        let known = self.corners.len() >= if self.end.is_some() { 2 } else { 3 };
+        let (from, to) = (self.corners.front().copied(), self.corners.get(1).copied());
+        let (State::New | State::Open, Some(from)) = (self.state, from) else { return false };
+        if self.state == State::Open && !self.window.has_room() {
+            return false;
+        }
+        let (Some(to), true) = (to, known) else {
+            // All knots are laid.
+            return self.end.is_some() && self.state == State::Open && self.tie(from.way);
+        };
+        let here = if self.state == State::New { from.way } else { self.window.end() };
+        let way = match next_piece(
+            (raw_to_mm(here - from.way), raw_to_mm(to.way - here)),
+            (from.size, to.size),
+            to.longest,
+        ) {
+            (_, Remainder::One) => to.way,
+            (_, Remainder::Two) => here + (to.way - here) / 2,
+            (step, Remainder::More) => here + mm_to_raw(step).max(1),
+        };
+        if self.state == State::New {
+            self.window.begin(&self.chain, here, self.start, way - here);
+            self.state = State::Open;
+        }
+        let Some(way) = self.allowed(here, way) else {
+            self.tie_at_rest();
+            self.state = State::Broken;
+            return true;
+        };
+        self.window.push(&self.chain, way);
+        if way == to.way {
+            self.corners.pop_front();
+            if to.stop {
+                self.tie_at_rest();
+                self.state = State::Broken;
+            }
+        }
+        self.chain.release_before(self.window.oldest_needed());
+        true
+    }
+
+    /// The knot that was asked for, or one nearer at which the band is kept.
+    fn allowed(&self, here: i64, way: i64) -> Option<i64> {
+        let line = self.chain.line_end(here);
+        let tries = [way, here + (way - here) / 2, line.min(way), here + (line.min(way) - here) / 4];
+        tries.into_iter().find(|&w| w > here && self.window.allows(&self.chain, &[w, w, w]))
+    }
+
+    /// Ends the spline at its last knot.
+    fn tie(&mut self, end: i64) -> bool {
+        if self.end == Some(Tie::Smooth) {
+            let step = self.window.last_step();
+            let ways = [end + step, end + 2 * step];
+            if self.window.allows(&self.chain, &ways) {
+                for way in ways {
+                    self.window.push(&self.chain, way);
+                }
+                self.window.tied = 3;
+                self.state = State::Tied;
+                return true;
+            }
+            self.end = Some(Tie::Rest);
+        }
+        self.tie_at_rest();
+        self.state = State::Tied;
+        true
+    }
+
+    fn tie_at_rest(&mut self) {
+        let end = self.window.end();
+        for _ in 0..2 {
+            self.window.push(&self.chain, end);
+        }
+        self.window.tied = 1;
+    }
+
+    /// Goes on from rest behind a broken stretch.
+    fn reopen(&mut self) {
+        let way = self.window.end();
+        if let Some(corner) = self.corners.front_mut() {
+            corner.way = way;
+            corner.at = self.chain.point(way);
+            corner.size = self.rest_size;
+        }
+        self.window.begin(&self.chain, way, Tie::Rest, 0);
+        self.window.corner(way, self.rest_size);
+        self.state = State::Open;
+        (self.handed, self.ready) = (0, 0);
+    }
+
+    /// Whether everything has been handed on.
+    pub fn is_done(&self) -> bool {
+        self.state == State::Tied && self.handed == self.window.spans.len()
+    }
+
+    /// The next cell, if there is one for good. `last` is the node it starts at; after a rest the
+    /// spline's own direction counts.
+    pub fn next(&mut self, last: &Node<S, N>, rested: bool, sweeps: u16) -> Option<Emitted<S, N>> {
+        // Every turn hands on a cell, lays a knot, or makes spans ready.
+        for _ in 0..4 * window::CONTROLS {
+            if self.handed < self.ready {
+                return Some(self.hand(last, rested));
+            }
+            if self.extend() {
+                continue;
+            }
+            let tied = matches!(self.state, State::Tied | State::Broken);
+            if !tied && (self.state == State::New || self.window.has_room()) {
+                return None;
+            }
+            self.window.release(self.handed);
+            (self.handed, self.ready) = (0, 0);
+            let spans = self.window.spans.len();
+            if spans == 0 {
+                if self.state == State::Tied {
+                    return None;
+                }
+                self.reopen();
+                continue;
+            }
+            self.window.improve(sweeps);
+            self.ready = if tied { spans.min(BATCH) } else { BATCH.min(spans - 1) };
+            self.window.frozen = self.ready + 3;
+        }
+        None
+    }
+
+    /// Hands on a cell.
+    fn hand(&mut self, last: &Node<S, N>, rested: bool) -> Emitted<S, N> {
+        let (span, part) = (self.handed, self.part);
+        let curve = self.window.curve(span);
+        let ends = (&self.window.start(span), &self.window.finish(span));
+        let from = if rested { curve.node(part, ends) } else { *last };
+        let node = curve.node(part + 1, ends);
+        let order = self.window.spans[span].leg.order;
+        let cell = curve.cell(part, &from, &node, order);
+        self.part += 1;
+        if self.part == curve.parts() {
+            self.part = 0;
+            self.handed += 1;
+        }
+        let at_end = self.handed == self.window.spans.len();
+        let rest = match self.state {
+            State::Broken => at_end,
+            _ => at_end && self.end == Some(Tie::Rest),
+        };
+        Emitted { cell, from, node, rest }
+    }
+}

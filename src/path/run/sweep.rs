@@ -1,0 +1,255 @@
+//! Smoothing a run's spline inside its band, in a fixed number of sweeps.
+//!
+//! What is minimised: the integral of w |c'''|^2 over the window, c''' being the third derivative by
+//! arc length of the poly-line. On a jerk-limited machine it is what costs time: at a speed v it
+//! needs the jerk |c'''| v^3, so a path is run at (J / |c'''|)^(1/3); curvature alone, which the
+//! thesis (Naseath 2007, section 3.1) lowers, limits it only where acceleration does. The price w is
+//! the cube of the *reach*: of k band / turn^1.5 at a corner of the poly-line, plus the distance to it.
+//! Out of a corner the speed grows with the power 2/3 of the distance (constant jerk), from a speed
+//! with the same power of that length, and a c''' where the motion is fast costs more than where it is slow anyway. It
+//! is what makes the path swing out before a corner and bend most at its apex.
+//!
+//! One sweep, against the thesis's iteration (chapter 3): *categorisation*: a place of comparison
+//! whose distance nears the band gets a greater weight, one that is well inside a lesser one (its
+//! distance over the radius, to the power 1.5), so the weights tend to the multipliers of the
+//! band; *direction and sensitivity*: the exact minimiser of the price plus the weighted squares of
+//! the distances, for all control points together - one band matrix of half-width 3, the same for
+//! all axes, factored once per sweep, where the thesis tries one point at a time; *move distance*:
+//! all of the way where the bound of [`super::window`] allows it, else half of it, or none, for the control
+//! points around the place. So the path is inside the band after any number of sweeps, also none.
+
+use super::window::{CONTROLS, Window};
+use crate::number::Scalar;
+use crate::number::vector::{Vector, norm};
+use core::array::from_fn;
+
+/// Weight of a place at first, as a share of the stiffness of the spline there.
+pub const FIRST_WEIGHT: f64 = 5.0e-3;
+/// Bounds of the weight, as shares of the stiffness.
+const WEIGHTS: (f64, f64) = (1.0e-5, 1.0e4);
+/// Bounds of the distance over the target for the change of a weight in a sweep.
+const CHANGE: (f64, f64) = (0.05, 4.0);
+/// Growth of the weight, by what the target is exceeded by, where sweeps have left the band in places,
+/// and the most it grows by.
+const REPAIR: (f64, f64) = (10.0, 4.0);
+/// Sweeps for that, at most.
+const REPAIRS: u32 = 8;
+/// Share of the radius that weights aim at; the rest is for what a few sweeps leave over.
+const TARGET: f64 = 0.98;
+/// Rounds in which moves are shortened where they lead out of the band.
+const ROUNDS: usize = 8;
+/// Rounds in which they are halved; after that they are dropped.
+const HALVINGS: usize = 3;
+
+/// Weight of the third derivative by the reach, mm.
+pub fn price<S: Scalar>(reach: S) -> S {
+    reach * reach * reach
+}
+
+/// The band matrix and the right-hand sides of a sweep.
+struct System<S, const N: usize> {
+    /// Row by row, from the diagonal on.
+    rows: [[S; 4]; CONTROLS],
+    right: [Vector<S, N>; CONTROLS],
+}
+
+impl<S: Scalar, const N: usize> Window<S, N> {
+    /// Smooths the spline by `sweeps` sweeps; the control points that may move are those between
+    /// the frozen and the tied ones.
+    pub fn improve(&mut self, sweeps: u16) {
+        let last = self.controls.len().saturating_sub(self.tied);
+        if self.frozen >= last || sweeps == 0 {
+            return;
+        }
+        for control in &mut self.controls {
+            control.trial = control.shift;
+        }
+        let mut system = System { rows: [[S::ZERO; 4]; CONTROLS], right: [[S::ZERO; N]; CONTROLS] };
+        self.measure();
+        for _ in 0..sweeps {
+            self.weigh(|ratio| {
+                let ratio = ratio.greatest(S::of(CHANGE.0)).least(S::of(CHANGE.1));
+                ratio * ratio.sqrt()
+            });
+            self.sweep(&mut system, last);
+        }
+        for _ in 0..REPAIRS {
+            if (0..self.spans.len()).all(|k| self.holds(k)) {
+                break;
+            }
+            self.weigh(|ratio| {
+                let growth = S::ONE + (ratio - S::ONE) * S::of(REPAIR.0);
+                growth.greatest(S::ONE).least(S::of(REPAIR.1))
+            });
+            self.sweep(&mut system, last);
+        }
+        self.accept(last);
+    }
+
+    /// Moves what is tried to the minimiser for the present weights.
+    fn sweep(&mut self, system: &mut System<S, N>, last: usize) {
+        self.assemble(system, last);
+        system.solve(self.frozen, last);
+        for (control, step) in
+            self.controls.iter_mut().zip(&system.right).take(last).skip(self.frozen)
+        {
+            for (x, dx) in control.trial.iter_mut().zip(step) {
+                *x += *dx;
+            }
+        }
+        self.measure();
+    }
+
+    /// The edges of the control polygon of a span, as tried.
+    fn trial_edges(&self, span: usize) -> [Vector<S, N>; 3] {
+        from_fn(|j| {
+            let (a, b) = (&self.controls[span + j], &self.controls[span + j + 1]);
+            from_fn(|i| a.edge[i] + (b.trial[i] - a.trial[i]))
+        })
+    }
+
+    /// Distances at all places, as tried.
+    fn measure(&mut self) {
+        for (k, span) in self.spans.iter().enumerate() {
+            let first = usize::from(span.first_place);
+            let shifts = from_fn(|j| self.controls[k + j].trial);
+            for place in &mut self.places[first..first + usize::from(span.places)] {
+                place.measure(&shifts);
+            }
+        }
+    }
+
+    /// Weights by distances: `change` is the factor for a distance over the target.
+    fn weigh(&mut self, change: impl Fn(S) -> S) {
+        for k in 0..self.spans.len() {
+            let span = &self.spans[k];
+            let sag = span.sag * span.bend(&self.trial_edges(k));
+            let stiffness = span.stiffness();
+            let (least, most) = (stiffness * S::of(WEIGHTS.0), stiffness * S::of(WEIGHTS.1));
+            let first = usize::from(span.first_place);
+            for place in &mut self.places[first..first + usize::from(span.places)] {
+                let ratio = (norm(&place.miss) + sag) / (place.radius * S::of(TARGET));
+                let weight = place.weight * change(ratio);
+                place.weight = weight.greatest(least).least(most);
+            }
+        }
+    }
+
+    /// The system whose solution is the step from what is tried to the minimiser.
+    fn assemble(&self, system: &mut System<S, N>, last: usize) {
+        for i in self.frozen..last {
+            system.rows[i] = [S::ZERO; 4];
+            system.right[i] = [S::ZERO; N];
+        }
+        for k in self.frozen.saturating_sub(3)..last.min(self.spans.len()) {
+            let span = &self.spans[k];
+            let third = span.third(&self.trial_edges(k));
+            system.add(k, (self.frozen, last), span.weight(), &span.thirds, &third);
+            let first = usize::from(span.first_place);
+            for place in &self.places[first..first + usize::from(span.places)] {
+                system.add(k, (self.frozen, last), place.weight, &place.basis, &place.miss);
+            }
+        }
+    }
+
+    /// Whether a span is inside the band, as tried and measured.
+    fn holds(&self, k: usize) -> bool {
+        let span = &self.spans[k];
+        let sag = span.sag * span.bend(&self.trial_edges(k));
+        let first = usize::from(span.first_place);
+        let own = &self.places[first..first + usize::from(span.places)];
+        // The end of the span is the first place of the next one.
+        let next = self.spans.get(k + 1).and_then(|s| self.places.get(usize::from(s.first_place)));
+        own.iter().chain(next).all(|place| norm(&place.miss) + sag <= place.radius)
+    }
+
+    /// Takes on what was tried, as far as it is inside the band.
+    fn accept(&mut self, last: usize) {
+        for round in 0..ROUNDS {
+            let mut moved = [false; CONTROLS];
+            let mut all = true;
+            for k in 0..self.spans.len() {
+                if !self.holds(k) {
+                    all = false;
+                    moved[k..k + 4].fill(true);
+                }
+            }
+            if all {
+                for control in &mut self.controls {
+                    control.shift = control.trial;
+                }
+                return;
+            }
+            let share = if round < HALVINGS { S::of(0.5) } else { S::ZERO };
+            for i in (self.frozen..last).filter(|i| moved[*i]) {
+                let control = &mut self.controls[i];
+                control.trial =
+                    from_fn(|n| control.shift[n] + share * (control.trial[n] - control.shift[n]));
+            }
+            self.measure();
+        }
+    }
+}
+
+impl<S: Scalar, const N: usize> System<S, N> {
+    /// Adds weight (row . x + value)^2 / 2 for the four control points from `at` on, of which those
+    /// outside the range are fixed.
+    #[inline]
+    fn add(
+        &mut self,
+        at: usize,
+        (from, to): (usize, usize),
+        weight: S,
+        row: &[S; 4],
+        value: &Vector<S, N>,
+    ) {
+        for a in 0..4 {
+            let i = at + a;
+            if i < from || i >= to {
+                continue;
+            }
+            let pull = weight * row[a];
+            for b in a..4 {
+                self.rows[i][b - a] += pull * row[b];
+            }
+            for (sum, x) in self.right[i].iter_mut().zip(value) {
+                *sum -= pull * *x;
+            }
+        }
+    }
+
+    /// Solves rows from..to in place, by L D L^T; couplings to rows outside are left out.
+    fn solve(&mut self, from: usize, to: usize) {
+        for i in from..to {
+            let [d, rest @ ..] = self.rows[i];
+            let per = S::ONE / d;
+            let lower = rest.map(|x| x * per);
+            for a in 0..3 {
+                let j = i + 1 + a;
+                if j >= to {
+                    break;
+                }
+                for b in a..3 {
+                    self.rows[j][b - a] -= lower[a] * rest[b];
+                }
+                for n in 0..N {
+                    let part = lower[a] * self.right[i][n];
+                    self.right[j][n] -= part;
+                }
+            }
+            self.rows[i] = [per, lower[0], lower[1], lower[2]];
+        }
+        for i in (from..to).rev() {
+            let [per, lower @ ..] = self.rows[i];
+            for n in 0..N {
+                let mut x = self.right[i][n] * per;
+                for (a, l) in lower.iter().enumerate() {
+                    if i + 1 + a < to {
+                        x -= *l * self.right[i + 1 + a][n];
+                    }
+                }
+                self.right[i][n] = x;
+            }
+        }
+    }
+}

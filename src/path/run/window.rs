@@ -1,0 +1,494 @@
+//! The sliding stretch of a run's spline: knots, control points, and the points at which it is held
+//! against the programmed poly-line.
+//!
+//! With knots t the control point number j belongs to the Greville abscissa (t[j-2] + t[j-1] +
+//! t[j]) / 3. The *base* spline has its control points on the poly-line, at these arc lengths
+//! (Schoenberg's operator): it reproduces straight lines, needs no system to be solved, and every
+//! span is checked against the band before its knots are taken. Smoothing ([`super::sweep`]) moves
+//! control points away from there; what is moved is checked by the same bound.
+//!
+//! The bound: spline and poly-line are compared at equal arc length of the poly-line, so the
+//! Frechet distance is bounded, not only the distance. Between two neighbouring places of comparison
+//! the poly-line is straight, so the difference e has the spline's own second derivative, which is
+//! linear on a span: |e| <= max(|e_a|, |e_b|) + gap^2 / 8 max |c''|.
+
+use super::basis::Local;
+use super::chain::{Chain, Leg, Vertex};
+use super::curve::Curve;
+use crate::number::vector::{Vector, dot, norm, sub, zero};
+use crate::number::{Coord, Scalar};
+use crate::path::segment::raw_to_mm;
+use core::array::from_fn;
+use heapless::Vec;
+
+/// Control points held.
+pub const CONTROLS: usize = 64;
+/// Places of comparison held.
+pub const PLACES: usize = 192;
+/// Places of comparison in one span: its start, the vertices of the poly-line in it, and more if
+/// they are far apart.
+pub const SPAN_PLACES: usize = 10;
+/// Share of the band that the spline keeps to; the rest is for rounding.
+const SHARE: f64 = 0.99;
+/// A motion that comes to rest within a cell, or starts there, leaves the spline by up to this share of
+/// curvature times length squared (`profile::compile` tests it): that much of the band is kept free.
+const REST_SHARE: f64 = 1.0 / 96.0;
+/// Turn, rad, from which on a vertex of the poly-line is compared with either of its lines instead of
+/// by arc length: the inside of a corner is farther from its vertex than from its lines.
+const SHARP: f64 = 0.15;
+/// How far along its line the point that a place is compared with may lie, as a share of the tolerance.
+const SLIP: f64 = 2.0;
+/// Corners that are remembered for the spans behind them.
+const CORNERS: usize = 8;
+
+/// A control point and the newest knot it depends on.
+#[derive(Clone, Copy, Debug)]
+pub struct Control<S, const N: usize> {
+    /// The knot, arc length in 1e-12 mm.
+    pub knot: i64,
+    /// Where the base spline has it.
+    pub base: [Coord; N],
+    /// From there to the next control point of the base spline, mm.
+    pub edge: Vector<S, N>,
+    /// By how much smoothing has moved it, mm; valid: the spline is within the band.
+    pub shift: Vector<S, N>,
+    /// The same while it is being worked on.
+    pub trial: Vector<S, N>,
+}
+
+/// A span: it depends on four control points, the first of which has the span's index.
+#[derive(Clone, Copy, Debug)]
+pub struct Span<S> {
+    /// Third derivative by the control points, 1/mm3.
+    pub thirds: [S; 4],
+    /// Factors of the second derivatives at both ends and of the edges in them.
+    pub firsts: [S; 3],
+    pub seconds: [S; 2],
+    /// Length by the knots, mm.
+    pub step: S,
+    /// Factor of the second derivative in what is kept free of the band, mm2: for the gaps between places
+    /// of comparison, and for rests.
+    pub sag: S,
+    /// How soon the motion has to be slow from here, mm: see [`super::sweep`].
+    pub reach: S,
+    pub leg: Leg<S>,
+    /// Its places of comparison.
+    pub first_place: u16,
+    pub places: u16,
+}
+
+/// A place of comparison.
+#[derive(Clone, Copy, Debug)]
+pub struct Place<S, const N: usize> {
+    /// Factors of the span's four control points.
+    pub basis: [S; 4],
+    /// Base spline minus poly-line, mm.
+    pub off: Vector<S, N>,
+    /// What spline and poly-line may be apart, mm.
+    pub radius: S,
+    /// Weight with which the spline is drawn to the poly-line.
+    pub weight: S,
+    /// Direction of the poly-line, and how far along it the point to compare with may lie, mm.
+    pub along: Vector<S, N>,
+    pub slip: (S, S),
+    /// From the nearest of those points to the spline, as measured last, mm.
+    pub miss: Vector<S, N>,
+}
+
+/// How a run starts or ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tie {
+    /// At rest, in any direction.
+    Rest,
+    /// Going on along the line there.
+    Smooth,
+}
+
+/// The stretch.
+pub struct Window<S, const N: usize> {
+    /// The two knots before that of the first control point.
+    before: [i64; 2],
+    pub controls: Vec<Control<S, N>, CONTROLS>,
+    pub spans: Vec<Span<S>, CONTROLS>,
+    pub places: Vec<Place<S, N>, PLACES>,
+    /// Control points at the front that no longer move.
+    pub frozen: usize,
+    /// Control points at the back that do not move yet, or at all.
+    pub tied: usize,
+    /// Arc length and reach of corners ahead of the last span.
+    corners: Vec<(i64, S), CORNERS>,
+    /// Reach at the end of the last span.
+    reach: S,
+}
+
+/// A span that may be taken on.
+struct Draft<S, const N: usize> {
+    span: Span<S>,
+    places: Vec<Place<S, N>, SPAN_PLACES>,
+}
+
+/// Reach where no corner is known.
+const FAR: f64 = 1.0e3;
+
+impl<S: Scalar, const N: usize> Window<S, N> {
+    pub const fn new() -> Self {
+        Self {
+            before: [0; 2],
+            controls: Vec::new(),
+            spans: Vec::new(),
+            places: Vec::new(),
+            frozen: 0,
+            tied: 0,
+            corners: Vec::new(),
+            reach: S::ZERO,
+        }
+    }
+
+    /// Empties it.
+    pub fn clear(&mut self) {
+        self.controls.clear();
+        self.spans.clear();
+        self.places.clear();
+        self.corners.clear();
+    }
+
+    /// Starts anew at an arc length; for a smooth start the first span is `step` long.
+    pub fn begin(&mut self, chain: &Chain<S, N>, way: i64, tie: Tie, step: i64) {
+        self.controls.clear();
+        self.spans.clear();
+        self.places.clear();
+        let step = if tie == Tie::Smooth { step } else { 0 };
+        self.before = [way - 2 * step, way - step];
+        let here = self.corners.iter().find(|(corner, _)| *corner == way);
+        self.reach = here.map_or(S::of(FAR), |(_, reach)| *reach);
+        self.frozen = if tie == Tie::Smooth { 3 } else { 1 };
+        self.tied = 3;
+        self.push(chain, way);
+    }
+
+    /// Knot number `j`, from -2 on.
+    fn knot(&self, j: isize) -> i64 {
+        match j {
+            -2 => self.before[0],
+            -1 => self.before[1],
+            _ => self.controls.get(j as usize).map_or(0, |control| control.knot),
+        }
+    }
+
+    /// The newest knot.
+    pub fn end(&self) -> i64 {
+        self.knot(self.controls.len() as isize - 1)
+    }
+
+    /// Whether a knot and what comes with it can be taken.
+    pub fn has_room(&self) -> bool {
+        self.controls.len() + 3 <= CONTROLS && self.places.len() + 3 * SPAN_PLACES <= PLACES
+    }
+
+    /// The six knots of a span.
+    fn ways(&self, span: isize) -> [i64; 6] {
+        from_fn(|i| self.knot(span - 2 + i as isize))
+    }
+
+    /// Length between the last two knots.
+    pub fn last_step(&self) -> i64 {
+        let n = self.controls.len() as isize;
+        self.end() - self.knot(n - 2)
+    }
+
+    /// Arc length before which the chain is no longer needed.
+    pub fn oldest_needed(&self) -> i64 {
+        self.knot((self.controls.len() as isize - 6).max(-2))
+    }
+
+    /// Whether the base spline keeps to the band in the spans that these knots would make.
+    pub fn allows(&self, chain: &Chain<S, N>, more: &[i64]) -> bool {
+        let known = self.controls.len() as isize;
+        let first = (known - 3).max(0);
+        (first..known + more.len() as isize - 3).all(|span| {
+            let ways: [i64; 6] = from_fn(|i| {
+                let j = span - 2 + i as isize;
+                if j < known { self.knot(j) } else { more[(j - known) as usize] }
+            });
+            ways[3] <= ways[2] || Self::draft(chain, &ways).is_some()
+        })
+    }
+
+    /// Takes a knot.
+    pub fn push(&mut self, chain: &Chain<S, N>, way: i64) {
+        let n = self.controls.len() as isize;
+        let base = chain.point(third(self.knot(n - 2), self.knot(n - 1), way));
+        if let Some(last) = self.controls.last_mut() {
+            last.edge = from_fn(|i| base[i].minus(last.base[i]));
+        }
+        let zero = [S::ZERO; N];
+        let control = Control { knot: way, base, edge: zero, shift: zero, trial: zero };
+        let _ = self.controls.push(control);
+        if n >= 3 {
+            let ways = self.ways(n - 3);
+            if let Some(draft) = Self::draft(chain, &ways) {
+                self.take(draft, ways[3]);
+            }
+        }
+    }
+
+    fn take(&mut self, draft: Draft<S, N>, end: i64) {
+        let mut span = draft.span;
+        let start = self.reach;
+        self.reach += span.step;
+        self.corners.retain(|(way, _)| *way >= end);
+        for (way, reach) in &self.corners {
+            self.reach = self.reach.least(*reach + S::from_i64(*way - end) * S::of(1.0e-12));
+        }
+        span.reach = start.least(self.reach);
+        span.first_place = self.places.len() as u16;
+        span.places = draft.places.len() as u16;
+        // What draws the spline to the poly-line at first, in proportion to its stiffness.
+        let stiffness = span.stiffness();
+        for mut place in draft.places {
+            place.weight = stiffness * S::of(super::sweep::FIRST_WEIGHT);
+            let _ = self.places.push(place);
+        }
+        let _ = self.spans.push(span);
+    }
+
+    /// A corner: where it is and the reach there.
+    pub fn corner(&mut self, way: i64, reach: S) {
+        if self.corners.is_full() {
+            self.corners.remove(0);
+        }
+        let _ = self.corners.push((way, reach));
+        // What it means for the spans before it.
+        let end = self.knot(self.spans.len() as isize);
+        let mut there = reach + S::from_i64((way - end).max(0)) * S::of(1.0e-12);
+        self.reach = self.reach.least(there);
+        for span in self.spans.iter_mut().rev() {
+            if span.reach <= there {
+                return;
+            }
+            span.reach = there;
+            there += span.step;
+        }
+    }
+
+    /// A span over six knots with its places of comparison; `None` if the base spline leaves the band
+    /// there, or has more vertices beside it than there is room for.
+    fn draft(chain: &Chain<S, N>, ways: &[i64; 6]) -> Option<Draft<S, N>> {
+        let local = Local::new(ways);
+        let (from, to) = (ways[2], ways[3]);
+        let leg = chain.lines(from, to).map(|(_, end)| end.leg).reduce(|a, b| a.with(&b))?;
+        let radius = leg.tolerance * S::of(SHARE) - leg.error;
+        let controls: [[Coord; N]; 4] =
+            from_fn(|j| chain.point(third(ways[j], ways[j + 1], ways[j + 2])));
+        let place = |way: i64, at: &[Coord; N], line: Option<(&Vertex<S, N>, &Vertex<S, N>)>| {
+            let basis = local.values(mm(way - from));
+            let off = from_fn(|i| {
+                let mut sum = S::ZERO;
+                for (part, control) in basis.iter().zip(&controls) {
+                    sum += *part * control[i].minus::<S>(at[i]);
+                }
+                sum
+            });
+            let mut place =
+                Place { basis, off, radius, weight: S::ZERO, along: zero(), slip: (S::ZERO, S::ZERO), miss: off };
+            if let Some((start, end)) = line {
+                let most = leg.tolerance * S::of(SLIP);
+                place.along = end.direction;
+                place.slip = (-most.least(mm(way - start.way)), most.least(mm(end.way - way)));
+                place.measure(&[[S::ZERO; N]; 4]);
+            }
+            place
+        };
+        let mut places: Vec<Place<S, N>, SPAN_PLACES> = Vec::new();
+        let mut widest = 0;
+        for line in chain.lines(from, to) {
+            let (start, end) = line;
+            let (first, last) = (start.way.max(from), end.way.min(to));
+            // The start: a vertex, or a place on the line.
+            let at = chain.point(first);
+            if start.way < first {
+                places.push(place(first, &at, Some(line))).ok()?;
+            } else if is_sharp(start, end) {
+                if first > from {
+                    // Both lines must be near where they meet.
+                    let before = chain.lines(first - 1, first).next();
+                    places.push(place(first, &at, before)).ok()?;
+                }
+                places.push(place(first, &at, Some(line))).ok()?;
+            } else {
+                places.push(place(first, &at, None)).ok()?;
+            }
+            let mut gap = last - first;
+            // Gaps of little more than half a span.
+            if gap > (to - from) / 8 * 5 {
+                gap = gap / 2 + 1;
+                let middle = first + gap;
+                places.push(place(middle, &chain.point(middle), Some(line))).ok()?;
+            }
+            widest = widest.max(gap);
+            if last == to {
+                let sharp = chain.leaving(to).is_some_and(|next| is_sharp(end, next));
+                let end = place(to, &chain.point(to), (sharp || end.way > to).then_some(line));
+                if sharp {
+                    places.push(end).ok()?;
+                } else if norm(&end.miss) > radius {
+                    return None;
+                }
+            }
+        }
+        let gap = S::from_i64(widest) * S::of(1.0e-12);
+        let edges: [Vector<S, N>; 3] =
+            from_fn(|j| from_fn(|i| controls[j + 1][i].minus(controls[j][i])));
+        let span = Span {
+            thirds: local.thirds(),
+            firsts: local.firsts(),
+            seconds: local.seconds(),
+            step: local.step(),
+            sag: gap * gap * S::of(0.125) + local.step() * local.step() * S::of(REST_SHARE),
+            reach: S::ZERO,
+            leg,
+            first_place: 0,
+            places: 0,
+        };
+        let sag = span.sag * span.bend(&edges);
+        let inside = places.iter().all(|place| norm(&place.miss) + sag <= radius);
+        inside.then_some(Draft { span, places })
+    }
+
+    /// Forgets the first `count` spans, which have been handed on.
+    pub fn release(&mut self, count: usize) {
+        if count == 0 {
+            return;
+        }
+        let places = self.spans.get(count).map_or(self.places.len(), |s| usize::from(s.first_place));
+        self.before = [self.knot(count as isize - 2), self.knot(count as isize - 1)];
+        drop_front(&mut self.controls, count);
+        drop_front(&mut self.spans, count);
+        drop_front(&mut self.places, places);
+        for span in &mut self.spans {
+            span.first_place -= places as u16;
+        }
+        self.frozen = self.frozen.saturating_sub(count);
+    }
+
+    /// An edge of the control polygon as it stands.
+    fn edge(&self, j: usize) -> Vector<S, N> {
+        let (a, b) = (&self.controls[j], &self.controls[j + 1]);
+        from_fn(|i| a.edge[i] + (b.shift[i] - a.shift[i]))
+    }
+
+    /// The six knots of a span.
+    fn local(&self, span: usize) -> Local<S> {
+        Local::new(&self.ways(span as isize))
+    }
+
+    /// The curve of a span.
+    pub fn curve(&self, span: usize) -> Curve<S, N> {
+        let local = self.local(span);
+        let edges: [Vector<S, N>; 3] = from_fn(|j| self.edge(span + j));
+        let (start, end) = (local.first_at_start(), local.first_at_end());
+        let [_, middle, _] = local.firsts();
+        let first = [
+            from_fn(|i| start[0] * edges[0][i] + start[1] * edges[1][i]),
+            from_fn(|i| middle * edges[1][i]),
+            from_fn(|i| end[0] * edges[1][i] + end[1] * edges[2][i]),
+        ];
+        let still = self.controls[span..span + 4].iter().all(|c| c.shift == [S::ZERO; N]);
+        Curve::new(first, local.step(), still)
+    }
+
+    /// The point at the start of a span.
+    pub fn start(&self, span: usize) -> [Coord; N] {
+        let local = self.local(span);
+        let w = local.values(S::ZERO);
+        let c: [&Control<S, N>; 3] = from_fn(|j| &self.controls[span + j]);
+        from_fn(|i| {
+            // The base in f64: the control points may be far apart.
+            let (before, after): (f64, f64) =
+                (c[0].base[i].minus(c[1].base[i]), c[2].base[i].minus(c[1].base[i]));
+            let base = before * w[0].to_f64() + after * w[2].to_f64();
+            let shift = c[0].shift[i] * w[0] + c[1].shift[i] * w[1] + c[2].shift[i] * w[2];
+            c[1].base[i].plus(base).plus(shift)
+        })
+    }
+
+    /// The point at the end of a span.
+    pub fn finish(&self, span: usize) -> [Coord; N] {
+        if span + 1 < self.spans.len() {
+            return self.start(span + 1);
+        }
+        // The last span ends on the poly-line, or nowhere yet.
+        let local = self.local(span);
+        let w = local.values(local.step());
+        let c: [&Control<S, N>; 3] = from_fn(|j| &self.controls[span + 1 + j]);
+        from_fn(|i| {
+            let (before, after): (f64, f64) =
+                (c[0].base[i].minus(c[1].base[i]), c[2].base[i].minus(c[1].base[i]));
+            c[1].base[i].plus(before * w[1].to_f64() + after * w[3].to_f64())
+        })
+    }
+}
+
+impl<S: Scalar, const N: usize> Place<S, N> {
+    /// Finds the miss for shifts of the four control points.
+    #[inline]
+    pub fn measure(&mut self, shifts: &[Vector<S, N>; 4]) {
+        let mut off = self.off;
+        for (part, shift) in self.basis.iter().zip(shifts) {
+            for (sum, x) in off.iter_mut().zip(shift) {
+                *sum += *part * *x;
+            }
+        }
+        let slip = dot(&off, &self.along).least(self.slip.1).greatest(self.slip.0);
+        self.miss = from_fn(|i| off[i] - slip * self.along[i]);
+    }
+}
+
+/// Whether two lines meet at more than a slight turn.
+fn is_sharp<S: Scalar, const N: usize>(before: &Vertex<S, N>, after: &Vertex<S, N>) -> bool {
+    let turn = sub(&after.direction, &before.direction);
+    dot(&turn, &turn) > S::of(SHARP * SHARP)
+}
+
+impl<S: Scalar> Span<S> {
+    /// Greatest second derivative, by the edges of the control polygon, 1/mm.
+    pub fn bend<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> S {
+        let part = |k: usize| -> Vector<S, N> {
+            let (a, b) = (self.seconds[k] * self.firsts[k], self.seconds[k] * self.firsts[k + 1]);
+            from_fn(|i| b * edges[k + 1][i] - a * edges[k][i])
+        };
+        norm(&part(0)).greatest(norm(&part(1)))
+    }
+
+    /// Third derivative by the edges of the control polygon, 1/mm2.
+    pub fn third<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> Vector<S, N> {
+        let [a, b, _, d] = self.thirds;
+        from_fn(|i| d * edges[2][i] - (a + b) * edges[1][i] - a * edges[0][i])
+    }
+
+    /// What a third derivative costs here, by the square of a displacement of a control point.
+    pub fn stiffness(&self) -> S {
+        let [a, b, c, d] = self.thirds;
+        self.weight() * (a * a + b * b + c * c + d * d)
+    }
+
+    /// Weight of the square of the third derivative: see [`super::sweep`].
+    pub fn weight(&self) -> S {
+        self.step * super::sweep::price(self.reach)
+    }
+}
+
+fn mm<S: Scalar>(raw: i64) -> S {
+    raw_to_mm(raw)
+}
+
+fn third(a: i64, b: i64, c: i64) -> i64 {
+    ((i128::from(a) + i128::from(b) + i128::from(c)) / 3) as i64
+}
+
+fn drop_front<T: Copy, const M: usize>(list: &mut Vec<T, M>, count: usize) {
+    let kept = list.len().saturating_sub(count);
+    let first = list.len() - kept;
+    list.copy_within(first.., 0);
+    list.truncate(kept);
+}
