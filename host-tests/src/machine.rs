@@ -63,7 +63,7 @@ impl Default for Machine {
             mode: Mode::Band,
             lambda: 0.0,
             lead: 0.01,
-            sweeps: 6,
+            sweeps: 8,
             axes: BTreeMap::from([("default".to_owned(), axis)]),
         }
     }

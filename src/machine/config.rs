@@ -54,7 +54,7 @@ impl<S: Scalar, const N: usize> Config<S, N> {
             lead: S::of(0.01),
             start_delay: S::of(0.05),
             iterations: 60,
-            sweeps: 6,
+            sweeps: 8,
         }
     }
 

@@ -17,8 +17,12 @@ pub struct Node<S, const N: usize> {
 
 impl<S: Scalar, const N: usize> Node<S, N> {
     /// How far a point lies off the straight line along this node's tangent: see [`Cell::bulge`].
+    /// In `f64`, because it is a small difference: its rounding in `f32` would be felt as jerk.
     pub fn bulge_to(&self, to: &[Coord; N], length: S) -> Vector<S, N> {
-        from_fn(|i| to[i].minus::<S>(self.at[i]) - self.tangent[i] * length)
+        from_fn(|i| {
+            let straight = self.tangent[i].to_f64() * length.to_f64();
+            S::of(to[i].minus::<f64>(self.at[i]) - straight)
+        })
     }
 }
 
