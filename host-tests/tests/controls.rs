@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Draw, config, draws, machine, program};
+use common::{Draw, config, dense, draws, machine, program, stretches};
 use proptest::prelude::*;
 use splineway::{
     Activity, AxisLimits, Block, Config, Controls, Coord, Feed, Limits, Link, Progress, PushError,
@@ -68,14 +68,22 @@ fn check(
     precision: Precision,
     commands: &[(f64, u8, u16)],
 ) -> Result<(), TestCaseError> {
-    let program = program(draws, axes);
-    let (plain, _) = judged(&program, machine, precision, &Events::default());
+    check_program(&program(draws, axes), machine, precision, commands)
+}
+
+fn check_program(
+    program: &Program,
+    machine: &Machine,
+    precision: Precision,
+    commands: &[(f64, u8, u16)],
+) -> Result<(), TestCaseError> {
+    let (plain, _) = judged(program, machine, precision, &Events::default());
     let events = events(commands, plain.time * 1.5);
-    let (mut verdict, stats) = judged(&program, machine, precision, &events);
+    let (mut verdict, stats) = judged(program, machine, precision, &events);
     if stats.aborted {
         verdict.end_error = 0.0;
     }
-    let limits = machine.axes_of(&program).unwrap();
+    let limits = machine.axes_of(program).unwrap();
     let broken = violations(&verdict, precision, machine.cycle, machine.tolerance, &limits);
     prop_assert!(broken.is_empty(), "{broken:?} {:?}", events.list());
     Ok(())
@@ -92,6 +100,30 @@ proptest! {
         commands in commands(),
     ) {
         check((&draws, &[0, 1, 2]), &machine(tolerance, scale, 3), Precision::F64, &commands)?;
+    }
+}
+
+proptest! {
+    #![proptest_config(config(150))]
+
+    #[test]
+    fn dense_programs_in_f64(
+        stretches in stretches(1..8),
+        tolerance in (-3.0f64..0.0).prop_map(|e| 10f64.powf(e)),
+        commands in commands(),
+    ) {
+        let machine = machine(tolerance, (1.0, 1.0), 3);
+        check_program(&dense(&stretches), &machine, Precision::F64, &commands)?;
+    }
+
+    #[test]
+    fn dense_programs_in_f32(
+        stretches in stretches(1..8),
+        tolerance in (-2.5f64..-0.5).prop_map(|e| 10f64.powf(e)),
+        commands in commands(),
+    ) {
+        let machine = machine(tolerance, (1.0, 1.0), 3);
+        check_program(&dense(&stretches), &machine, Precision::F32, &commands)?;
     }
 }
 

@@ -36,7 +36,8 @@ pub struct Config<S, const N: usize> {
     pub lead: S,
     /// How long a start from rest waits for the look-ahead to fill, s.
     pub start_delay: S,
-    /// Most improvement steps (Newton iterations) of one planning step: the bound on its work.
+    /// Most improvement steps (Newton iterations) of one planning step: the bound on its work. The
+    /// answer to an operator's command may take half as many again.
     pub iterations: u16,
     /// Sweeps in which a stretch of a run of short lines is smoothed before it is handed on; 0 leaves
     /// the spline as it is laid. Every number gives a path inside the tolerance.
@@ -53,7 +54,7 @@ impl<S: Scalar, const N: usize> Config<S, N> {
             corner: CornerMode::Band,
             lead: S::of(0.01),
             start_delay: S::of(0.05),
-            iterations: 60,
+            iterations: 40,
             sweeps: 8,
         }
     }

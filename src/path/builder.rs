@@ -217,7 +217,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     }
 
     /// Decides the joint behind the front item: how it is, and what it takes of the segment.
-    fn decide(&mut self, item: &Item<S, N>, segment: &Segment<S, N>, config: &Config<S, N>) -> Joint {
+    fn decide(
+        &mut self,
+        item: &Item<S, N>,
+        segment: &Segment<S, N>,
+        config: &Config<S, N>,
+    ) -> Joint {
         let next = self.items.get(1).copied();
         let mut joint = item.joint;
         let ahead = next.as_ref().and_then(|next| next.segment.as_ref());

@@ -4,6 +4,7 @@ use super::blend::Blend;
 use super::corner::Corner;
 use super::item::{Frame, Item, Joint};
 use super::node::Node;
+use super::run::SPIKE;
 use super::segment::{Segment, Shape, mm_to_raw, raw_to_mm};
 use super::swing;
 use super::transition::Half;
@@ -22,8 +23,6 @@ const LONE_ROOM: f64 = 5.0;
 const LONE_COSINE: f64 = 0.2;
 /// A turn whose cosine is less than this (100 degrees) is never a part of a run.
 const BACK_COSINE: f64 = -0.17;
-/// A reversal is no stop if one of its lines is shorter than this share of the tolerance.
-const SPIKE: f64 = 0.5;
 /// Share of a line that a run which goes on along it keeps for itself.
 const RUN_SHARE: i64 = 4;
 /// Turn, rad, up to which a joint is simply passed, however tight the tolerance.

@@ -1,5 +1,7 @@
 //! Random programs and machines for the property tests.
 
+#![allow(dead_code)] // Every test uses a part of it.
+
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use splineway_host::machine::{Axis, Machine};
@@ -125,4 +127,110 @@ pub fn config(cases: u32) -> ProptestConfig {
         max_shrink_iters: 200,
         ..ProptestConfig::default()
     }
+}
+
+/// A stretch of a dense program: kind, number of lines, their length and turn, and noise.
+#[derive(Clone, Debug)]
+pub struct Stretch {
+    pub kind: u8,
+    pub count: usize,
+    pub size: f64,
+    pub turn: f64,
+    pub noise: f64,
+    pub feed: f64,
+}
+
+pub fn stretches(count: std::ops::Range<usize>) -> impl Strategy<Value = Vec<Stretch>> {
+    let one = (
+        0u8..10,
+        1usize..40,
+        // Lines from a tenth of a micrometre to 3 mm.
+        (-4.0f64..0.5).prop_map(|e| 10f64.powf(e)),
+        -0.6f64..0.6,
+        (-4.0f64..0.0).prop_map(|e| 10f64.powf(e)),
+        (0.5f64..2.4).prop_map(|e| 10f64.powf(e)),
+    )
+        .prop_map(|(kind, count, size, turn, noise, feed)| Stretch {
+            kind,
+            count,
+            size,
+            turn,
+            noise,
+            feed,
+        });
+    prop::collection::vec(one, count)
+}
+
+/// The corners of a poly-line as such programs have them.
+pub fn dense(stretches: &[Stretch]) -> Program {
+    let mut points: Vec<([f64; 3], f64)> = Vec::new();
+    let (mut at, mut heading, mut climb) = ([0.0f64; 3], 0.0f64, 0.0f64);
+    for stretch in stretches {
+        let Stretch { kind, count, size, turn, noise, feed } = *stretch;
+        let feed = feed.max(size * 5.0);
+        let mut go = |heading: f64, climb: f64, size: f64| {
+            at[0] += size * heading.cos() * climb.cos();
+            at[1] += size * heading.sin() * climb.cos();
+            at[2] += size * climb.sin();
+            points.push((at, feed));
+        };
+        match kind {
+            // Curves, also out of the plane.
+            0..=2 => {
+                for _ in 0..count {
+                    heading += turn;
+                    climb += if kind == 2 { 0.1 * turn } else { 0.0 };
+                    go(heading, climb, size);
+                }
+            }
+            // A straight line with noise.
+            3 => {
+                for k in 0..count {
+                    let off = if k % 2 == 0 { noise.min(1.0) } else { -noise.min(1.0) };
+                    go(heading + off, climb, size);
+                }
+            }
+            // A spike there and back, and a reversal for good.
+            4 => {
+                go(heading + turn, climb, noise);
+                go(heading + turn + std::f64::consts::PI, climb, noise);
+                go(heading, climb, size);
+            }
+            5 => {
+                heading += std::f64::consts::PI + turn * noise;
+                go(heading, climb, size);
+            }
+            // The same point again and again; the tiniest lines.
+            6 => (0..count).for_each(|_| go(heading, climb, 0.0)),
+            7 => (0..count).for_each(|_| go(heading, climb, 2.0e-4)),
+            // Ten thousand times as long.
+            8 => go(heading + turn, climb, (size * 1.0e4).min(20.0)),
+            // A closed loop.
+            _ => {
+                for _ in 0..12 {
+                    heading += std::f64::consts::TAU / 12.0;
+                    go(heading, climb, size);
+                }
+            }
+        }
+    }
+    poly_line(&points)
+}
+
+/// A program of lines through points, each with its feed, mm/s, from the origin.
+pub fn poly_line(points: &[([f64; 3], f64)]) -> Program {
+    let mut program = Program::default();
+    program.uses[..3].fill(true);
+    for (n, (point, feed)) in points.iter().enumerate() {
+        let mut to: Point = [0.0; 9];
+        to[..3].copy_from_slice(point);
+        program.moves.push(Move {
+            path: Course::Line { to },
+            speed: Speed::PerSecond(*feed),
+            tolerance: None,
+            exact_stop: false,
+            line: u32::try_from(n + 1).unwrap(),
+        });
+    }
+    program
 }

@@ -13,6 +13,10 @@ const VERTICES: usize = 64;
 const DROPPED: usize = 12;
 /// Share of the tolerance by which a vertex that is left out may lie off.
 const THINNING: f64 = 0.05;
+/// The same where the path turns back: a spike, which is ironed out.
+pub const SPIKE: f64 = 0.4;
+/// How far back is no spike but rounding, as a share of the tolerance.
+const BACK_SLACK: f64 = 1.0e-3;
 /// Most difference of the feeds of lines that become one, relative.
 const FEED_SLACK: f64 = 0.02;
 
@@ -106,7 +110,7 @@ impl<S: Scalar, const N: usize> Chain<S, N> {
             self.settle();
         }
         if let Some(last) = self.vertices.back() {
-            self.growing = vertex(last, at, leg);
+            self.growing = Vertex::new(last, at, leg);
         }
     }
 
@@ -116,19 +120,32 @@ impl<S: Scalar, const N: usize> Chain<S, N> {
             return None;
         }
         let from = self.vertices.back()?;
-        let line = Ray::new(&from.at, &at)?;
-        let most = leg.tolerance * S::of(THINNING) - self.forgotten;
-        let (mut along, mut error) = (S::ZERO, S::ZERO);
+        let line = Ray::<S, N>::new(&from.at, &at);
+        let (mut along, mut error, mut back) = (S::ZERO, S::ZERO, S::ZERO);
         for vertex in self.dropped.iter().chain(core::iter::once(&last.at)) {
             let (on, off) = line.place(vertex);
-            // In order along the line, so that every point of it has one of the path beside it.
-            if on < along || on > line.length || off > most {
-                return None;
-            }
-            (along, error) = (on, error.greatest(off));
+            // In order along the line, so that every point of it has one of the path beside it: or
+            // as far back, or beyond an end, as a spike may be.
+            let beyond = (-on).greatest(on - line.length).greatest(S::ZERO);
+            back = back.greatest(along - on).greatest(beyond);
+            error = error.greatest((off * off + beyond * beyond).sqrt());
+            along = along.greatest(on);
         }
-        let leg = Leg { error: error + self.forgotten, ..last.leg.with(leg) };
-        vertex(from, at, leg)
+        error += self.forgotten;
+        let spike = back > leg.tolerance * S::of(BACK_SLACK);
+        let share = if spike { SPIKE } else { THINNING };
+        if error.greatest(back) > leg.tolerance * S::of(share) {
+            return None;
+        }
+        let mut longer = Vertex::new(from, at, last.leg.with(leg)).unwrap_or(Vertex {
+            // Back at the start: the line has no length for now.
+            at,
+            way: from.way,
+            direction: zero(),
+            leg: last.leg.with(leg),
+        });
+        longer.leg.error = error;
+        Some(longer)
     }
 
     /// Remembers a vertex that is left out. When there are too many every other one is forgotten:
@@ -139,9 +156,10 @@ impl<S: Scalar, const N: usize> Chain<S, N> {
             let mut lost = S::ZERO;
             for pair in self.dropped.chunks_exact(2) {
                 let after = self.dropped.get(2 * kept.len() + 2).copied().unwrap_or(at);
-                if let Some(line) = Ray::new(&pair[0], &after) {
-                    lost = lost.greatest(line.place(&pair[1]).1);
-                }
+                let line = Ray::<S, N>::new(&pair[0], &after);
+                let (on, off) = line.place(&pair[1]);
+                let beyond = (-on).greatest(on - line.length).greatest(S::ZERO);
+                lost = lost.greatest((off * off + beyond * beyond).sqrt());
                 let _ = kept.push(pair[0]);
             }
             self.dropped = kept;
@@ -157,7 +175,10 @@ impl<S: Scalar, const N: usize> Chain<S, N> {
 
     /// Ends the growing line where it is.
     pub fn settle(&mut self) {
-        if let Some(vertex) = self.growing.take() {
+        let start = self.vertices.back().map_or(0, |v| v.way);
+        if let Some(vertex) = self.growing.take()
+            && vertex.way > start
+        {
             let _ = self.vertices.push_back(vertex);
         }
         self.clear_dropped();
@@ -250,15 +271,13 @@ impl<S: Scalar, const N: usize> Chain<S, N> {
     }
 }
 
-/// The vertex at the end of a line; `None` if it has no length.
-fn vertex<S: Scalar, const N: usize>(
-    from: &Vertex<S, N>,
-    at: [Coord; N],
-    leg: Leg<S>,
-) -> Option<Vertex<S, N>> {
-    let line = Segment::<S, N>::line(from.at, at)?;
-    let (direction, _) = line.end_frame(true);
-    Some(Vertex { at, way: from.way + line.length_raw, direction, leg })
+impl<S: Scalar, const N: usize> Vertex<S, N> {
+    /// The vertex at the end of a line; `None` if it has no length.
+    fn new(from: &Self, at: [Coord; N], leg: Leg<S>) -> Option<Self> {
+        let line = Segment::<S, N>::line(from.at, at)?;
+        let (direction, _) = line.end_frame(true);
+        Some(Self { at, way: from.way + line.length_raw, direction, leg })
+    }
 }
 
 /// A straight line, to place points beside.
@@ -269,14 +288,12 @@ pub struct Ray<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Ray<S, N> {
-    pub fn new(from: &[Coord; N], to: &[Coord; N]) -> Option<Self> {
+    /// From one point to another; without a direction if they are the same.
+    pub fn new(from: &[Coord; N], to: &[Coord; N]) -> Self {
         let way: Vector<S, N> = from_fn(|i| to[i].minus(from[i]));
         let length = norm(&way);
-        if !(length > S::ZERO) {
-            return None;
-        }
-        let per = S::ONE / length;
-        Some(Self { from: *from, direction: way.map(|x| x * per), length })
+        let per = if length > S::ZERO { S::ONE / length } else { S::ZERO };
+        Self { from: *from, direction: way.map(|x| x * per), length }
     }
 
     /// How far along the line and how far off it a point lies, mm.

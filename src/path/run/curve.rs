@@ -92,7 +92,13 @@ impl<S: Scalar, const N: usize> Curve<S, N> {
     }
 
     /// The cell over a part, between two nodes.
-    pub fn cell(&self, part: u32, from: &Node<S, N>, to: &Node<S, N>, order: Order<S>) -> Cell<S, N> {
+    pub fn cell(
+        &self,
+        part: u32,
+        from: &Node<S, N>,
+        to: &Node<S, N>,
+        order: Order<S>,
+    ) -> Cell<S, N> {
         let mut length = self.length(self.place(part), self.place(part + 1));
         let mut bulge = [S::ZERO; N];
         if self.straight {

@@ -11,7 +11,7 @@ mod curve;
 mod sweep;
 mod window;
 
-pub use self::chain::Leg;
+pub use self::chain::{Leg, SPIKE};
 pub use self::window::Tie;
 
 use self::chain::{Chain, Ray};
@@ -19,7 +19,7 @@ use self::window::Window;
 use super::cut::{Emitted, LONGEST_CELL_TIME, Remainder, next_piece};
 use super::node::Node;
 use super::segment::{mm_to_raw, raw_to_mm};
-use crate::number::vector::{Vector, norm, sub, zero};
+use crate::number::vector::{Vector, dot, norm, sub, zero};
 use crate::number::{Coord, Scalar};
 use heapless::Deque;
 
@@ -37,6 +37,8 @@ const CORNER_SPAN: f64 = 4.0;
 const CORNER_REACH: f64 = 25.0;
 /// Twice the sine of half the turn (100 degrees) from which on a corner of a run is a rest.
 const BACK: f64 = 1.53;
+/// Least cosine between a line and the line that stands for it and others.
+const AHEAD: f64 = 0.3;
 /// Spans next to each other differ in length by less than this share of the distance to a corner.
 const GRADE: f64 = 0.5;
 /// Spans handed on at once.
@@ -197,30 +199,34 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         let (Some(corner), Some(end)) = (self.corners.back(), self.chain.vertex(serial)) else {
             return false;
         };
-        let Some(ray) = Ray::new(&corner.at, &end.at) else { return false };
+        let ray = Ray::<S, N>::new(&corner.at, &end.at);
+        let ahead = |direction: &Vector<S, N>| dot(direction, &ray.direction) > S::of(AHEAD);
         let most = end.leg.tolerance * S::of(COARSE);
         let first = self.newest.wrapping_add(1);
         let between = serial.wrapping_sub(first);
         let mut along = S::ZERO;
         between <= PASSED
+            && ahead(&end.direction)
             && (0..between).all(|k| {
                 let Some(vertex) = self.chain.vertex(first.wrapping_add(k)) else { return false };
                 let (on, off) = ray.place(&vertex.at);
                 let ordered = on + most >= along && on <= ray.length + most;
                 along = along.greatest(on);
-                ordered && off <= most && vertex.leg.is_like(&end.leg)
+                let goes_on = ordered && ahead(&vertex.direction);
+                goes_on && off <= most && vertex.leg.is_like(&end.leg)
             })
     }
 
     /// Makes a vertex the newest corner.
     fn corner(&mut self, serial: u32) {
-        let (Some(vertex), Some(before)) = (self.chain.vertex(serial), self.corners.back().copied())
+        let (Some(vertex), Some(before)) =
+            (self.chain.vertex(serial), self.corners.back().copied())
         else {
             return;
         };
         self.newest = serial;
         let length = raw_to_mm::<S>(vertex.way - before.way);
-        let direction = Ray::new(&before.at, &vertex.at).map_or(before.direction, |r| r.direction);
+        let direction = Ray::new(&before.at, &vertex.at).direction;
         let first = before.way == 0;
         let mut size = before.size.least(length);
         let mut stop = false;
@@ -281,8 +287,12 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             return false;
         }
         let (Some(to), true) = (to, known) else {
-            // All knots are laid.
-            return self.end.is_some() && self.state == State::Open && self.tie(from.way);
+            // All knots are laid, or the run has come to nothing: it ends where it started.
+            if self.end.is_some() && self.state == State::New {
+                self.state = State::Tied;
+                return true;
+            }
+            return self.end.is_some() && self.tie(from.way);
         };
         let here = if self.state == State::New { from.way } else { self.window.end() };
         let way = match next_piece(
@@ -318,7 +328,8 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     /// The knot that was asked for, or one nearer at which the band is kept.
     fn allowed(&self, here: i64, way: i64) -> Option<i64> {
         let line = self.chain.line_end(here);
-        let tries = [way, here + (way - here) / 2, line.min(way), here + (line.min(way) - here) / 4];
+        let tries =
+            [way, here + (way - here) / 2, line.min(way), here + (line.min(way) - here) / 4];
         tries.into_iter().find(|&w| w > here && self.window.allows(&self.chain, &[w, w, w]))
     }
 
@@ -420,6 +431,6 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             State::Broken => at_end,
             _ => at_end && self.end == Some(Tie::Rest),
         };
-        Emitted { cell, from, node, rest }
+        Emitted { from, cell, node, rest }
     }
 }

@@ -152,10 +152,14 @@ impl<S: Scalar, const N: usize> Window<S, N> {
         }
     }
 
-    /// Whether a span is inside the band, as tried and measured.
+    /// Whether a span is inside the band and goes on, as tried and measured.
     fn holds(&self, k: usize) -> bool {
         let span = &self.spans[k];
-        let sag = span.sag * span.bend(&self.trial_edges(k));
+        let edges = self.trial_edges(k);
+        if !span.goes_on(&edges) {
+            return false;
+        }
+        let sag = span.sag * span.bend(&edges);
         let first = usize::from(span.first_place);
         let own = &self.places[first..first + usize::from(span.places)];
         // The end of the span is the first place of the next one.

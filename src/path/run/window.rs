@@ -38,6 +38,8 @@ const REST_SHARE: f64 = 1.0 / 96.0;
 const SHARP: f64 = 0.15;
 /// How far along its line the point that a place is compared with may lie, as a share of the tolerance.
 const SLIP: f64 = 2.0;
+/// Least product of neighbouring first derivatives, by the arc length of the poly-line.
+const LEAST_SPEED: f64 = 0.01;
 /// Corners that are remembered for the spans behind them.
 const CORNERS: usize = 8;
 
@@ -64,6 +66,9 @@ pub struct Span<S> {
     /// Factors of the second derivatives at both ends and of the edges in them.
     pub firsts: [S; 3],
     pub seconds: [S; 2],
+    /// Factors of the edges in the first derivative at the start (of the first two) and at the end
+    /// (of the last two).
+    pub ends: [[S; 2]; 2],
     /// Length by the knots, mm.
     pub step: S,
     /// Factor of the second derivative in what is kept free of the band, mm2: for the gaps between places
@@ -177,7 +182,7 @@ impl<S: Scalar, const N: usize> Window<S, N> {
 
     /// The newest knot.
     pub fn end(&self) -> i64 {
-        self.knot(self.controls.len() as isize - 1)
+        self.knot(self.controls.len().cast_signed() - 1)
     }
 
     /// Whether a knot and what comes with it can be taken.
@@ -187,27 +192,27 @@ impl<S: Scalar, const N: usize> Window<S, N> {
 
     /// The six knots of a span.
     fn ways(&self, span: isize) -> [i64; 6] {
-        from_fn(|i| self.knot(span - 2 + i as isize))
+        from_fn(|i| self.knot(span - 2 + i.cast_signed()))
     }
 
     /// Length between the last two knots.
     pub fn last_step(&self) -> i64 {
-        let n = self.controls.len() as isize;
+        let n = self.controls.len().cast_signed();
         self.end() - self.knot(n - 2)
     }
 
     /// Arc length before which the chain is no longer needed.
     pub fn oldest_needed(&self) -> i64 {
-        self.knot((self.controls.len() as isize - 6).max(-2))
+        self.knot((self.controls.len().cast_signed() - 6).max(-2))
     }
 
     /// Whether the base spline keeps to the band in the spans that these knots would make.
     pub fn allows(&self, chain: &Chain<S, N>, more: &[i64]) -> bool {
-        let known = self.controls.len() as isize;
+        let known = self.controls.len().cast_signed();
         let first = (known - 3).max(0);
-        (first..known + more.len() as isize - 3).all(|span| {
+        (first..known + more.len().cast_signed() - 3).all(|span| {
             let ways: [i64; 6] = from_fn(|i| {
-                let j = span - 2 + i as isize;
+                let j = span - 2 + i.cast_signed();
                 if j < known { self.knot(j) } else { more[(j - known) as usize] }
             });
             ways[3] <= ways[2] || Self::draft(chain, &ways).is_some()
@@ -216,7 +221,7 @@ impl<S: Scalar, const N: usize> Window<S, N> {
 
     /// Takes a knot.
     pub fn push(&mut self, chain: &Chain<S, N>, way: i64) {
-        let n = self.controls.len() as isize;
+        let n = self.controls.len().cast_signed();
         let base = chain.point(third(self.knot(n - 2), self.knot(n - 1), way));
         if let Some(last) = self.controls.last_mut() {
             last.edge = from_fn(|i| base[i].minus(last.base[i]));
@@ -259,7 +264,7 @@ impl<S: Scalar, const N: usize> Window<S, N> {
         }
         let _ = self.corners.push((way, reach));
         // What it means for the spans before it.
-        let end = self.knot(self.spans.len() as isize);
+        let end = self.knot(self.spans.len().cast_signed());
         let mut there = reach + S::from_i64((way - end).max(0)) * S::of(1.0e-12);
         self.reach = self.reach.least(there);
         for span in self.spans.iter_mut().rev() {
@@ -289,8 +294,15 @@ impl<S: Scalar, const N: usize> Window<S, N> {
                 }
                 sum
             });
-            let mut place =
-                Place { basis, off, radius, weight: S::ZERO, along: zero(), slip: (S::ZERO, S::ZERO), miss: off };
+            let mut place = Place {
+                basis,
+                off,
+                radius,
+                weight: S::ZERO,
+                along: zero(),
+                slip: (S::ZERO, S::ZERO),
+                miss: off,
+            };
             if let Some((start, end)) = line {
                 let most = leg.tolerance * S::of(SLIP);
                 place.along = end.direction;
@@ -343,6 +355,7 @@ impl<S: Scalar, const N: usize> Window<S, N> {
             thirds: local.thirds(),
             firsts: local.firsts(),
             seconds: local.seconds(),
+            ends: [local.first_at_start(), local.first_at_end()],
             step: local.step(),
             sag: gap * gap * S::of(0.125) + local.step() * local.step() * S::of(REST_SHARE),
             reach: S::ZERO,
@@ -352,7 +365,7 @@ impl<S: Scalar, const N: usize> Window<S, N> {
         };
         let sag = span.sag * span.bend(&edges);
         let inside = places.iter().all(|place| norm(&place.miss) + sag <= radius);
-        inside.then_some(Draft { span, places })
+        (inside && span.goes_on(&edges)).then_some(Draft { span, places })
     }
 
     /// Forgets the first `count` spans, which have been handed on.
@@ -360,8 +373,9 @@ impl<S: Scalar, const N: usize> Window<S, N> {
         if count == 0 {
             return;
         }
-        let places = self.spans.get(count).map_or(self.places.len(), |s| usize::from(s.first_place));
-        self.before = [self.knot(count as isize - 2), self.knot(count as isize - 1)];
+        let places =
+            self.spans.get(count).map_or(self.places.len(), |s| usize::from(s.first_place));
+        self.before = [self.knot(count.cast_signed() - 2), self.knot(count.cast_signed() - 1)];
         drop_front(&mut self.controls, count);
         drop_front(&mut self.spans, count);
         drop_front(&mut self.places, places);
@@ -379,22 +393,15 @@ impl<S: Scalar, const N: usize> Window<S, N> {
 
     /// The six knots of a span.
     fn local(&self, span: usize) -> Local<S> {
-        Local::new(&self.ways(span as isize))
+        Local::new(&self.ways(span.cast_signed()))
     }
 
     /// The curve of a span.
     pub fn curve(&self, span: usize) -> Curve<S, N> {
-        let local = self.local(span);
         let edges: [Vector<S, N>; 3] = from_fn(|j| self.edge(span + j));
-        let (start, end) = (local.first_at_start(), local.first_at_end());
-        let [_, middle, _] = local.firsts();
-        let first = [
-            from_fn(|i| start[0] * edges[0][i] + start[1] * edges[1][i]),
-            from_fn(|i| middle * edges[1][i]),
-            from_fn(|i| end[0] * edges[1][i] + end[1] * edges[2][i]),
-        ];
+        let first = self.spans[span].first(&edges);
         let still = self.controls[span..span + 4].iter().all(|c| c.shift == [S::ZERO; N]);
-        Curve::new(first, local.step(), still)
+        Curve::new(first, self.spans[span].step, still)
     }
 
     /// The point at the start of a span.
@@ -458,6 +465,24 @@ impl<S: Scalar> Span<S> {
             from_fn(|i| b * edges[k + 1][i] - a * edges[k][i])
         };
         norm(&part(0)).greatest(norm(&part(1)))
+    }
+
+    /// The Bezier points of the first derivative.
+    pub fn first<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> [Vector<S, N>; 3] {
+        let [start, end] = &self.ends;
+        [
+            from_fn(|i| start[0] * edges[0][i] + start[1] * edges[1][i]),
+            from_fn(|i| self.firsts[1] * edges[1][i]),
+            from_fn(|i| end[0] * edges[1][i] + end[1] * edges[2][i]),
+        ]
+    }
+
+    /// Whether the curve goes on everywhere: the Bezier points of its first derivative turn by less
+    /// than a right angle from one to the next, so it does not vanish.
+    pub fn goes_on<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> bool {
+        let [a, b, c] = self.first(edges);
+        let least = S::of(LEAST_SPEED);
+        dot(&a, &b) > least && dot(&b, &c) > least && dot(&b, &b) > least
     }
 
     /// Third derivative by the edges of the control polygon, 1/mm2.

@@ -1,0 +1,162 @@
+//! Dense programs: runs of short lines as one spline, against every limit.
+
+mod common;
+
+use common::{config, dense, machine, poly_line, stretches};
+use proptest::prelude::*;
+use splineway_host::machine::{Axis, Machine};
+use splineway_host::program::Program;
+use splineway_host::run::{Judge, Observer, Precision, Sample, Stats, Track, Verdict, run};
+use splineway_host::view::violations;
+use std::f64::consts::TAU;
+
+/// No program here takes that long.
+struct Patience;
+
+impl Observer for Patience {
+    fn setpoint(&mut self, sample: &Sample<'_>) -> anyhow::Result<()> {
+        anyhow::ensure!(sample.time < 1000.0, "line {}: the run does not end", sample.tag);
+        Ok(())
+    }
+}
+
+fn judge(program: &Program, machine: &Machine, precision: Precision) -> (Verdict, Stats) {
+    let limits = machine.axes_of(program).unwrap();
+    let track = Track::new(program);
+    let mut judge = Judge::new(&track, &limits, machine.cycle, machine.tolerance);
+    let stats = run(program, machine, precision, &mut [&mut judge, &mut Patience]).unwrap();
+    (judge.verdict(), stats)
+}
+
+fn check(program: &Program, machine: &Machine, precision: Precision) -> Result<f64, TestCaseError> {
+    let (verdict, stats) = judge(program, machine, precision);
+    let limits = machine.axes_of(program).unwrap();
+    let broken = violations(&verdict, precision, machine.cycle, machine.tolerance, &limits);
+    prop_assert!(broken.is_empty(), "{broken:?}");
+    prop_assert_eq!(stats.blocks, program.moves.len() as u64);
+    Ok(verdict.time)
+}
+
+proptest! {
+    #![proptest_config(config(600))]
+
+    #[test]
+    fn any_dense_program_in_f64(
+        stretches in stretches(1..10),
+        tolerance in (-3.0f64..0.0).prop_map(|e| 10f64.powf(e)),
+        scale in ((-1.0f64..1.0).prop_map(|e| 10f64.powf(e)), (-1.0f64..1.0).prop_map(|e| 10f64.powf(e))),
+        sweeps in 0u16..12,
+    ) {
+        let machine = Machine { sweeps, ..machine(tolerance, scale, 3) };
+        check(&dense(&stretches), &machine, Precision::F64)?;
+    }
+}
+
+proptest! {
+    #![proptest_config(config(200))]
+
+    #[test]
+    fn any_dense_program_in_f32(
+        stretches in stretches(1..10),
+        tolerance in (-2.5f64..-0.5).prop_map(|e| 10f64.powf(e)),
+    ) {
+        check(&dense(&stretches), &machine(tolerance, (1.0, 1.0), 3), Precision::F32)?;
+    }
+}
+
+fn common_machine(tolerance: f64) -> Machine {
+    let axis = Axis { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0 };
+    Machine { tolerance, axes: [("default".to_owned(), axis)].into(), ..Machine::default() }
+}
+
+fn circle(radius: f64, chords: u32, feed: f64) -> Vec<([f64; 3], f64)> {
+    let angle = |k: u32| TAU * f64::from(k) / f64::from(chords);
+    (1..=chords)
+        .map(|k| ([radius * angle(k).sin(), radius * (1.0 - angle(k).cos()), 0.0], feed))
+        .collect()
+}
+
+/// Thesis test case 5: points off a line by less than the tolerance are ironed out.
+#[test]
+fn noise_within_the_band_costs_nothing() {
+    let feed = 200.0;
+    let noise = [0.03, -0.02, 0.035, -0.035, 0.01, -0.03, 0.025, 0.0, -0.03, 0.03];
+    let noisy: Vec<_> = (1..=200)
+        .map(|k| {
+            let off = if k == 200 { 0.0 } else { noise[k % noise.len()] };
+            ([0.5 * k as f64, off, 0.0], feed)
+        })
+        .collect();
+    let machine = common_machine(0.05);
+    let plain = check(&poly_line(&[([100.0, 0.0, 0.0], feed)]), &machine, Precision::F64).unwrap();
+    let time = check(&poly_line(&noisy), &machine, Precision::F64).unwrap();
+    assert!(time < 1.03 * plain, "{time} s, the straight line {plain} s");
+}
+
+/// Sweeps pay, and none at all is a path inside the band too.
+#[test]
+fn every_number_of_sweeps_is_inside_and_more_are_faster() {
+    let wave: Vec<_> = (1..=400)
+        .map(|k| {
+            let x = 0.2 * f64::from(k);
+            let y =
+                1.5 * (0.9 * x).sin() + 0.4 * (2.7 * x).sin() + if k % 3 == 0 { 0.02 } else { 0.0 };
+            ([x, y, 0.0], 200.0)
+        })
+        .collect();
+    let times = [0, 1, 2, 4, 8, 16].map(|sweeps| {
+        let machine = Machine { sweeps, ..common_machine(0.03) };
+        check(&poly_line(&wave), &machine, Precision::F64).unwrap()
+    });
+    assert!(times[4] < 0.8 * times[0] && times[5] < 1.01 * times[4], "{times:?}");
+}
+
+/// As many lines as one likes make as many cells as the curve needs.
+#[test]
+fn cells_follow_the_curve_and_not_the_lines() {
+    let cells = [600, 6000, 60_000].map(|chords| {
+        let program = poly_line(&circle(10.0, chords, 100.0));
+        judge(&program, &common_machine(0.02), Precision::F64).1.counters.cells
+    });
+    assert!(cells[0] < 120 && cells[1] < 150 && cells[2] < 300, "{cells:?}");
+}
+
+/// The speed along the path, by differences of positions.
+#[derive(Default)]
+struct Feed {
+    last: Option<Vec<f64>>,
+    speeds: Vec<f64>,
+    way: f64,
+    arc: f64,
+}
+
+impl Observer for Feed {
+    fn setpoint(&mut self, sample: &Sample<'_>) -> anyhow::Result<()> {
+        if let Some(last) = &self.last {
+            let step: f64 = last.iter().zip(sample.position).map(|(a, b)| (a - b) * (a - b)).sum();
+            self.speeds.push(step.sqrt() / 1.0e-3);
+            self.way += step.sqrt();
+        }
+        self.last = Some(sample.position.to_vec());
+        self.arc = sample.path;
+        Ok(())
+    }
+}
+
+/// On a circle whose limits allow the feed it is kept to a thousandth, and so is the arc length.
+#[test]
+fn the_feed_is_kept_on_a_circle() {
+    let program = poly_line(&circle(20.0, 1257, 60.0));
+    for precision in [Precision::F64, Precision::F32] {
+        let mut feed = Feed::default();
+        run(&program, &common_machine(0.01), precision, &mut [&mut feed]).unwrap();
+        let n = feed.speeds.len();
+        let middle = &feed.speeds[n / 10..n - n / 10];
+        let least = middle.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = middle.iter().copied().fold(0.0, f64::max);
+        println!("{precision:?}: {least} to {most} mm/s, arc length {} of {}", feed.arc, feed.way);
+        assert!(most - least < 1.0e-3 * 60.0, "{least} to {most}");
+        assert!(least > 0.997 * 60.0, "{least}");
+        assert!((feed.arc - feed.way).abs() < 2.0e-5 * feed.way, "{} {}", feed.arc, feed.way);
+    }
+}
