@@ -71,8 +71,10 @@ fn print_memory<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usi
 }
 
 fn main() -> anyhow::Result<()> {
-    print_memory::<f32, 3, 16, 48>();
+    print_memory::<f32, 3, 8, 56>();
     print_memory::<f32, 3, 16, 64>();
+    print_memory::<f32, 3, 128, 96>();
+    print_memory::<f32, 6, 8, 56>();
     print_memory::<f32, 6, 16, 64>();
     print_memory::<f64, 3, 64, 192>();
     let given = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));

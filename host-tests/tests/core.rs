@@ -463,3 +463,42 @@ fn f32_keeps_nanometres_on_a_two_metre_axis() {
     }
     assert_eq!(stops, 3000);
 }
+
+/// Bytes of a whole core: both sides and what passes between them.
+const fn bytes<S: splineway::Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>()
+-> usize {
+    size_of::<Link<S, N, NODES>>() + size_of::<Planner<'static, S, N, BLOCKS, NODES>>()
+}
+
+/// A core for three axes that looks ahead over 128 dense lines and more: 48 KiB with everything.
+const SMALL: usize = bytes::<f32, 3, 8, 56>();
+const SMALL_SIX: usize = bytes::<f32, 6, 8, 56>();
+const _: () = assert!(SMALL <= 48 * 1024 && SMALL_SIX <= 72 * 1024);
+
+/// Bytes that one more block, and one more node, of the look-ahead take.
+const PER_BLOCK: usize = (bytes::<f32, 3, 16, 56>() - SMALL) / 8;
+const PER_NODE: usize = (bytes::<f32, 3, 8, 64>() - SMALL) / 8;
+const _: () = assert!(PER_BLOCK <= 192 && PER_NODE <= 424);
+
+/// How many lines the small core holds before it starts: a circle in chords of 0.1 mm.
+#[test]
+fn the_small_core_looks_far_ahead() {
+    let mut link = Box::new(Link::<f32, 3, 56>::new());
+    let axis = AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false };
+    let mut config = Config::new(Limits::new([axis; 3]).unwrap());
+    config.tolerance = 0.01;
+    let (mut planner, mut interpolator) = link.handles::<8>(config, [Coord::ZERO; 3]).unwrap();
+    let mut taken = 0u32;
+    while taken < 1257 {
+        let angle = f64::from(taken + 1) / 200.0;
+        let to = at(20.0 * angle.sin(), 20.0 * (1.0 - angle.cos()), 0.0);
+        match planner.push(&Block::line(to, 200.0, taken)) {
+            Ok(()) => taken += 1,
+            Err(PushError::Full) if planner.poll() == Progress::Planned => break,
+            Err(PushError::Full) => {}
+            Err(error) => panic!("{error}"),
+        }
+    }
+    assert!(interpolator.tick().activity != Activity::Idle);
+    assert!(taken > 128, "{taken} lines");
+}

@@ -22,9 +22,9 @@ use core::array::from_fn;
 use heapless::Vec;
 
 /// Control points held.
-pub const CONTROLS: usize = 64;
+pub const CONTROLS: usize = 48;
 /// Places of comparison held.
-pub const PLACES: usize = 192;
+pub const PLACES: usize = 128;
 /// Places of comparison in one span: its start, the vertices of the poly-line in it, and more if
 /// they are far apart.
 pub const SPAN_PLACES: usize = 10;
