@@ -16,7 +16,8 @@
 //! - [`block`]: what comes in. A [`Block`] is plain data, checked as a whole when it is pushed.
 //! - `path`: geometry, which knows no time. Blocks wait until their neighbours are known; corners
 //!   become cubic B-splines inside the tolerance band (shaped for least time, or as in Guo, Yan, Wang
-//!   2023), joints with arcs quintic blends, vertices of dense runs are passed on a common circle. Everything is cut into *cells*
+//!   2023), runs of short lines one cubic B-spline that is smoothed inside the band in a set number of
+//!   sweeps (after Naseath 2007), joints with arcs quintic blends. Everything is cut into *cells*
 //!   between *nodes* that carry position, tangent and curvature: the path is curvature-continuous.
 //! - `profile`: the speed law over a window of cells. The unknowns are speed and acceleration at the
 //!   nodes; every limit of every axis is a bound on Bernstein coefficients of the very polynomials
@@ -67,7 +68,8 @@
 //! # Memory
 //!
 //! Nothing is allocated: a `Link<S, N, NODES>` holds 2 x `NODES` pieces, a
-//! `Planner<S, N, BLOCKS, NODES>` `BLOCKS` blocks and `NODES` nodes with the solver's workspace.
+//! `Planner<S, N, BLOCKS, NODES>` `BLOCKS` blocks, a stretch of spline of fixed size, and `NODES` nodes
+//! with the solver's workspace. A dense run takes few nodes for many lines, so `BLOCKS` may be small.
 //! `size_of` tells the bytes; the README has a table.
 #![no_std]
 #![forbid(unsafe_code)]
