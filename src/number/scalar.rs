@@ -60,6 +60,9 @@ pub trait Scalar:
     /// Square root; NaN below zero.
     #[must_use]
     fn sqrt(self) -> Self;
+    /// Cube root.
+    #[must_use]
+    fn cbrt(self) -> Self;
     /// Natural logarithm.
     #[must_use]
     fn ln(self) -> Self;
@@ -88,7 +91,7 @@ pub trait Scalar:
 }
 
 macro_rules! scalar {
-    ($t:ident, $shared:ty, $sqrt:path, $ln:path, $sincos:path) => {
+    ($t:ident, $shared:ty, $sqrt:path, $cbrt:path, $ln:path, $sincos:path) => {
         impl Scalar for $t {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -121,6 +124,10 @@ macro_rules! scalar {
                 $sqrt(self)
             }
             #[inline]
+            fn cbrt(self) -> Self {
+                $cbrt(self)
+            }
+            #[inline]
             fn ln(self) -> Self {
                 $ln(self)
             }
@@ -136,5 +143,5 @@ macro_rules! scalar {
     };
 }
 
-scalar!(f32, AtomicU32, libm::sqrtf, libm::logf, libm::sincosf);
-scalar!(f64, [AtomicU32; 2], libm::sqrt, libm::log, libm::sincos);
+scalar!(f32, AtomicU32, libm::sqrtf, libm::cbrtf, libm::logf, libm::sincosf);
+scalar!(f64, [AtomicU32; 2], libm::sqrt, libm::cbrt, libm::log, libm::sincos);

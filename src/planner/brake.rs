@@ -27,7 +27,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             if self.stop(stretch, branch) {
                 return true;
             }
-            self.improve(stretch, Aim::Halt, false);
+            self.improve(stretch, Aim::Halt);
             if self.stop(stretch, branch) {
                 return true;
             }

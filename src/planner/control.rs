@@ -161,7 +161,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.undo();
             return false;
         };
-        self.improve(stretch, Aim::Halt, false);
+        self.improve(stretch, Aim::Halt);
         let mut tries = 0;
         for end in stretch.first + 1..=stretch.last {
             if !self.ends_block(end) {
@@ -171,7 +171,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.window.set_state(end, State::REST);
             let held = Stretch { last: end, ..stretch };
             if self.solver.holds(&self.window, held, &self.config.limits) {
-                self.improve(held, Aim::Time, false);
+                self.improve(held, Aim::Time);
                 self.halt = Some(Halt::Block);
                 self.publish(held, branch, self.overrides);
                 return true;
@@ -212,7 +212,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             if aim == Aim::Slow && !slower {
                 continue;
             }
-            self.improve(stretch, aim, false);
+            self.improve(stretch, aim);
             self.loosen(first, last);
         }
         if !self.solver.holds(&self.window, stretch, &self.config.limits) {

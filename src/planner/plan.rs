@@ -61,11 +61,33 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// Improves the states of a stretch for an aim, and counts the steps.
-    pub(super) fn improve(&mut self, stretch: Stretch, aim: Aim, cold: bool) {
+    pub(super) fn improve(&mut self, stretch: Stretch, aim: Aim) {
         let Config { limits, iterations, .. } = self.config;
-        let start = (aim, cold);
-        let steps = self.solver.improve(&mut self.window, stretch, &limits, iterations, start);
+        let steps = self.solver.improve(&mut self.window, stretch, &limits, iterations, aim);
         self.counters.steps += u32::from(steps);
+    }
+
+    /// Gives the stations of a stretch from index `new` on states, and improves those before.
+    /// Returns whether there is a motion.
+    fn find(&mut self, stretch: Stretch, new: usize) -> bool {
+        let Config { limits, iterations, .. } = self.config;
+        self.solver.guess(&mut self.window, stretch, new, &limits);
+        let (steps, found) = self.solver.find(&mut self.window, stretch, &limits, iterations);
+        self.counters.steps += u32::from(steps);
+        if found {
+            return true;
+        }
+        // From the plan as it stands, and slow speeds behind it.
+        for i in stretch.first..new {
+            if let Some(station) = self.window.get_mut(i) {
+                station.state = station.agreed;
+            }
+        }
+        let found = self.solver.seed(&mut self.window, stretch, new, &limits);
+        if found {
+            self.improve(stretch, Aim::Time);
+        }
+        found
     }
 
     /// Servo cycles in a lead.
@@ -125,14 +147,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return Progress::NeedsBlocks;
         }
         self.loosen(stretch.first, new);
-        let limits = self.config.limits;
-        if !self.solver.seed(&mut self.window, stretch, new, &limits) {
+        if !self.find(stretch, new) {
             self.counters.stuck += 1;
             #[cfg(feature = "defmt")]
             defmt::warn!("no motion found from node {}", branch);
             return Progress::Waiting;
         }
-        self.improve(stretch, Aim::Time, new == first);
         self.halt = halt;
         self.publish(stretch, Branch::Node(branch), self.overrides);
         Progress::Planned

@@ -1,5 +1,10 @@
 //! The barrier over one cell: its value, its derivatives, and what stands in for the curvature of
 //! the time.
+//!
+//! It is the logarithm of what is left of every limit. A relaxed one goes on with a parabola where
+//! less than a given share is left, so that it exists beyond the limits too (Feller and Ebenbauer,
+//! Relaxed Logarithmic Barrier Function Based Model Predictive Control, 2017): then no limit stands
+//! in the way of a step, and the start need not keep them.
 
 use super::law::{Law, State};
 use super::rows::{Gradient, Sink};
@@ -25,9 +30,76 @@ fn hinge<S: Scalar>(r: S) -> [S; 3] {
     ]
 }
 
+/// Value, slope and curvature of the barrier, by what is left of a limit or by how much of it is
+/// used, from where its parabola begins on.
+#[derive(Clone, Copy, Debug)]
+struct Parabola<S> {
+    value: S,
+    slope: S,
+    curvature: S,
+}
+
+impl<S: Scalar> Parabola<S> {
+    #[inline]
+    fn slope(&self, beyond: S) -> S {
+        self.slope + self.curvature * beyond
+    }
+
+    #[inline]
+    fn value(&self, beyond: S) -> S {
+        self.value + (self.slope + self.curvature * beyond * S::of(0.5)) * beyond
+    }
+}
+
+/// Where the barrier leaves the logarithm.
+#[derive(Clone, Copy, Debug)]
+pub struct Edge<S> {
+    /// What is left of a limit there; 0 if the barrier is not relaxed.
+    left: S,
+    /// What is used of a two-sided limit there.
+    used: S,
+    one_sided: Parabola<S>,
+    two_sided: Parabola<S>,
+}
+
+impl<S: Scalar> Edge<S> {
+    /// The barrier that ends at the limits.
+    pub const STRICT: Self = {
+        let none = Parabola { value: S::ZERO, slope: S::ZERO, curvature: S::ZERO };
+        Self { left: S::ZERO, used: S::ONE, one_sided: none, two_sided: none }
+    };
+
+    /// A barrier that goes on as a parabola where less than the share `left` > 0 of a limit is left.
+    pub fn relaxed(left: S) -> Self {
+        let (per, used) = (S::ONE / left, (S::ONE - left).sqrt());
+        let value = -left.ln();
+        let slope = S::of(2.0) * used * per;
+        Self {
+            left,
+            used,
+            one_sided: Parabola { value, slope: per, curvature: per * per },
+            two_sided: Parabola { value, slope, curvature: S::of(2.0) * per + slope * slope },
+        }
+    }
+
+    /// Whether limits may be exceeded.
+    pub fn is_relaxed(&self) -> bool {
+        self.left > S::ZERO
+    }
+
+    /// Where the parabola begins.
+    pub fn left(&self) -> S {
+        self.left
+    }
+}
+
 /// Collects gradient and second derivatives of the barrier over one cell.
 pub struct Model<S> {
+    pub edge: Edge<S>,
+    /// Weight of the barrier in the gradient.
     pub weight: S,
+    /// Weight of the barrier in the second derivatives.
+    pub stiffness: S,
     pub gradient: Gradient<S>,
     /// Upper triangle, row by row.
     pub hessian: [S; 10],
@@ -48,27 +120,45 @@ impl<S: Scalar> Model<S> {
     }
 }
 
+impl<S: Scalar> Model<S> {
+    /// A row of which `left` is left.
+    #[inline]
+    fn left(&mut self, left: S, sign: S, g: &Gradient<S>) {
+        let (slope, curvature) = if left >= self.edge.left {
+            let per = S::ONE / left;
+            (per, per * per)
+        } else {
+            let edge = &self.edge.one_sided;
+            (edge.slope(self.edge.left - left), edge.curvature)
+        };
+        self.add(self.weight * slope * sign, self.stiffness * curvature, g);
+    }
+}
+
 impl<S: Scalar> Sink<S> for Model<S> {
     const GRADIENT: bool = true;
     #[inline]
     fn two_sided(&mut self, r: S, g: &Gradient<S>) {
-        // -mu ln(1 - r^2)
-        let per = S::ONE / (S::ONE - r * r);
-        let slope = S::of(2.0) * r * per;
-        let curvature = S::of(2.0) * per + slope * slope;
-        self.add(self.weight * slope, self.weight * curvature, g);
+        let left = S::ONE - r * r;
+        let (slope, curvature) = if left >= self.edge.left {
+            // -ln(1 - r^2)
+            let per = S::ONE / left;
+            let slope = S::of(2.0) * r * per;
+            (slope, S::of(2.0) * per + slope * slope)
+        } else {
+            let edge = &self.edge.two_sided;
+            let slope = edge.slope(r.abs() - self.edge.used);
+            (if r < S::ZERO { -slope } else { slope }, edge.curvature)
+        };
+        self.add(self.weight * slope, self.stiffness * curvature, g);
     }
     #[inline]
     fn one_sided(&mut self, r: S, g: &Gradient<S>) {
-        // -mu ln(1 - r)
-        let per = S::ONE / (S::ONE - r);
-        self.add(self.weight * per, self.weight * per * per, g);
+        self.left(S::ONE - r, S::ONE, g);
     }
     #[inline]
     fn positive(&mut self, r: S, g: &Gradient<S>) {
-        // -mu ln r
-        let per = S::ONE / r;
-        self.add(-(self.weight * per), self.weight * per * per, g);
+        self.left(r, -S::ONE, g);
     }
     #[inline]
     fn priced(&mut self, r: S, price: S, g: &Gradient<S>) {
@@ -77,22 +167,38 @@ impl<S: Scalar> Sink<S> for Model<S> {
     }
 }
 
-/// Sums the logarithms of what is left of the limits; notices a broken one.
+/// Sums the barrier over all rows; notices a broken limit.
 pub struct Slack<S> {
-    pub product: S,
-    pub logarithm: S,
+    edge: Edge<S>,
+    product: S,
+    /// Value of the barrier, but for the logarithm of `product`.
+    barrier: S,
     /// Least slack seen; positive means that all limits hold.
-    pub least: S,
+    least: S,
     /// Sum of the prices.
     pub price: S,
 }
 
 impl<S: Scalar> Slack<S> {
+    pub fn new(edge: Edge<S>) -> Self {
+        Self { edge, product: S::ONE, barrier: S::ZERO, least: S::ONE, price: S::ZERO }
+    }
+
+    /// Whether a limit is broken that must not be.
     #[inline]
-    fn take(&mut self, slack: S) {
+    pub fn is_broken(&self) -> bool {
+        !(self.least > S::ZERO || self.edge.is_relaxed())
+    }
+
+    #[inline]
+    fn take(&mut self, slack: S, beyond: impl Fn(&Edge<S>) -> S) {
         // A NaN must count as broken: the comparison is false for it.
         if !(slack > self.least) {
             self.least = slack;
+        }
+        if slack < self.edge.left {
+            self.barrier += beyond(&self.edge);
+            return;
         }
         self.product = self.product * slack;
         if self.product < S::of(1.0e-18) && self.product > S::ZERO {
@@ -101,9 +207,15 @@ impl<S: Scalar> Slack<S> {
     }
 
     #[inline]
-    pub fn fold(&mut self) {
-        self.logarithm += self.product.ln();
+    fn fold(&mut self) {
+        self.barrier = self.barrier - self.product.ln();
         self.product = S::ONE;
+    }
+
+    /// Value of the barrier.
+    pub fn barrier(&mut self) -> S {
+        self.fold();
+        self.barrier
     }
 }
 
@@ -111,15 +223,15 @@ impl<S: Scalar> Sink<S> for Slack<S> {
     const GRADIENT: bool = false;
     #[inline]
     fn two_sided(&mut self, r: S, _: &Gradient<S>) {
-        self.take(S::ONE - r * r);
+        self.take(S::ONE - r * r, |edge| edge.two_sided.value(r.abs() - edge.used));
     }
     #[inline]
     fn one_sided(&mut self, r: S, _: &Gradient<S>) {
-        self.take(S::ONE - r);
+        self.positive(S::ONE - r, &[S::ZERO; 4]);
     }
     #[inline]
     fn positive(&mut self, r: S, _: &Gradient<S>) {
-        self.take(r);
+        self.take(r, |edge| edge.one_sided.value(edge.left - r));
     }
     #[inline]
     fn priced(&mut self, r: S, price: S, _: &Gradient<S>) {

@@ -83,6 +83,22 @@ impl<S: Scalar> Law<S> {
 }
 
 impl<S: Scalar> Law<S> {
+    /// The motion at a constant speed of 1 mm/s.
+    pub fn steady(length: S) -> Self {
+        Self {
+            v0: S::ONE,
+            v1: S::ONE,
+            a0: S::ZERO,
+            a1: S::ZERO,
+            time: length,
+            rate: S::ONE / length,
+            root: S::ONE,
+            jerk: [S::ZERO; 3],
+            gain: S::ZERO,
+            twist: S::ZERO,
+        }
+    }
+
     /// The inner Bernstein coefficients of the speed s', mm/s.
     #[inline]
     pub fn inner_speeds(&self) -> [S; 2] {

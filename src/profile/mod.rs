@@ -4,13 +4,14 @@
 //! executed between two nodes is one quintic per axis in time that meets position, velocity and
 //! acceleration at both ends ([`law`]); every limit is a bound on its Bernstein coefficients
 //! ([`rows`]), so it holds at every instant and not only where it was sampled. The sum of the
-//! times is minimised by a barrier method ([`barrier`], [`chain`]) whose every iterate keeps all
-//! limits ([`solver`]): it may be stopped after any number of steps and what it has is valid. A [`window`] of the path is
-//! planned at a time; its end is always at rest.
+//! times is minimised by a barrier method ([`solver`], [`barrier`], [`chain`], [`descent`]) from a
+//! [`guess`]. A [`window`] of the path is planned at a time; its end is always at rest.
 
 mod barrier;
 mod chain;
 pub(crate) mod compile;
+mod descent;
+mod guess;
 pub(crate) mod law;
 pub(crate) mod rows;
 pub(crate) mod solver;
