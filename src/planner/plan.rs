@@ -26,8 +26,10 @@ pub struct Pending {
 /// Share by which a bound lies above a speed that exceeds what is asked for; the limits of the axes
 /// have as much in reserve.
 const EXCESS: f64 = 1.0001;
-/// New plans are asked for when this part of the present one has been run.
+/// New plans are asked for when this part of the present one has been run, and no more than this
+/// many cells of it are left: enough that its stop at the end does not show in what is run.
 const PLAN_PART: u32 = 2;
+const CELLS_LEFT: u32 = 64;
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     Planner<'_, S, N, BLOCKS, NODES>
@@ -229,7 +231,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let (first, end) = (self.window.serial(stretch.first), self.window.serial(stretch.last));
         let by_cycle = matches!(branch, Branch::Cycle(_));
         self.pending = Some(Pending { first, end, by_cycle, overrides });
-        self.checkpoint = first.wrapping_add((end.wrapping_sub(first) / PLAN_PART).max(1));
+        let cells = end.wrapping_sub(first);
+        let run = (cells / PLAN_PART).max(cells.saturating_sub(CELLS_LEFT)).max(1);
+        self.checkpoint = first.wrapping_add(run);
         self.counters.plans += 1;
         #[cfg(feature = "defmt")]
         defmt::debug!(

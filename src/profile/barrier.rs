@@ -9,6 +9,7 @@
 use super::law::{Law, State};
 use super::rows::{Gradient, Sink};
 use crate::number::Scalar;
+use core::array::from_fn;
 
 /// Share of the second derivative of the time that is used: far from the limits it lets speeds
 /// grow threefold in a step instead of by two thirds.
@@ -16,6 +17,11 @@ const TIME_CURVATURE: f64 = 0.3;
 
 /// Rounding of the corner in the price of an excess.
 const ROUNDING: f64 = 0.01;
+
+/// Rows whose slacks are multiplied before the product is looked at, and the product from which on
+/// its logarithm is taken: four slacks of a rounding error are still a number in `f32`.
+const GROUP: usize = 4;
+const LEAST_PRODUCT: f64 = 1.0e-9;
 
 /// What r exceeds 1 by, its corner rounded: value and first two derivatives.
 fn hinge<S: Scalar>(r: S) -> [S; 3] {
@@ -95,7 +101,8 @@ impl<S: Scalar> Edge<S> {
 
 /// Collects gradient and second derivatives of the barrier over one cell.
 pub struct Model<S> {
-    pub edge: Edge<S>,
+    /// Its value.
+    pub slack: Slack<S>,
     /// Weight of the barrier in the gradient.
     pub weight: S,
     /// Weight of the barrier in the second derivatives.
@@ -124,50 +131,74 @@ impl<S: Scalar> Model<S> {
     /// A row of which `left` is left.
     #[inline]
     fn left(&mut self, left: S, sign: S, g: &Gradient<S>) {
-        let (slope, curvature) = if left >= self.edge.left {
+        let (slope, curvature) = if left >= self.slack.edge.left {
             let per = S::ONE / left;
             (per, per * per)
         } else {
-            let edge = &self.edge.one_sided;
-            (edge.slope(self.edge.left - left), edge.curvature)
+            let edge = &self.slack.edge;
+            (edge.one_sided.slope(edge.left - left), edge.one_sided.curvature)
         };
         self.add(self.weight * slope * sign, self.stiffness * curvature, g);
     }
 }
 
+/// Gradients that nobody asks for.
+fn none<S: Scalar, const M: usize>() -> [Gradient<S>; M] {
+    [[S::ZERO; 4]; M]
+}
+
 impl<S: Scalar> Sink<S> for Model<S> {
     const GRADIENT: bool = true;
     #[inline]
-    fn two_sided(&mut self, r: S, g: &Gradient<S>) {
-        let left = S::ONE - r * r;
-        let (slope, curvature) = if left >= self.edge.left {
-            // -ln(1 - r^2)
-            let per = S::ONE / left;
-            let slope = S::of(2.0) * r * per;
-            (slope, S::of(2.0) * per + slope * slope)
-        } else {
-            let edge = &self.edge.two_sided;
-            let slope = edge.slope(r.abs() - self.edge.used);
-            (if r < S::ZERO { -slope } else { slope }, edge.curvature)
-        };
-        self.add(self.weight * slope, self.stiffness * curvature, g);
+    fn two_sided<const M: usize>(&mut self, r: [S; M], g: impl FnOnce() -> [Gradient<S>; M]) {
+        self.slack.two_sided(r, none);
+        for (r, g) in r.iter().zip(&g()) {
+            let r = *r;
+            let left = S::ONE - r * r;
+            let (slope, curvature) = if left >= self.slack.edge.left {
+                // -ln(1 - r^2)
+                let per = S::ONE / left;
+                let slope = S::of(2.0) * r * per;
+                (slope, S::of(2.0) * per + slope * slope)
+            } else {
+                let edge = &self.slack.edge;
+                let slope = edge.two_sided.slope(r.abs() - edge.used);
+                (if r < S::ZERO { -slope } else { slope }, edge.two_sided.curvature)
+            };
+            self.add(self.weight * slope, self.stiffness * curvature, g);
+        }
     }
     #[inline]
-    fn one_sided(&mut self, r: S, g: &Gradient<S>) {
-        self.left(S::ONE - r, S::ONE, g);
+    fn one_sided<const M: usize>(&mut self, r: [S; M], g: impl FnOnce() -> [Gradient<S>; M]) {
+        self.slack.one_sided(r, none);
+        for (r, g) in r.iter().zip(&g()) {
+            let r = *r;
+            self.left(S::ONE - r, S::ONE, g);
+        }
     }
     #[inline]
-    fn positive(&mut self, r: S, g: &Gradient<S>) {
-        self.left(r, -S::ONE, g);
+    fn positive(&mut self, r: S, g: impl FnOnce() -> Gradient<S>) {
+        self.slack.positive(r, || [S::ZERO; 4]);
+        self.left(r, -S::ONE, &g());
     }
     #[inline]
-    fn priced(&mut self, r: S, price: S, g: &Gradient<S>) {
-        let [_, slope, curvature] = hinge(r);
-        self.add(price * slope, price * curvature, g);
+    fn priced<const M: usize>(
+        &mut self,
+        r: [S; M],
+        price: S,
+        g: impl FnOnce() -> [Gradient<S>; M],
+    ) {
+        self.slack.priced(r, price, none);
+        for (r, g) in r.iter().zip(&g()) {
+            let r = *r;
+            let [_, slope, curvature] = hinge(r);
+            self.add(price * slope, price * curvature, g);
+        }
     }
 }
 
 /// Sums the barrier over all rows; notices a broken limit.
+#[derive(Clone, Copy)]
 pub struct Slack<S> {
     edge: Edge<S>,
     product: S,
@@ -190,19 +221,35 @@ impl<S: Scalar> Slack<S> {
         !(self.least > S::ZERO || self.edge.is_relaxed())
     }
 
+    /// Some rows with what is left of them; at most [`GROUP`], so that their product is a number.
     #[inline]
-    fn take(&mut self, slack: S, beyond: impl Fn(&Edge<S>) -> S) {
-        // A NaN must count as broken: the comparison is false for it.
-        if !(slack > self.least) {
-            self.least = slack;
+    fn take<const M: usize>(&mut self, slack: [S; M], beyond: impl Fn(&Edge<S>, usize) -> S) {
+        const { assert!(M <= GROUP) };
+        let mut least = slack[0];
+        for &s in &slack {
+            // A NaN must count as broken: the comparison is false for it.
+            if !(s > least) {
+                least = s;
+            }
         }
-        if slack < self.edge.left {
-            self.barrier += beyond(&self.edge);
+        if !(least > self.least) {
+            self.least = least;
+        }
+        if least >= self.edge.left {
+            for &s in &slack {
+                self.product = self.product * s;
+            }
+            if self.product < S::of(LEAST_PRODUCT) {
+                self.fold();
+            }
             return;
         }
-        self.product = self.product * slack;
-        if self.product < S::of(1.0e-18) && self.product > S::ZERO {
-            self.fold();
+        for (k, &s) in slack.iter().enumerate() {
+            self.barrier = if s < self.edge.left {
+                self.barrier + beyond(&self.edge, k)
+            } else {
+                self.barrier - s.ln()
+            };
         }
     }
 
@@ -222,20 +269,36 @@ impl<S: Scalar> Slack<S> {
 impl<S: Scalar> Sink<S> for Slack<S> {
     const GRADIENT: bool = false;
     #[inline]
-    fn two_sided(&mut self, r: S, _: &Gradient<S>) {
-        self.take(S::ONE - r * r, |edge| edge.two_sided.value(r.abs() - edge.used));
+    fn two_sided<const M: usize>(&mut self, r: [S; M], _: impl FnOnce() -> [Gradient<S>; M]) {
+        let beyond = |edge: &Edge<S>, k: usize| edge.two_sided.value(r[k].abs() - edge.used);
+        let mut slack = r;
+        for s in &mut slack {
+            *s = S::ONE - *s * *s;
+        }
+        self.take(slack, beyond);
     }
     #[inline]
-    fn one_sided(&mut self, r: S, _: &Gradient<S>) {
-        self.positive(S::ONE - r, &[S::ZERO; 4]);
+    fn one_sided<const M: usize>(&mut self, r: [S; M], _: impl FnOnce() -> [Gradient<S>; M]) {
+        let mut slack = r;
+        for s in &mut slack {
+            *s = S::ONE - *s;
+        }
+        self.take(slack, |edge, k| edge.one_sided.value(edge.left - slack[k]));
     }
     #[inline]
-    fn positive(&mut self, r: S, _: &Gradient<S>) {
-        self.take(r, |edge| edge.one_sided.value(edge.left - r));
+    fn positive(&mut self, r: S, _: impl FnOnce() -> Gradient<S>) {
+        self.take([r], |edge, _| edge.one_sided.value(edge.left - r));
     }
     #[inline]
-    fn priced(&mut self, r: S, price: S, _: &Gradient<S>) {
-        self.price += price * hinge(r)[0];
+    fn priced<const M: usize>(
+        &mut self,
+        r: [S; M],
+        price: S,
+        _: impl FnOnce() -> [Gradient<S>; M],
+    ) {
+        for &r in &r {
+            self.price += price * hinge(r)[0];
+        }
     }
 }
 
@@ -255,7 +318,7 @@ pub fn by_square<S: Scalar>(
         factor[2] = S::of(0.5) / law.v1;
         factor[3] = S::ONE;
     }
-    let gradient = core::array::from_fn(|k| model.gradient[k] * factor[k]);
+    let gradient = from_fn(|k| model.gradient[k] * factor[k]);
     let mut hessian = model.hessian;
     let mut n = 0;
     for i in 0..4 {

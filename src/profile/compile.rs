@@ -1,7 +1,7 @@
 //! From planned states to pieces of motion.
 
 use super::law::Law;
-use super::rows::{Axis, JERK_MIX, View};
+use super::rows::{Axis, View};
 use crate::number::{Coord, Scalar};
 use crate::servo::piece::{Piece, Sequel};
 use core::array::from_fn;
@@ -25,11 +25,8 @@ pub fn piece<S: Scalar, const N: usize>(
     let straight = view.cell.straight;
     let axes = from_fn(|i| {
         let axis = Axis::new(view, law, i);
-        let q: [S; 3] = if straight {
-            from_fn(|j| axis.tangent * law.jerk[j])
-        } else {
-            from_fn(|j| axis.jerk(law, JERK_MIX[j]))
-        };
+        let q: [S; 3] =
+            if straight { from_fn(|j| axis.tangent * law.jerk[j]) } else { axis.jerks(law) };
         let e0 = if straight { S::ZERO } else { axis.e0 };
         // The jerk Q0 (1-u)^2 + 2 Q1 u (1-u) + Q2 u^2, integrated three times.
         [

@@ -146,16 +146,8 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
     ) -> u16 {
         let mut now = Weights { weight: first_weight, stiffness: first_weight, damping: S::ZERO };
         let mut failures = 0;
-        // Value at the present states and weight, where it is known from the step before.
-        let mut known = None;
         for steps in 0..iterations {
-            let Some(here) =
-                known.take().or_else(|| self.value_here(window, stretch, limits, now.weight))
-            else {
-                return steps;
-            };
-            known = Some(here);
-            self.assemble(window, stretch, limits, now);
+            let Some(here) = self.assemble(window, stretch, limits, now) else { return steps };
             let promise = solve(&mut self.work[stretch.first..=stretch.last]);
             if !promise.is_finite() {
                 // Rounding has made the system singular: take it from further inside.
@@ -168,11 +160,10 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
             let (found, blocked) = self.search(window, stretch, limits, now.weight, here);
             now.damping = next_damping(now.damping, found.is_some(), blocked);
             let mut settled = promise < now.weight * S::of(course.small);
-            if let Some((share, value)) = found {
+            if let Some(share) = found {
                 for i in stretch.first..=stretch.last {
                     window.set_state(i, self.trial(window, stretch, i, share));
                 }
-                known = Some(value);
                 failures = 0;
                 let share = if share > S::of(WHOLE_STEP) { S::ONE } else { share };
                 settled |= now.stiffness > now.weight && share == S::ONE;
@@ -195,7 +186,6 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
             } else if promise < now.weight * S::of(SHARPEN) {
                 self.edge = sharper(self.edge);
             }
-            known = None;
         }
         iterations
     }
@@ -213,7 +203,7 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         holds
     }
 
-    /// The share of the step to take and the value there, if any share is no worse than `here`;
+    /// The share of the step to take, if any share is no worse than `here`;
     /// and whether a limit stood in the way of the whole step.
     fn search<const N: usize>(
         &self,
@@ -222,7 +212,7 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         limits: &Limits<S, N>,
         weight: S,
         here: S,
-    ) -> (Option<(S, S)>, bool) {
+    ) -> (Option<S>, bool) {
         let value = |share: S| {
             self.value(window, stretch, limits, (weight, share), (stretch.first, stretch.last))
         };
@@ -236,8 +226,8 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
             {
                 // A limit is near: keep a distance from it, or the next steps only slide along.
                 let shorter = share * S::of(DISTANCE);
-                let kept = if blocked { value(shorter) } else { None };
-                return (Some(kept.map_or((share, there), |kept| (shorter, kept))), blocked);
+                let kept = blocked && value(shorter).is_some();
+                return (Some(if kept { shorter } else { share }), blocked);
             }
             blocked |= there.is_none();
             share = share * S::of(SHORTER);

@@ -2,7 +2,7 @@
 //! and slow ones that keep them.
 
 use super::law::{Law, State};
-use super::rows::{Axis, JERK_MIX, View};
+use super::rows::{Axis, View};
 use super::solver::{Solver, Stretch};
 use super::window::Window;
 use crate::machine::Limits;
@@ -32,7 +32,7 @@ fn steady_cubes<S: Scalar, const N: usize>(view: &View<'_, S, N>) -> [S; 2] {
     let law = Law::steady(view.cell.length);
     for (i, limits) in view.limits.axes().iter().enumerate() {
         let axis = Axis::new(view, &law, i);
-        let [q0, q1, q2] = JERK_MIX.map(|mix| axis.jerk(&law, mix));
+        let [q0, q1, q2] = axis.jerks(&law);
         let half = S::of(0.5);
         let inner = ((q0 + q1) * half).abs().greatest(((q1 + q2) * half).abs());
         let peak = q0.abs().greatest(q2.abs()).greatest(inner);

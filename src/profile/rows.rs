@@ -29,18 +29,18 @@ pub const LEAST_CYCLE_SHARE: f64 = 0.25;
 /// Gradient by (v0, a0, v1, a1).
 pub type Gradient<S> = [S; 4];
 
-/// Takes the rows one by one.
+/// Takes the rows, some at a time; asks for their gradients if it wants them.
 pub trait Sink<S> {
-    /// Whether gradients are wanted; if not, they need not be right.
+    /// Whether gradients are wanted.
     const GRADIENT: bool;
-    /// A row with -1 < r < 1.
-    fn two_sided(&mut self, r: S, gradient: &Gradient<S>);
-    /// A row with r < 1.
-    fn one_sided(&mut self, r: S, gradient: &Gradient<S>);
+    /// Rows with -1 < r < 1.
+    fn two_sided<const M: usize>(&mut self, r: [S; M], g: impl FnOnce() -> [Gradient<S>; M]);
+    /// Rows with r < 1.
+    fn one_sided<const M: usize>(&mut self, r: [S; M], g: impl FnOnce() -> [Gradient<S>; M]);
     /// A row with r > 0.
-    fn positive(&mut self, r: S, gradient: &Gradient<S>);
-    /// A row that may exceed 1 but costs `price` times the excess.
-    fn priced(&mut self, r: S, price: S, gradient: &Gradient<S>);
+    fn positive(&mut self, r: S, g: impl FnOnce() -> Gradient<S>);
+    /// Rows that may exceed 1 but cost `price` times the excess.
+    fn priced<const M: usize>(&mut self, r: [S; M], price: S, g: impl FnOnce() -> [Gradient<S>; M]);
 }
 
 /// How fast the machine may go, and is asked to.
@@ -135,7 +135,7 @@ pub struct View<'a, S, const N: usize> {
 type Mix = (usize, f64, f64, f64, f64);
 
 /// Factors of bulge w^3, turn v1 w^2, E0 w and E1 w in Q0, Q1, Q2.
-pub const JERK_MIX: [Mix; 3] =
+const JERK_MIX: [Mix; 3] =
     [(0, 60.0, -24.0, -9.0, 3.0), (1, -120.0, 60.0, 9.0, -9.0), (2, 60.0, -36.0, -3.0, 9.0)];
 
 /// Parts of an axis's motion that do not depend on which coefficient is wanted.
@@ -168,9 +168,15 @@ impl<S: Scalar> Axis<S> {
         }
     }
 
-    /// A Bernstein coefficient of the axis jerk, mm/s3.
+    /// The Bernstein coefficients of the axis jerk, mm/s3.
     #[inline]
-    pub fn jerk(&self, law: &Law<S>, (j, bulge, turn, e0, e1): Mix) -> S {
+    pub fn jerks(&self, law: &Law<S>) -> [S; 3] {
+        let [first, middle, last] = JERK_MIX;
+        [self.jerk(law, first), self.jerk(law, middle), self.jerk(law, last)]
+    }
+
+    #[inline]
+    fn jerk(&self, law: &Law<S>, (j, bulge, turn, e0, e1): Mix) -> S {
         let w = law.rate;
         self.tangent * law.jerk[j]
             + ((S::of(bulge) * self.bulge * w + S::of(turn) * self.turn * law.v1) * w
@@ -200,7 +206,7 @@ impl<S: Scalar> Slopes<S> {
     fn new(law: &Law<S>) -> Self {
         let w = law.rate;
         let time = time_gradient(law);
-        let rate: Gradient<S> = core::array::from_fn(|k| -(time[k] * w * w));
+        let rate = scaled(&time, -(w * w));
         let half = S::of(0.5);
         let step = law.a1 - law.a0;
         let direct_twist = [w, half, -w, half];
@@ -240,6 +246,20 @@ pub fn rows<S: Scalar, const N: usize, K: Sink<S>>(
     }
 }
 
+/// A gradient times a factor. (Written out, here and below, because the compiler does better with
+/// it than with the array functions of the standard library: a fifth of the planner's work.)
+#[inline]
+fn scaled<S: Scalar>(g: &Gradient<S>, factor: S) -> Gradient<S> {
+    [g[0] * factor, g[1] * factor, g[2] * factor, g[3] * factor]
+}
+
+/// The sum of two gradients, each times a factor.
+#[inline]
+fn mixed<S: Scalar>((f, factor): (&Gradient<S>, S), (g, other): (&Gradient<S>, S)) -> Gradient<S> {
+    let part = |k: usize| f[k] * factor + g[k] * other;
+    [part(0), part(1), part(2), part(3)]
+}
+
 /// Path speed: Bernstein coefficients of s'(t).
 #[inline]
 fn speed_rows<S: Scalar, const N: usize, K: Sink<S>>(
@@ -249,28 +269,25 @@ fn speed_rows<S: Scalar, const N: usize, K: Sink<S>>(
     sink: &mut K,
 ) {
     let (zero, one) = (S::ZERO, S::ONE);
-    let per = one / view.bounds.speed;
     let third = S::of(1.0 / 3.0);
-    let reach = law.time * third;
-    let mut early: Gradient<S> = core::array::from_fn(|k| law.a0 * slopes.time[k] * third);
-    early[0] += one;
-    early[1] += reach;
-    let mut late: Gradient<S> = core::array::from_fn(|k| -(law.a1 * slopes.time[k] * third));
-    late[2] += one;
-    late[3] -= reach;
-    let [inner_early, inner_late] = law.inner_speeds();
-    let speeds = [
-        (law.v0, [one, zero, zero, zero]),
-        (law.v1, [zero, zero, one, zero]),
-        (inner_early, early),
-        (inner_late, late),
-    ];
-    for (speed, gradient) in speeds {
-        sink.one_sided(speed * per, &gradient.map(|g| g * per));
-        if view.price > zero {
-            let per = one / view.bounds.goal;
-            sink.priced(speed * per, view.price, &gradient.map(|g| g * per));
-        }
+    let [early, late] = law.inner_speeds();
+    let speeds = [law.v0, law.v1, early, late];
+    let gradients = |per: S| {
+        let reach = law.time * third;
+        let mut early = scaled(&slopes.time, law.a0 * third);
+        early[0] += one;
+        early[1] += reach;
+        let mut late = scaled(&slopes.time, -(law.a1 * third));
+        late[2] += one;
+        late[3] -= reach;
+        let ends = [[one, zero, zero, zero], [zero, zero, one, zero]];
+        [scaled(&ends[0], per), scaled(&ends[1], per), scaled(&early, per), scaled(&late, per)]
+    };
+    let per = one / view.bounds.speed;
+    sink.one_sided(scaled(&speeds, per), || gradients(per));
+    if view.price > zero {
+        let per = one / view.bounds.goal;
+        sink.priced(scaled(&speeds, per), view.price, || gradients(per));
     }
     forward_rows(view, law, sink);
 }
@@ -286,21 +303,21 @@ fn forward_rows<S: Scalar, const N: usize, K: Sink<S>>(
 ) {
     let zero = S::ZERO;
     let per = S::ONE / (view.bounds.speed * view.bounds.speed);
-    let third = view.cell.length * S::of(1.0 / 3.0);
+    let third = view.cell.length * S::of(1.0 / 3.0) * per;
     let two = S::of(2.0);
-    let (b0, b1) = (law.v0 * law.v0, law.v1 * law.v1);
+    let (b0, b1) = (law.v0 * law.v0 * per, law.v1 * law.v1 * per);
     if law.v0 > zero {
         let r = b0 + two * third * law.a0;
-        sink.positive(r * per, &[two * law.v0 * per, two * third * per, zero, zero]);
+        sink.positive(r, || [two * law.v0 * per, two * third, zero, zero]);
     }
     if law.v1 > zero {
         let r = b1 - two * third * law.a1;
-        sink.positive(r * per, &[zero, zero, two * law.v1 * per, -(two * third * per)]);
+        sink.positive(r, || [zero, zero, two * law.v1 * per, -(two * third)]);
     }
     let share = S::of(0.24);
     let r = share * (b0 + b1) + third * (law.a0 - law.a1);
     let slope = two * share * per;
-    sink.positive(r * per, &[slope * law.v0, third * per, slope * law.v1, -(third * per)]);
+    sink.positive(r, || [slope * law.v0, third, slope * law.v1, -third]);
 }
 
 /// A straight cell: the axis that binds first binds everywhere.
@@ -313,16 +330,16 @@ fn straight_rows<S: Scalar, const N: usize, K: Sink<S>>(
 ) {
     let (zero, one) = (S::ZERO, S::ONE);
     let per = one / view.bounds.jerk;
-    for j in 0..3 {
-        let gradient = core::array::from_fn(|k| slopes.jerk[j][k] * per);
-        sink.two_sided(law.jerk[j] * per, &gradient);
-    }
-    let per = one / view.bounds.acceleration;
+    let [j0, j1, j2] = law.jerk;
+    sink.two_sided([j0 * per, j1 * per, j2 * per], || {
+        let [g0, g1, g2] = &slopes.jerk;
+        [scaled(g0, per), scaled(g1, per), scaled(g2, per)]
+    });
     let parts = Ends {
-        per,
+        per: one / view.bounds.acceleration,
         start: (law.a0, [zero, one, zero, zero]),
         finish: (law.a1, [zero, zero, zero, one]),
-        jerks: (law.jerk[0], &slopes.jerk[0], law.jerk[2], &slopes.jerk[2]),
+        jerks: [(law.jerk[0], &slopes.jerk[0]), (law.jerk[2], &slopes.jerk[2])],
     };
     acceleration_rows(law, slopes, &parts, sink);
 }
@@ -343,37 +360,23 @@ fn axis_rows<S: Scalar, const N: usize, K: Sink<S>>(
         return;
     }
     let limits = &view.limits.axes()[i];
-    let w = law.rate;
     let two = S::of(2.0);
-    let mut jerk = [zero; 3];
-    let mut jerk_gradient = [[zero; 4]; 3];
-    let per = S::ONE / (limits.jerk * view.share);
-    for (n, mix) in JERK_MIX.into_iter().enumerate() {
-        jerk[n] = axis.jerk(law, mix);
-        if K::GRADIENT {
-            let (j, bulge, turn, e0, e1) = mix;
-            let (bulge, turn, e0, e1) = (S::of(bulge), S::of(turn), S::of(e0), S::of(e1));
-            let per_rate = (S::of(3.0) * bulge * axis.bulge * w + two * turn * axis.turn * law.v1)
-                * w
-                + e0 * axis.e0
-                + e1 * axis.e1;
-            let g = &mut jerk_gradient[n];
-            for k in 0..4 {
-                g[k] = axis.tangent * slopes.jerk[j][k] + per_rate * slopes.rate[k];
-            }
-            g[0] += two * e0 * axis.k0 * law.v0 * w;
-            g[2] += (turn * axis.turn * w + two * e1 * axis.k1 * law.v1) * w;
-            g[3] += e1 * axis.turn * w;
-        }
-    }
+    let gradients = if K::GRADIENT { axis.jerk_gradients(law, slopes) } else { [[zero; 4]; 3] };
     // The coefficients of either half of the cell: a kinked path swings the middle one of the whole
     // far beyond any jerk that occurs.
-    let half = S::of(0.5);
-    for (i, j) in [(0, 0), (0, 1), (1, 2), (2, 2)] {
-        let scaled =
-            core::array::from_fn(|k| (jerk_gradient[i][k] + jerk_gradient[j][k]) * (half * per));
-        sink.two_sided((jerk[i] + jerk[j]) * (half * per), &scaled);
-    }
+    let per = S::ONE / (limits.jerk * view.share);
+    let half = S::of(0.5) * per;
+    let [q0, q1, q2] = axis.jerks(law);
+    let rows = [q0 * per, (q0 + q1) * half, (q1 + q2) * half, q2 * per];
+    sink.two_sided(rows, || {
+        let [g0, g1, g2] = &gradients;
+        [
+            scaled(g0, per),
+            mixed((g0, half), (g1, half)),
+            mixed((g1, half), (g2, half)),
+            scaled(g2, per),
+        ]
+    });
     let parts = Ends {
         per: S::ONE / (limits.acceleration * view.share),
         start: (
@@ -384,9 +387,30 @@ fn axis_rows<S: Scalar, const N: usize, K: Sink<S>>(
             axis.e1 + axis.tangent * law.a1,
             [zero, zero, two * axis.k1 * law.v1, axis.tangent + axis.turn],
         ),
-        jerks: (jerk[0], &jerk_gradient[0], jerk[2], &jerk_gradient[2]),
+        jerks: [(q0, &gradients[0]), (q2, &gradients[2])],
     };
     acceleration_rows(law, slopes, &parts, sink);
+}
+
+impl<S: Scalar> Axis<S> {
+    /// Gradients of the Bernstein coefficients of the axis jerk.
+    #[inline]
+    fn jerk_gradients(&self, law: &Law<S>, slopes: &Slopes<S>) -> [Gradient<S>; 3] {
+        let (w, two) = (law.rate, S::of(2.0));
+        let gradient = |(j, bulge, turn, e0, e1): Mix| {
+            let (bulge, turn, e0, e1) = (S::of(bulge), S::of(turn), S::of(e0), S::of(e1));
+            let per_rate = (S::of(3.0) * bulge * self.bulge * w + two * turn * self.turn * law.v1)
+                * w
+                + e0 * self.e0
+                + e1 * self.e1;
+            let mut g = mixed((&slopes.jerk[j], self.tangent), (&slopes.rate, per_rate));
+            g[0] += two * e0 * self.k0 * law.v0 * w;
+            g[2] += (turn * self.turn * w + two * e1 * self.k1 * law.v1) * w;
+            g[3] += e1 * self.turn * w;
+            g
+        };
+        [gradient(JERK_MIX[0]), gradient(JERK_MIX[1]), gradient(JERK_MIX[2])]
+    }
 }
 
 /// Acceleration at both ends of a cell and jerk next to them, with gradients.
@@ -395,10 +419,11 @@ struct Ends<'a, S> {
     per: S,
     start: (S, Gradient<S>),
     finish: (S, Gradient<S>),
-    jerks: (S, &'a Gradient<S>, S, &'a Gradient<S>),
+    jerks: [(S, &'a Gradient<S>); 2],
 }
 
-/// Bernstein coefficients A0, A0 + Q0 T / 3, A1 - Q2 T / 3, A1.
+/// Bernstein coefficients A0, A0 + Q0 T / 3, A1 - Q2 T / 3. The fourth, A1, is A0 of the next cell, or 0
+/// at a rest: the path's second derivative is continuous everywhere else.
 #[inline]
 fn acceleration_rows<S: Scalar, K: Sink<S>>(
     law: &Law<S>,
@@ -409,18 +434,19 @@ fn acceleration_rows<S: Scalar, K: Sink<S>>(
     let third = S::of(1.0 / 3.0);
     let reach = law.time * third;
     let per = parts.per;
-    let (q0, dq0, q2, dq2) = parts.jerks;
-    let (a0, da0) = &parts.start;
-    let (a1, da1) = &parts.finish;
-    let scaled = |g: &Gradient<S>| core::array::from_fn(|k| g[k] * per);
-    sink.two_sided(*a0 * per, &scaled(da0));
-    sink.two_sided(*a1 * per, &scaled(da1));
-    let early: Gradient<S> =
-        core::array::from_fn(|k| (da0[k] + dq0[k] * reach + q0 * third * slopes.time[k]) * per);
-    sink.two_sided((*a0 + q0 * reach) * per, &early);
-    let late: Gradient<S> =
-        core::array::from_fn(|k| (da1[k] - dq2[k] * reach - q2 * third * slopes.time[k]) * per);
-    sink.two_sided((*a1 - q2 * reach) * per, &late);
+    let [(q0, dq0), (q2, dq2)] = parts.jerks;
+    let ((a0, da0), (a1, da1)) = (&parts.start, &parts.finish);
+    let inner = |ends: &Gradient<S>, (jerk, reach): (&Gradient<S>, S), per_time: S| {
+        let part = |k: usize| (ends[k] + jerk[k] * reach + per_time * slopes.time[k]) * per;
+        [part(0), part(1), part(2), part(3)]
+    };
+    sink.two_sided([*a0 * per, (*a0 + q0 * reach) * per, (*a1 - q2 * reach) * per], || {
+        [
+            scaled(da0, per),
+            inner(da0, (dq0, reach), q0 * third),
+            inner(da1, (dq2, -reach), -(q2 * third)),
+        ]
+    });
 }
 
 #[cfg(test)]
@@ -439,17 +465,30 @@ mod tests {
 
     impl Sink<f64> for List {
         const GRADIENT: bool = true;
-        fn two_sided(&mut self, r: f64, gradient: &Gradient<f64>) {
-            self.rows.push((r, *gradient));
+        fn two_sided<const M: usize>(
+            &mut self,
+            r: [f64; M],
+            g: impl FnOnce() -> [Gradient<f64>; M],
+        ) {
+            self.rows.extend(r.into_iter().zip(g()));
         }
-        fn one_sided(&mut self, r: f64, gradient: &Gradient<f64>) {
-            self.rows.push((r, *gradient));
+        fn one_sided<const M: usize>(
+            &mut self,
+            r: [f64; M],
+            g: impl FnOnce() -> [Gradient<f64>; M],
+        ) {
+            self.rows.extend(r.into_iter().zip(g()));
         }
-        fn positive(&mut self, r: f64, gradient: &Gradient<f64>) {
-            self.rows.push((r, *gradient));
+        fn positive(&mut self, r: f64, g: impl FnOnce() -> Gradient<f64>) {
+            self.rows.push((r, g()));
         }
-        fn priced(&mut self, r: f64, _: f64, gradient: &Gradient<f64>) {
-            self.rows.push((r, *gradient));
+        fn priced<const M: usize>(
+            &mut self,
+            r: [f64; M],
+            _: f64,
+            g: impl FnOnce() -> [Gradient<f64>; M],
+        ) {
+            self.rows.extend(r.into_iter().zip(g()));
         }
     }
 

@@ -206,45 +206,50 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         Some(time)
     }
 
-    /// Gradient and second derivatives of every cell into the blocks.
+    /// Gradient and second derivatives of every cell into the blocks; returns time and barrier, `None`
+    /// if a limit is broken that must not be.
     pub(super) fn assemble<const N: usize>(
         &mut self,
         window: &Window<S, N, NODES>,
         stretch: Stretch,
         limits: &Limits<S, N>,
         Weights { weight, stiffness, damping }: Weights<S>,
-    ) {
+    ) -> Option<S> {
         for work in &mut self.work[stretch.first..=stretch.last] {
             *work = Work::EMPTY;
         }
+        let timed = self.aim != Aim::Halt;
+        let mut slack = Slack::new(self.edge);
+        let mut time = S::ZERO;
         for i in stretch.first..stretch.last {
-            let (free0, free1) =
-                (Self::is_free(window, stretch, i), Self::is_free(window, stretch, i + 1));
-            let Some((station, after)) = window.pair(i) else { continue };
-            if !(station.cell.length > S::ZERO) || !(free0 || free1) {
+            let free = (Self::is_free(window, stretch, i), Self::is_free(window, stretch, i + 1));
+            let (station, after) = window.pair(i)?;
+            let toll = self.toll(window, stretch, i + 1);
+            self.work[i + 1].gradient[0] += toll;
+            time += toll * after.state.b;
+            let length = station.cell.length;
+            if !(length > S::ZERO) {
                 continue;
             }
             let to = if i + 1 == stretch.last { State::REST } else { after.state };
-            let Some(law) = Law::new(station.cell.length, station.state, to) else { continue };
-            let timed = self.aim != Aim::Halt;
-            let gradient = if timed { time_gradient(&law) } else { [S::ZERO; 4] };
-            let mut model =
-                Model { edge: self.edge, weight, stiffness, gradient, hessian: [S::ZERO; 10] };
-            let Some(view) = self.view(window, stretch, i, limits) else { continue };
-            rows(&view, &law, &mut model);
-            let (g, mut h) = by_square(&model, &law, (free0, free1));
-            add_damping(
-                &mut h,
-                damping * law.time,
-                station.cell.length,
-                (station.state, to),
-                (free0, free1),
-            );
             let ends = (station.state, to);
+            let law = Law::new(length, station.state, to)?;
+            let mut gradient = [S::ZERO; 4];
             if timed {
-                add_time_curvature(&mut h, station.cell.length, ends, (free0, free1));
+                time += law.time;
+                gradient = time_gradient(&law);
             }
-            let toll = self.toll(window, stretch, i + 1);
+            let mut model = Model { weight, stiffness, gradient, hessian: [S::ZERO; 10], slack };
+            rows(&self.view(window, stretch, i, limits)?, &law, &mut model);
+            let (g, mut h) = by_square(&model, &law, free);
+            slack = model.slack;
+            if slack.is_broken() {
+                return None;
+            }
+            add_damping(&mut h, damping * law.time, length, ends, free);
+            if timed {
+                add_time_curvature(&mut h, length, ends, free);
+            }
             let work = &mut self.work[i];
             for (sum, part) in work.block.iter_mut().zip([h[0], h[1], h[4]]) {
                 *sum += part;
@@ -256,7 +261,7 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
             for (sum, part) in work.block.iter_mut().zip([h[7], h[8], h[9]]) {
                 *sum += part;
             }
-            work.gradient[0] += g[2] + toll;
+            work.gradient[0] += g[2];
             work.gradient[1] += g[3];
         }
         for i in stretch.first..=stretch.last {
@@ -266,5 +271,7 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
                 work.gradient = [S::ZERO; 2];
             }
         }
+        let value = time + slack.price + weight * slack.barrier();
+        value.is_finite().then_some(value)
     }
 }
