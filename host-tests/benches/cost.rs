@@ -1,9 +1,12 @@
 //! What planning and interpolating cost: nanoseconds (divan) and instructions (callgrind).
 //!
-//! `cargo bench -p splineway-host --bench cost`. A dense program - a circle of 20 mm in chords of
+//! `cargo bench -p splineway-host --bench cost [-- FOLDER]`. A dense program - a circle of 20 mm in chords of
 //! 0.05 mm, then a meander of 0.2 mm steps - runs through the core with three axes in `f32`, at
 //! look-ahead depths of 16, 64 and 256 blocks. Instruction counts are exact and need valgrind; without
-//! it they are skipped, and it says so.
+//! it they are skipped, and it says so. Then the same for planning the bench paths in FOLDER, with
+//! `splineway simulate`.
+
+mod common;
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
@@ -114,20 +117,46 @@ fn tick(bencher: Bencher<'_, '_>) {
         .bench_local_values(|()| servo_tick(&mut interpolator));
 }
 
-/// Instructions of the functions whose name matches, in a run at a depth; `None` without valgrind.
-fn instructions(part: &str, depth: usize) -> Option<f64> {
-    let own = std::env::current_exe().ok()?;
+/// Instructions that a command spends in the functions whose names match; `None` without valgrind.
+fn instructions(parts: &[&str], command: &mut Command) -> Option<f64> {
     let output = Command::new("valgrind")
         .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
-        .arg(format!("--toggle-collect=*{part}*"))
-        .arg(own)
-        .env(PART, part)
-        .env(DEPTH, depth.to_string())
+        .args(parts.iter().map(|part| format!("--toggle-collect=*{part}*")))
+        .arg(command.get_program())
+        .args(command.get_args())
+        .envs(command.get_envs().filter_map(|(key, value)| Some((key, value?))))
         .output()
         .ok()?;
     let text = String::from_utf8_lossy(&output.stderr);
     let line = text.lines().find(|line| line.contains("Collected"))?;
     line.rsplit(':').next()?.trim().parse().ok()
+}
+
+/// Instructions of this program's functions whose name matches, in a run at a depth.
+fn own_instructions(part: &str, depth: usize) -> Option<f64> {
+    let mut command = Command::new(std::env::current_exe().ok()?);
+    instructions(&[part], command.env(PART, part).env(DEPTH, depth.to_string()))
+}
+
+/// Instructions per block of planning the bench paths.
+fn print_paths() {
+    println!("{:<20} {:>8} {:>24}", "path, depth 16, f32", "blocks", "instructions per block");
+    for path in common::paths() {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_splineway"));
+        command.arg("simulate").arg(&path).args(["--scalar", "f32", "--lookahead", "16"]);
+        let parts = ["splineway*Planner*poll", "splineway*Planner*push"];
+        let Some(sum) = instructions(&parts, &mut command) else {
+            println!("skipped: valgrind is not there, so no instructions are counted");
+            return;
+        };
+        let blocks = std::fs::read_to_string(&path).map_or(0, |text| {
+            text.lines()
+                .filter(|line| line.starts_with(|c: char| c == '-' || c.is_numeric()))
+                .count()
+        });
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        println!("{name:<20} {blocks:>8} {:>24.0}", sum / blocks as f64);
+    }
 }
 
 fn print_instructions() {
@@ -137,7 +166,7 @@ fn print_instructions() {
     for depth in DEPTHS {
         let (blocks, ticks) = run_at(depth, &program);
         let (Some(planning), Some(ticking)) =
-            (instructions("planning_step", depth), instructions("servo_tick", depth))
+            (own_instructions("planning_step", depth), own_instructions("servo_tick", depth))
         else {
             println!("skipped: valgrind is not there, so no instructions are counted");
             return;
@@ -161,5 +190,6 @@ fn main() {
         return;
     }
     print_instructions();
+    print_paths();
     divan::main();
 }

@@ -3,12 +3,14 @@
 //! `cargo bench --bench paths [-- FOLDER]`; the paths lie in `../shared/bench/paths` beside the
 //! checkout. Without them there is nothing to do, and it says so.
 
+mod common;
+
 use splineway::{Link, Planner, Scalar};
 use splineway_host::machine::Machine;
 use splineway_host::program::{self, Program, ReadOptions};
 use splineway_host::run::{Judge, Precision, Stats, Track, Verdict, run};
 use splineway_host::view::violations;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 fn judge(
     program: &Program,
@@ -77,18 +79,10 @@ fn main() -> anyhow::Result<()> {
     print_memory::<f32, 6, 8, 56>();
     print_memory::<f32, 6, 16, 64>();
     print_memory::<f64, 3, 64, 192>();
-    let given = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
-    let folder = given.map_or_else(
-        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/bench/paths"),
-        PathBuf::from,
-    );
-    let Ok(entries) = std::fs::read_dir(&folder) else {
-        println!("skipped: the bench paths are not at {}", folder.display());
+    let paths = common::paths();
+    if paths.is_empty() {
         return Ok(());
-    };
-    let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
-    paths.retain(|path| path.extension().is_some_and(|ending| ending == "txt"));
-    paths.sort();
+    }
     println!(
         "{:<20} {:>9} {:>9} {:>10} {:>8} {:>7} {:>7} {:>7} {:>10}",
         "path", "f64, s", "f32, s", "stops, s", "dev/tol", "v", "a", "j", "ns/block"

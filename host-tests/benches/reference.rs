@@ -1,16 +1,18 @@
 //! The planner's times beside the least time along the very same path.
 //!
 //! `cargo bench -p splineway-host --bench reference [-- FOLDER]`. The geometry is taken from the
-//! setpoints of the run itself, at several times the servo rate: position, velocity and acceleration of every servo cycle give
-//! tangent and curvature by arc length. The least time along it is that of
+//! setpoints of the run itself, at several times the servo rate: position, velocity and acceleration
+//! of every servo cycle give tangent and curvature by arc length. The least time along it is that of
 //! `splineway_host::reference`.
+
+mod common;
 
 use anyhow::{Result, anyhow};
 use splineway_host::machine::Machine;
 use splineway_host::program::{self, ReadOptions};
 use splineway_host::reference::{Ends, Place, least_time, time};
 use splineway_host::run::{Geometry, Precision, run};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -59,18 +61,10 @@ fn compare(path: &Path) -> Result<(f64, f64)> {
 }
 
 fn main() -> Result<()> {
-    let given = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
-    let folder = given.map_or_else(
-        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/bench/paths"),
-        PathBuf::from,
-    );
-    let Ok(entries) = std::fs::read_dir(&folder) else {
-        println!("skipped: the bench paths are not at {}", folder.display());
+    let paths = common::paths();
+    if paths.is_empty() {
         return Ok(());
-    };
-    let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
-    paths.retain(|path| path.extension().is_some_and(|ending| ending == "txt"));
-    paths.sort();
+    }
     println!("{:<20} {:>10} {:>14} {:>8}", "path", "planner, s", "least time, s", "ratio");
     let (mut sum, mut worst) = (0.0, 0.0f64);
     // On as many threads as the machine has: a path takes minutes.
