@@ -22,8 +22,9 @@
 //! - `profile`: the speed law over a window of cells. The unknowns are speed and acceleration at the
 //!   nodes; every limit of every axis is a bound on Bernstein coefficients of the very polynomials
 //!   that will be executed, so it holds at every instant, not only at samples. A barrier method
-//!   minimises the time; each of its iterates keeps all limits, so it can stop after any bounded
-//!   number of steps.
+//!   minimises the time, from a guess that may break limits to a motion that keeps them all, in a
+//!   bounded number of steps; if it has not got there by then, another takes over that keeps them in
+//!   every step.
 //! - [`servo`]: the interrupt side, which knows no planning. Plans arrive whole in two buffers used in
 //!   turn ([`Link`]), each from a place still ahead of the motion to a stop; the [`Interpolator`]
 //!   changes over where they branch off. If nothing arrives it comes to rest on the

@@ -36,8 +36,9 @@ pub struct Config<S, const N: usize> {
     pub lead: S,
     /// How long a start from rest waits for the look-ahead to fill, s.
     pub start_delay: S,
-    /// Most improvement steps (Newton iterations) of one planning step: the bound on its work. The
-    /// answer to an operator's command may take half as many again.
+    /// Most improvement steps (Newton iterations) of one planning step: the bound on its work. 10 to 20
+    /// are needed as a rule; as many again are allowed if the first do not lead to a motion, and half
+    /// as many for the answer to an operator's command.
     pub iterations: u16,
     /// Sweeps in which a stretch of a run of short lines is smoothed before six of its spans are handed
     /// on; 0 leaves the spline as it is laid. Every number gives a path inside the tolerance: up to
