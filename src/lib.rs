@@ -35,7 +35,7 @@
 //! An operator's commands ([`Controls`]) overtake all this: the planner answers with a plan that
 //! branches off at the next servo cycle.
 //!
-//! Lower modules never import higher ones: `number`, `machine`, `block`, `path`, `servo`, `profile`,
+//! Lower modules never import higher ones: `number`, `machine`, `block`, `spline`, `path`, `servo`, `profile`,
 //! and on top the [`Planner`].
 //!
 //! # In twenty lines
@@ -85,6 +85,7 @@ mod path;
 mod planner;
 mod profile;
 pub mod servo;
+mod spline;
 
 pub use block::{Block, Feed, Motion, PushError, Turn};
 pub use machine::{AxisLimits, Config, CornerMode, Limits};

@@ -1,14 +1,12 @@
 //! Runs of short lines as one cubic B-spline inside their tolerance band.
 //!
 //! [`chain`] holds the poly-line, thinned; [`Run`] lays knots along it, where it turns; [`window`]
-//! makes a spline over them that is inside the band, by a bound; [`sweep`] smooths it as far as the
-//! band allows; [`basis`] has the formulas. A stretch of spans is kept in hand: when it is full, or the
+//! makes a spline over them that is inside the band, by a bound, and has [`crate::spline::sweep`]
+//! smooth it as far as the band allows. A stretch of spans is kept in hand: when it is full, or the
 //! run ends, it is smoothed and its first spans are handed on for good.
 
-mod basis;
 mod chain;
 mod curve;
-mod sweep;
 mod window;
 
 pub use self::chain::{Leg, SPIKE};
@@ -33,7 +31,7 @@ const WAITING: usize = 6;
 /// Length of the spans at a corner, times turn over tolerance: what a uniform cubic spline with
 /// spans of this length cuts off is two thirds of the band.
 const CORNER_SPAN: f64 = 4.0;
-/// Reach at a corner, times turn^1.5 over tolerance: see [`sweep`].
+/// Reach at a corner, times turn^1.5 over tolerance: see [`crate::spline::sweep`].
 const CORNER_REACH: f64 = 25.0;
 /// Twice the sine of half the turn (100 degrees) from which on a corner of a run is a rest.
 const BACK: f64 = 1.53;
@@ -419,7 +417,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         let ends = (&self.window.start(span), &self.window.finish(span));
         let from = if rested { Node { at: last.at, ..curve.node(part, ends) } } else { *last };
         let node = curve.node(part + 1, ends);
-        let order = self.window.spans[span].leg.order;
+        let order = self.window.legs[span].order;
         let cell = curve.cell(part, &from, &node, order);
         self.part += 1;
         if self.part == curve.parts() {

@@ -4,7 +4,7 @@
 //! With knots t the control point number j belongs to the Greville abscissa (t[j-2] + t[j-1] +
 //! t[j]) / 3. The *base* spline has its control points on the poly-line, at these arc lengths
 //! (Schoenberg's operator): it reproduces straight lines, needs no system to be solved, and every
-//! span is checked against the band before its knots are taken. Smoothing ([`super::sweep`]) moves
+//! span is checked against the band before its knots are taken. Smoothing ([`crate::spline::sweep`]) moves
 //! control points away from there; what is moved is checked by the same bound.
 //!
 //! The bound: spline and poly-line are compared at equal arc length of the poly-line, so the
@@ -12,12 +12,14 @@
 //! the poly-line is straight, so the difference e has the spline's own second derivative, which is
 //! linear on a span: |e| <= max(|e_a|, |e_b|) + gap^2 / 8 max |c''|.
 
-use super::basis::Local;
 use super::chain::{Chain, Leg, Vertex};
 use super::curve::Curve;
 use crate::number::vector::{Vector, dot, norm, sub, zero};
 use crate::number::{Coord, Scalar};
 use crate::path::segment::raw_to_mm;
+use crate::spline::basis::Local;
+use crate::spline::sweep::{System, Tube};
+use crate::spline::tube::{Place, Pole, Span, edges};
 use core::array::from_fn;
 use heapless::Vec;
 
@@ -38,66 +40,16 @@ const REST_SHARE: f64 = 1.0 / 96.0;
 const SHARP: f64 = 0.15;
 /// How far along its line the point that a place is compared with may lie, as a share of the tolerance.
 const SLIP: f64 = 2.0;
-/// Least product of neighbouring first derivatives, by the arc length of the poly-line.
-const LEAST_SPEED: f64 = 0.01;
 /// Corners that are remembered for the spans behind them.
 const CORNERS: usize = 8;
 
 /// A control point and the newest knot it depends on.
 #[derive(Clone, Copy, Debug)]
-pub struct Control<S, const N: usize> {
+pub struct Control<const N: usize> {
     /// The knot, arc length in 1e-12 mm.
     pub knot: i64,
     /// Where the base spline has it.
     pub base: [Coord; N],
-    /// From there to the next control point of the base spline, mm.
-    pub edge: Vector<S, N>,
-    /// By how much smoothing has moved it, mm; valid: the spline is within the band.
-    pub shift: Vector<S, N>,
-    /// The same while it is being worked on.
-    pub trial: Vector<S, N>,
-}
-
-/// A span: it depends on four control points, the first of which has the span's index.
-#[derive(Clone, Copy, Debug)]
-pub struct Span<S> {
-    /// Third derivative by the control points, 1/mm3.
-    pub thirds: [S; 4],
-    /// Factors of the second derivatives at both ends and of the edges in them.
-    pub firsts: [S; 3],
-    pub seconds: [S; 2],
-    /// Factors of the edges in the first derivative at the start (of the first two) and at the end
-    /// (of the last two).
-    pub ends: [[S; 2]; 2],
-    /// Length by the knots, mm.
-    pub step: S,
-    /// Factor of the second derivative in what is kept free of the band, mm2: for the gaps between places
-    /// of comparison, and for rests.
-    pub sag: S,
-    /// How soon the motion has to be slow from here, mm: see [`super::sweep`].
-    pub reach: S,
-    pub leg: Leg<S>,
-    /// Its places of comparison.
-    pub first_place: u16,
-    pub places: u16,
-}
-
-/// A place of comparison.
-#[derive(Clone, Copy, Debug)]
-pub struct Place<S, const N: usize> {
-    /// Factors of the span's four control points.
-    pub basis: [S; 4],
-    /// Base spline minus poly-line, mm.
-    pub off: Vector<S, N>,
-    /// What spline and poly-line may be apart, mm.
-    pub radius: S,
-    /// Weight with which the spline is drawn to the poly-line.
-    pub weight: S,
-    /// Direction of the poly-line, and how far along it the point to compare with may lie, mm.
-    pub along: Vector<S, N>,
-    pub slip: (S, S),
-    /// From the nearest of those points to the spline, as measured last, mm.
-    pub miss: Vector<S, N>,
 }
 
 /// How a run starts or ends.
@@ -113,8 +65,12 @@ pub enum Tie {
 pub struct Window<S, const N: usize> {
     /// The two knots before that of the first control point.
     before: [i64; 2],
-    pub controls: Vec<Control<S, N>, CONTROLS>,
+    pub controls: Vec<Control<N>, CONTROLS>,
+    /// What smoothing does with them.
+    pub poles: Vec<Pole<S, N>, CONTROLS>,
     pub spans: Vec<Span<S>, CONTROLS>,
+    /// The lines beside them.
+    pub legs: Vec<Leg<S>, CONTROLS>,
     pub places: Vec<Place<S, N>, PLACES>,
     /// Control points at the front that no longer move.
     pub frozen: usize,
@@ -129,6 +85,7 @@ pub struct Window<S, const N: usize> {
 /// A span that may be taken on.
 struct Draft<S, const N: usize> {
     span: Span<S>,
+    leg: Leg<S>,
     places: Vec<Place<S, N>, SPAN_PLACES>,
 }
 
@@ -140,7 +97,9 @@ impl<S: Scalar, const N: usize> Window<S, N> {
         Self {
             before: [0; 2],
             controls: Vec::new(),
+            poles: Vec::new(),
             spans: Vec::new(),
+            legs: Vec::new(),
             places: Vec::new(),
             frozen: 0,
             tied: 0,
@@ -151,17 +110,22 @@ impl<S: Scalar, const N: usize> Window<S, N> {
 
     /// Empties it.
     pub fn clear(&mut self) {
-        self.controls.clear();
-        self.spans.clear();
-        self.places.clear();
+        self.forget();
         self.corners.clear();
+    }
+
+    /// Forgets the spline, not the corners ahead.
+    fn forget(&mut self) {
+        self.controls.clear();
+        self.poles.clear();
+        self.spans.clear();
+        self.legs.clear();
+        self.places.clear();
     }
 
     /// Starts anew at an arc length; for a smooth start the first span is `step` long.
     pub fn begin(&mut self, chain: &Chain<S, N>, way: i64, tie: Tie, step: i64) {
-        self.controls.clear();
-        self.spans.clear();
-        self.places.clear();
+        self.forget();
         let step = if tie == Tie::Smooth { step } else { 0 };
         self.before = [way - 2 * step, way - step];
         let here = self.corners.iter().find(|(corner, _)| *corner == way);
@@ -223,12 +187,11 @@ impl<S: Scalar, const N: usize> Window<S, N> {
     pub fn push(&mut self, chain: &Chain<S, N>, way: i64) {
         let n = self.controls.len().cast_signed();
         let base = chain.point(third(self.knot(n - 2), self.knot(n - 1), way));
-        if let Some(last) = self.controls.last_mut() {
-            last.edge = from_fn(|i| base[i].minus(last.base[i]));
+        if let (Some(last), Some(pole)) = (self.controls.last(), self.poles.last_mut()) {
+            pole.edge = from_fn(|i| base[i].minus(last.base[i]));
         }
-        let zero = [S::ZERO; N];
-        let control = Control { knot: way, base, edge: zero, shift: zero, trial: zero };
-        let _ = self.controls.push(control);
+        let _ = self.controls.push(Control { knot: way, base });
+        let _ = self.poles.push(Pole::new(zero()));
         if n >= 3 {
             let ways = self.ways(n - 3);
             if let Some(draft) = Self::draft(chain, &ways) {
@@ -243,18 +206,17 @@ impl<S: Scalar, const N: usize> Window<S, N> {
         self.reach += span.step;
         self.corners.retain(|(way, _)| *way >= end);
         for (way, reach) in &self.corners {
-            self.reach = self.reach.least(*reach + S::from_i64(*way - end) * S::of(1.0e-12));
+            self.reach = self.reach.least(*reach + raw_to_mm(*way - end));
         }
         span.reach = start.least(self.reach);
         span.first_place = self.places.len() as u16;
         span.places = draft.places.len() as u16;
-        // What draws the spline to the poly-line at first, in proportion to its stiffness.
-        let stiffness = span.stiffness();
         for mut place in draft.places {
-            place.weight = stiffness * S::of(super::sweep::FIRST_WEIGHT);
+            place.weight = span.first_weight();
             let _ = self.places.push(place);
         }
         let _ = self.spans.push(span);
+        let _ = self.legs.push(draft.leg);
     }
 
     /// A corner: where it is and the reach there.
@@ -265,7 +227,7 @@ impl<S: Scalar, const N: usize> Window<S, N> {
         let _ = self.corners.push((way, reach));
         // What it means for the spans before it.
         let end = self.knot(self.spans.len().cast_signed());
-        let mut there = reach + S::from_i64((way - end).max(0)) * S::of(1.0e-12);
+        let mut there = reach + raw_to_mm((way - end).max(0));
         self.reach = self.reach.least(there);
         for span in self.spans.iter_mut().rev() {
             if span.reach <= there {
@@ -286,7 +248,7 @@ impl<S: Scalar, const N: usize> Window<S, N> {
         let controls: [[Coord; N]; 4] =
             from_fn(|j| chain.point(third(ways[j], ways[j + 1], ways[j + 2])));
         let place = |way: i64, at: &[Coord; N], line: Option<(&Vertex<S, N>, &Vertex<S, N>)>| {
-            let basis = local.values(mm(way - from));
+            let basis = local.values(raw_to_mm(way - from));
             let off = from_fn(|i| {
                 let mut sum = S::ZERO;
                 for (part, control) in basis.iter().zip(&controls) {
@@ -306,7 +268,8 @@ impl<S: Scalar, const N: usize> Window<S, N> {
             if let Some((start, end)) = line {
                 let most = leg.tolerance * S::of(SLIP);
                 place.along = end.direction;
-                place.slip = (-most.least(mm(way - start.way)), most.least(mm(end.way - way)));
+                place.slip =
+                    (-most.least(raw_to_mm(way - start.way)), most.least(raw_to_mm(end.way - way)));
                 place.measure(&[[S::ZERO; N]; 4]);
             }
             place
@@ -348,24 +311,14 @@ impl<S: Scalar, const N: usize> Window<S, N> {
                 }
             }
         }
-        let gap = S::from_i64(widest) * S::of(1.0e-12);
+        let gap: S = raw_to_mm(widest);
         let edges: [Vector<S, N>; 3] =
             from_fn(|j| from_fn(|i| controls[j + 1][i].minus(controls[j][i])));
-        let span = Span {
-            thirds: local.thirds(),
-            firsts: local.firsts(),
-            seconds: local.seconds(),
-            ends: [local.first_at_start(), local.first_at_end()],
-            step: local.step(),
-            sag: gap * gap * S::of(0.125) + local.step() * local.step() * S::of(REST_SHARE),
-            reach: S::ZERO,
-            leg,
-            first_place: 0,
-            places: 0,
-        };
-        let sag = span.sag * span.bend(&edges);
+        let rest = local.step() * local.step() * S::of(REST_SHARE);
+        let span = Span::new(&local, gap * gap * S::of(0.125) + rest);
+        let sag = span.slack(&edges);
         let inside = places.iter().all(|place| norm(&place.miss) + sag <= radius);
-        (inside && span.goes_on(&edges)).then_some(Draft { span, places })
+        (inside && span.goes_on(&edges)).then_some(Draft { span, leg, places })
     }
 
     /// Forgets the first `count` spans, which have been handed on.
@@ -377,18 +330,14 @@ impl<S: Scalar, const N: usize> Window<S, N> {
             self.spans.get(count).map_or(self.places.len(), |s| usize::from(s.first_place));
         self.before = [self.knot(count.cast_signed() - 2), self.knot(count.cast_signed() - 1)];
         drop_front(&mut self.controls, count);
+        drop_front(&mut self.poles, count);
         drop_front(&mut self.spans, count);
+        drop_front(&mut self.legs, count);
         drop_front(&mut self.places, places);
         for span in &mut self.spans {
             span.first_place -= places as u16;
         }
         self.frozen = self.frozen.saturating_sub(count);
-    }
-
-    /// An edge of the control polygon as it stands.
-    fn edge(&self, j: usize) -> Vector<S, N> {
-        let (a, b) = (&self.controls[j], &self.controls[j + 1]);
-        from_fn(|i| a.edge[i] + (b.shift[i] - a.shift[i]))
     }
 
     /// The six knots of a span.
@@ -398,56 +347,50 @@ impl<S: Scalar, const N: usize> Window<S, N> {
 
     /// The curve of a span.
     pub fn curve(&self, span: usize) -> Curve<S, N> {
-        let edges: [Vector<S, N>; 3] = from_fn(|j| self.edge(span + j));
-        let first = self.spans[span].first(&edges);
-        let still = self.controls[span..span + 4].iter().all(|c| c.shift == [S::ZERO; N]);
+        let first = self.spans[span].first(&edges(&self.poles, span, |pole| pole.shift));
+        let still = self.poles[span..span + 4].iter().all(|pole| pole.shift == [S::ZERO; N]);
         Curve::new(first, self.spans[span].step, still)
     }
 
     /// The point at the start of a span.
     pub fn start(&self, span: usize) -> [Coord; N] {
-        let local = self.local(span);
-        let w = local.values(S::ZERO);
-        let c: [&Control<S, N>; 3] = from_fn(|j| &self.controls[span + j]);
-        from_fn(|i| {
-            // The base in f64: the control points may be far apart.
-            let (before, after): (f64, f64) =
-                (c[0].base[i].minus(c[1].base[i]), c[2].base[i].minus(c[1].base[i]));
-            let base = before * w[0].to_f64() + after * w[2].to_f64();
-            let shift = c[0].shift[i] * w[0] + c[1].shift[i] * w[1] + c[2].shift[i] * w[2];
-            c[1].base[i].plus(base).plus(shift)
-        })
+        let [before, _, after, _] = self.local(span).values(S::ZERO);
+        self.point(span, before, after)
     }
 
     /// The point at the end of a span.
     pub fn finish(&self, span: usize) -> [Coord; N] {
-        if span + 1 < self.spans.len() {
-            return self.start(span + 1);
-        }
-        // The last span ends on the poly-line, or nowhere yet.
         let local = self.local(span);
-        let w = local.values(local.step());
-        let c: [&Control<S, N>; 3] = from_fn(|j| &self.controls[span + 1 + j]);
+        let [_, before, _, after] = local.values(local.step());
+        self.point(span + 1, before, after)
+    }
+
+    /// The sum of three control points from `first` on; the factors add up to one.
+    fn point(&self, first: usize, before: S, after: S) -> [Coord; N] {
+        let c: [&Control<N>; 3] = from_fn(|j| &self.controls[first + j]);
+        let p: [&Pole<S, N>; 3] = from_fn(|j| &self.poles[first + j]);
         from_fn(|i| {
-            let (before, after): (f64, f64) =
+            // The base in f64: the control points may be far apart.
+            let (b0, b2): (f64, f64) =
                 (c[0].base[i].minus(c[1].base[i]), c[2].base[i].minus(c[1].base[i]));
-            c[1].base[i].plus(before * w[1].to_f64() + after * w[3].to_f64())
+            let base = b0 * before.to_f64() + b2 * after.to_f64();
+            let middle = p[1].shift[i];
+            let shift =
+                middle + (p[0].shift[i] - middle) * before + (p[2].shift[i] - middle) * after;
+            c[1].base[i].plus(base).plus(shift)
         })
     }
-}
 
-impl<S: Scalar, const N: usize> Place<S, N> {
-    /// Finds the miss for shifts of the four control points.
-    #[inline]
-    pub fn measure(&mut self, shifts: &[Vector<S, N>; 4]) {
-        let mut off = self.off;
-        for (part, shift) in self.basis.iter().zip(shifts) {
-            for (sum, x) in off.iter_mut().zip(shift) {
-                *sum += *part * *x;
-            }
-        }
-        let slip = dot(&off, &self.along).least(self.slip.1).greatest(self.slip.0);
-        self.miss = from_fn(|i| off[i] - slip * self.along[i]);
+    /// Smooths the spline by `sweeps` sweeps; the control points that may move are those between
+    /// the frozen and the tied ones.
+    pub fn improve(&mut self, sweeps: u16) {
+        let mut system = System::<S, N, CONTROLS>::new();
+        let last = self.controls.len().saturating_sub(self.tied);
+        Tube { poles: &mut self.poles, spans: &self.spans, places: &mut self.places }.improve(
+            sweeps,
+            (self.frozen, last),
+            &mut system,
+        );
     }
 }
 
@@ -455,56 +398,6 @@ impl<S: Scalar, const N: usize> Place<S, N> {
 fn is_sharp<S: Scalar, const N: usize>(before: &Vertex<S, N>, after: &Vertex<S, N>) -> bool {
     let turn = sub(&after.direction, &before.direction);
     dot(&turn, &turn) > S::of(SHARP * SHARP)
-}
-
-impl<S: Scalar> Span<S> {
-    /// Greatest second derivative, by the edges of the control polygon, 1/mm.
-    pub fn bend<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> S {
-        let part = |k: usize| -> Vector<S, N> {
-            let (a, b) = (self.seconds[k] * self.firsts[k], self.seconds[k] * self.firsts[k + 1]);
-            from_fn(|i| b * edges[k + 1][i] - a * edges[k][i])
-        };
-        norm(&part(0)).greatest(norm(&part(1)))
-    }
-
-    /// The Bezier points of the first derivative.
-    pub fn first<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> [Vector<S, N>; 3] {
-        let [start, end] = &self.ends;
-        [
-            from_fn(|i| start[0] * edges[0][i] + start[1] * edges[1][i]),
-            from_fn(|i| self.firsts[1] * edges[1][i]),
-            from_fn(|i| end[0] * edges[1][i] + end[1] * edges[2][i]),
-        ]
-    }
-
-    /// Whether the curve goes on everywhere: the Bezier points of its first derivative turn by less
-    /// than a right angle from one to the next, so it does not vanish.
-    pub fn goes_on<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> bool {
-        let [a, b, c] = self.first(edges);
-        let least = S::of(LEAST_SPEED);
-        dot(&a, &b) > least && dot(&b, &c) > least && dot(&b, &b) > least
-    }
-
-    /// Third derivative by the edges of the control polygon, 1/mm2.
-    pub fn third<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> Vector<S, N> {
-        let [a, b, _, d] = self.thirds;
-        from_fn(|i| d * edges[2][i] - (a + b) * edges[1][i] - a * edges[0][i])
-    }
-
-    /// What a third derivative costs here, by the square of a displacement of a control point.
-    pub fn stiffness(&self) -> S {
-        let [a, b, c, d] = self.thirds;
-        self.weight() * (a * a + b * b + c * c + d * d)
-    }
-
-    /// Weight of the square of the third derivative: see [`super::sweep`].
-    pub fn weight(&self) -> S {
-        self.step * super::sweep::price(self.reach)
-    }
-}
-
-fn mm<S: Scalar>(raw: i64) -> S {
-    raw_to_mm(raw)
 }
 
 fn third(a: i64, b: i64, c: i64) -> i64 {

@@ -1,7 +1,7 @@
-//! Smoothing a run's spline inside its band, in a fixed number of sweeps.
+//! Smoothing a spline inside its tube, in a fixed number of sweeps.
 //!
 //! What is minimised: the integral of w |c'''|^2 over the window, c''' being the third derivative by
-//! arc length of the poly-line. On a jerk-limited machine it is what costs time: at a speed v it
+//! arc length (of the poly-line that the spline follows). On a jerk-limited machine it is what costs time: at a speed v it
 //! needs the jerk |c'''| v^3, so a path is run at (J / |c'''|)^(1/3); curvature alone, which the
 //! thesis (Naseath 2007, section 3.1) lowers, limits it only where acceleration does. The price w is
 //! the cube of the *reach*: of k band / turn^1.5 at a corner of the poly-line, plus the distance to it.
@@ -15,10 +15,10 @@
 //! band; *direction and sensitivity*: the exact minimiser of the price plus the weighted squares of
 //! the distances, for all control points together - one band matrix of half-width 3, the same for
 //! all axes, factored once per sweep, where the thesis tries one point at a time; *move distance*:
-//! all of the way where the bound of [`super::window`] allows it, else half of it, or none, for the control
+//! all of the way where the bound of [`super::tube`] allows it, else half of it, or none, for the control
 //! points around the place. So the path is inside the band after any number of sweeps, also none.
 
-use super::window::{CONTROLS, Window};
+use super::tube::{Place, Pole, Span, edges};
 use crate::number::Scalar;
 use crate::number::vector::{Vector, norm};
 use core::array::from_fn;
@@ -46,32 +46,42 @@ pub fn price<S: Scalar>(reach: S) -> S {
     reach * reach * reach
 }
 
-/// The band matrix and the right-hand sides of a sweep.
-struct System<S, const N: usize> {
+/// The band matrix and the right-hand sides of a sweep over at most `SIZE` control points.
+pub struct System<S, const N: usize, const SIZE: usize> {
     /// Row by row, from the diagonal on.
-    rows: [[S; 4]; CONTROLS],
-    right: [Vector<S, N>; CONTROLS],
+    rows: [[S; 4]; SIZE],
+    right: [Vector<S, N>; SIZE],
 }
 
-impl<S: Scalar, const N: usize> Window<S, N> {
-    /// Smooths the spline by `sweeps` sweeps; the control points that may move are those between
-    /// the frozen and the tied ones.
-    pub fn improve(&mut self, sweeps: u16) {
-        let last = self.controls.len().saturating_sub(self.tied);
-        if self.frozen >= last || sweeps == 0 {
+/// A spline in its tube: span number k depends on the control points k to k + 3.
+pub struct Tube<'a, S, const N: usize> {
+    pub poles: &'a mut [Pole<S, N>],
+    pub spans: &'a [Span<S>],
+    pub places: &'a mut [Place<S, N>],
+}
+
+impl<S: Scalar, const N: usize> Tube<'_, S, N> {
+    /// Smooths the spline by `sweeps` sweeps, and as many repairs as the tube asks for, up to
+    /// eight; the control points from `first` to before `last` may move.
+    pub fn improve<const SIZE: usize>(
+        &mut self,
+        sweeps: u16,
+        (first, last): (usize, usize),
+        system: &mut System<S, N, SIZE>,
+    ) {
+        if first >= last || sweeps == 0 {
             return;
         }
-        for control in &mut self.controls {
-            control.trial = control.shift;
+        for pole in &mut *self.poles {
+            pole.trial = pole.shift;
         }
-        let mut system = System { rows: [[S::ZERO; 4]; CONTROLS], right: [[S::ZERO; N]; CONTROLS] };
         self.measure();
         for _ in 0..sweeps {
             self.weigh(|ratio| {
                 let ratio = ratio.greatest(S::of(CHANGE.0)).least(S::of(CHANGE.1));
                 ratio * ratio.sqrt()
             });
-            self.sweep(&mut system, last);
+            self.sweep(system, (first, last));
         }
         for _ in 0..REPAIRS {
             if (0..self.spans.len()).all(|k| self.holds(k)) {
@@ -81,19 +91,21 @@ impl<S: Scalar, const N: usize> Window<S, N> {
                 let growth = S::ONE + (ratio - S::ONE) * S::of(REPAIR.0);
                 growth.greatest(S::ONE).least(S::of(REPAIR.1))
             });
-            self.sweep(&mut system, last);
+            self.sweep(system, (first, last));
         }
-        self.accept(last);
+        self.accept((first, last));
     }
 
     /// Moves what is tried to the minimiser for the present weights.
-    fn sweep(&mut self, system: &mut System<S, N>, last: usize) {
-        self.assemble(system, last);
-        system.solve(self.frozen, last);
-        for (control, step) in
-            self.controls.iter_mut().zip(&system.right).take(last).skip(self.frozen)
-        {
-            for (x, dx) in control.trial.iter_mut().zip(step) {
+    fn sweep<const SIZE: usize>(
+        &mut self,
+        system: &mut System<S, N, SIZE>,
+        (first, last): (usize, usize),
+    ) {
+        self.assemble(system, (first, last));
+        system.solve(first, last);
+        for (pole, step) in self.poles.iter_mut().zip(&system.right).take(last).skip(first) {
+            for (x, dx) in pole.trial.iter_mut().zip(step) {
                 *x += *dx;
             }
         }
@@ -102,18 +114,14 @@ impl<S: Scalar, const N: usize> Window<S, N> {
 
     /// The edges of the control polygon of a span, as tried.
     fn trial_edges(&self, span: usize) -> [Vector<S, N>; 3] {
-        from_fn(|j| {
-            let (a, b) = (&self.controls[span + j], &self.controls[span + j + 1]);
-            from_fn(|i| a.edge[i] + (b.trial[i] - a.trial[i]))
-        })
+        edges(self.poles, span, |pole| pole.trial)
     }
 
     /// Distances at all places, as tried.
     fn measure(&mut self) {
         for (k, span) in self.spans.iter().enumerate() {
-            let first = usize::from(span.first_place);
-            let shifts = from_fn(|j| self.controls[k + j].trial);
-            for place in &mut self.places[first..first + usize::from(span.places)] {
+            let shifts = from_fn(|j| self.poles[k + j].trial);
+            for place in &mut self.places[span.range()] {
                 place.measure(&shifts);
             }
         }
@@ -123,11 +131,10 @@ impl<S: Scalar, const N: usize> Window<S, N> {
     fn weigh(&mut self, change: impl Fn(S) -> S) {
         for k in 0..self.spans.len() {
             let span = &self.spans[k];
-            let sag = span.sag * span.bend(&self.trial_edges(k));
+            let sag = span.slack(&self.trial_edges(k));
             let stiffness = span.stiffness();
             let (least, most) = (stiffness * S::of(WEIGHTS.0), stiffness * S::of(WEIGHTS.1));
-            let first = usize::from(span.first_place);
-            for place in &mut self.places[first..first + usize::from(span.places)] {
+            for place in &mut self.places[span.range()] {
                 let ratio = (norm(&place.miss) + sag) / (place.radius * S::of(TARGET));
                 let weight = place.weight * change(ratio);
                 place.weight = weight.greatest(least).least(most);
@@ -136,18 +143,21 @@ impl<S: Scalar, const N: usize> Window<S, N> {
     }
 
     /// The system whose solution is the step from what is tried to the minimiser.
-    fn assemble(&self, system: &mut System<S, N>, last: usize) {
-        for i in self.frozen..last {
+    fn assemble<const SIZE: usize>(
+        &self,
+        system: &mut System<S, N, SIZE>,
+        (first, last): (usize, usize),
+    ) {
+        for i in first..last {
             system.rows[i] = [S::ZERO; 4];
             system.right[i] = [S::ZERO; N];
         }
-        for k in self.frozen.saturating_sub(3)..last.min(self.spans.len()) {
+        for k in first.saturating_sub(3)..last.min(self.spans.len()) {
             let span = &self.spans[k];
             let third = span.third(&self.trial_edges(k));
-            system.add(k, (self.frozen, last), span.weight(), &span.thirds, &third);
-            let first = usize::from(span.first_place);
-            for place in &self.places[first..first + usize::from(span.places)] {
-                system.add(k, (self.frozen, last), place.weight, &place.basis, &place.miss);
+            system.add(k, (first, last), span.weight(), &span.thirds, &third);
+            for place in &self.places[span.range()] {
+                system.add(k, (first, last), place.weight, &place.basis, &place.miss);
             }
         }
     }
@@ -159,43 +169,48 @@ impl<S: Scalar, const N: usize> Window<S, N> {
         if !span.goes_on(&edges) {
             return false;
         }
-        let sag = span.sag * span.bend(&edges);
-        let first = usize::from(span.first_place);
-        let own = &self.places[first..first + usize::from(span.places)];
+        let sag = span.slack(&edges);
+        let own = &self.places[span.range()];
         // The end of the span is the first place of the next one.
         let next = self.spans.get(k + 1).and_then(|s| self.places.get(usize::from(s.first_place)));
         own.iter().chain(next).all(|place| norm(&place.miss) + sag <= place.radius)
     }
 
-    /// Takes on what was tried, as far as it is inside the band.
-    fn accept(&mut self, last: usize) {
+    /// Takes on what was tried, as far as it is inside the tube.
+    fn accept(&mut self, (first, last): (usize, usize)) {
         for round in 0..ROUNDS {
-            let mut moved = [false; CONTROLS];
+            let share = if round < HALVINGS { S::of(0.5) } else { S::ZERO };
             let mut all = true;
             for k in 0..self.spans.len() {
                 if !self.holds(k) {
                     all = false;
-                    moved[k..k + 4].fill(true);
+                    for pole in &mut self.poles[k..k + 4] {
+                        pole.back = true;
+                    }
+                }
+            }
+            for (i, pole) in self.poles.iter_mut().enumerate() {
+                if core::mem::take(&mut pole.back) && (first..last).contains(&i) {
+                    pole.trial =
+                        from_fn(|n| pole.shift[n] + share * (pole.trial[n] - pole.shift[n]));
                 }
             }
             if all {
-                for control in &mut self.controls {
-                    control.shift = control.trial;
+                for pole in &mut *self.poles {
+                    pole.shift = pole.trial;
                 }
                 return;
-            }
-            let share = if round < HALVINGS { S::of(0.5) } else { S::ZERO };
-            for i in (self.frozen..last).filter(|i| moved[*i]) {
-                let control = &mut self.controls[i];
-                control.trial =
-                    from_fn(|n| control.shift[n] + share * (control.trial[n] - control.shift[n]));
             }
             self.measure();
         }
     }
 }
 
-impl<S: Scalar, const N: usize> System<S, N> {
+impl<S: Scalar, const N: usize, const SIZE: usize> System<S, N, SIZE> {
+    pub const fn new() -> Self {
+        Self { rows: [[S::ZERO; 4]; SIZE], right: [[S::ZERO; N]; SIZE] }
+    }
+
     /// Adds weight (row . x + value)^2 / 2 for the four control points from `at` on, of which those
     /// outside the range are fixed.
     #[inline]

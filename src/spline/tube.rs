@@ -1,0 +1,181 @@
+//! A spline and the tube it has to stay in, for smoothing.
+//!
+//! The spline is compared with a reference - a poly-line, or the spline as it was - at *places*; what
+//! it moves by between two of them is bounded by its second derivative.
+
+use super::basis::Local;
+use super::sweep::FIRST_WEIGHT;
+use crate::number::Scalar;
+use crate::number::vector::{Vector, dot, norm};
+use core::array::from_fn;
+use core::ops::Range;
+
+/// Least product of neighbouring first derivatives, by the parameter.
+const LEAST_SPEED: f64 = 0.01;
+
+/// What smoothing does with a control point.
+#[derive(Clone, Copy, Debug)]
+pub struct Pole<S, const N: usize> {
+    /// From it to the next one as they were given, mm.
+    pub edge: Vector<S, N>,
+    /// By how much it has been moved, mm; valid: the spline is in its tube.
+    pub shift: Vector<S, N>,
+    /// The same while it is being worked on.
+    pub trial: Vector<S, N>,
+    /// Whether what is tried leads out of the tube here.
+    pub back: bool,
+}
+
+/// A span: it depends on four control points, the first of which has the span's index.
+#[derive(Clone, Copy, Debug)]
+pub struct Span<S> {
+    /// Third derivative by the control points, 1/mm3.
+    pub thirds: [S; 4],
+    /// Factors of the second derivatives at both ends and of the edges in them.
+    pub firsts: [S; 3],
+    pub seconds: [S; 2],
+    /// Factors of the edges in the first derivative at the start (of the first two) and at the end
+    /// (of the last two).
+    pub ends: [[S; 2]; 2],
+    /// Length by the knots, mm.
+    pub step: S,
+    /// Factor of the second derivative in what is kept free of the band, mm2: for the gaps between places
+    /// of comparison, and for rests.
+    pub sag: S,
+    /// How soon the motion has to be slow from here, mm: see [`super::sweep`].
+    pub reach: S,
+    /// Its places of comparison.
+    pub first_place: u16,
+    pub places: u16,
+}
+
+/// A place of comparison.
+#[derive(Clone, Copy, Debug)]
+pub struct Place<S, const N: usize> {
+    /// Factors of the span's four control points.
+    pub basis: [S; 4],
+    /// Base spline minus poly-line, mm.
+    pub off: Vector<S, N>,
+    /// What spline and poly-line may be apart, mm.
+    pub radius: S,
+    /// Weight with which the spline is drawn to the poly-line.
+    pub weight: S,
+    /// Direction of the poly-line, and how far along it the point to compare with may lie, mm.
+    pub along: Vector<S, N>,
+    pub slip: (S, S),
+    /// From the nearest of those points to the spline, as measured last, mm.
+    pub miss: Vector<S, N>,
+}
+
+impl<S: Scalar, const N: usize> Pole<S, N> {
+    /// One that has not moved.
+    pub fn new(edge: Vector<S, N>) -> Self {
+        Self { edge, shift: [S::ZERO; N], trial: [S::ZERO; N], back: false }
+    }
+}
+
+impl<S: Scalar, const N: usize> Place<S, N> {
+    /// Finds the miss for shifts of the four control points.
+    #[inline]
+    pub fn measure(&mut self, shifts: &[Vector<S, N>; 4]) {
+        let mut off = self.off;
+        for (part, shift) in self.basis.iter().zip(shifts) {
+            for (sum, x) in off.iter_mut().zip(shift) {
+                *sum += *part * *x;
+            }
+        }
+        let slip = dot(&off, &self.along).least(self.slip.1).greatest(self.slip.0);
+        self.miss = from_fn(|i| off[i] - slip * self.along[i]);
+    }
+}
+
+impl<S: Scalar> Span<S> {
+    /// A span without places; `sag` is the factor of the second derivative in what is kept free of
+    /// the tube, mm2.
+    pub fn new(local: &Local<S>, sag: S) -> Self {
+        Self {
+            thirds: local.thirds(),
+            firsts: local.firsts(),
+            seconds: local.seconds(),
+            ends: [local.first_at_start(), local.first_at_end()],
+            step: local.step(),
+            sag,
+            reach: S::ZERO,
+            first_place: 0,
+            places: 0,
+        }
+    }
+
+    /// Its places.
+    pub fn range(&self) -> Range<usize> {
+        let first = usize::from(self.first_place);
+        first..first + usize::from(self.places)
+    }
+
+    /// What is kept free of the tube between the places, mm.
+    pub fn slack<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> S {
+        self.sag * self.bend(edges)
+    }
+
+    /// The weight that draws the spline to its reference at first, in proportion to its stiffness.
+    pub fn first_weight(&self) -> S {
+        self.stiffness() * S::of(FIRST_WEIGHT)
+    }
+
+    /// Greatest second derivative, by the edges of the control polygon, 1/mm.
+    pub fn bend<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> S {
+        let part = |k: usize| -> Vector<S, N> {
+            let (a, b) = (self.seconds[k] * self.firsts[k], self.seconds[k] * self.firsts[k + 1]);
+            from_fn(|i| b * edges[k + 1][i] - a * edges[k][i])
+        };
+        norm(&part(0)).greatest(norm(&part(1)))
+    }
+
+    /// The Bezier points of the first derivative.
+    pub fn first<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> [Vector<S, N>; 3] {
+        let [start, end] = &self.ends;
+        [
+            from_fn(|i| start[0] * edges[0][i] + start[1] * edges[1][i]),
+            from_fn(|i| self.firsts[1] * edges[1][i]),
+            from_fn(|i| end[0] * edges[1][i] + end[1] * edges[2][i]),
+        ]
+    }
+
+    /// Whether the curve goes on everywhere: the Bezier points of its first derivative turn by less
+    /// than a right angle from one to the next, so it does not vanish.
+    pub fn goes_on<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> bool {
+        let [a, b, c] = self.first(edges);
+        let least = S::of(LEAST_SPEED);
+        dot(&a, &b) > least && dot(&b, &c) > least && dot(&b, &b) > least
+    }
+
+    /// Third derivative by the edges of the control polygon, 1/mm2.
+    pub fn third<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> Vector<S, N> {
+        let [a, b, _, d] = self.thirds;
+        from_fn(|i| d * edges[2][i] - (a + b) * edges[1][i] - a * edges[0][i])
+    }
+
+    /// What a third derivative costs here, by the square of a displacement of a control point.
+    pub fn stiffness(&self) -> S {
+        let [a, b, c, d] = self.thirds;
+        self.weight() * (a * a + b * b + c * c + d * d)
+    }
+
+    /// Weight of the square of the third derivative: see [`super::sweep`].
+    pub fn weight(&self) -> S {
+        self.step * super::sweep::price(self.reach)
+    }
+}
+
+/// The edges of the control polygon of a span, the control points being moved.
+pub fn edges<S: Scalar, const N: usize>(
+    poles: &[Pole<S, N>],
+    span: usize,
+    moved: impl Fn(&Pole<S, N>) -> Vector<S, N>,
+) -> [Vector<S, N>; 3] {
+    from_fn(|j| {
+        let (a, b) = (&poles[span + j], &poles[span + j + 1]);
+        let (from, to) = (moved(a), moved(b));
+        from_fn(|i| a.edge[i] + (to[i] - from[i]))
+    })
+}
