@@ -85,7 +85,7 @@ mod path;
 mod planner;
 mod profile;
 pub mod servo;
-mod spline;
+pub mod spline;
 
 pub use block::{Block, Feed, Motion, PushError, Turn};
 pub use machine::{AxisLimits, Config, CornerMode, Limits};

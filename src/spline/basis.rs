@@ -19,6 +19,11 @@ impl<S: Scalar> Local<S> {
         Self { knots: ways.map(|way| S::from_i64(way - start) * S::of(1.0e-12)) }
     }
 
+    /// From knots counted from the third of them.
+    pub fn from_knots(knots: [S; 6]) -> Self {
+        Self { knots }
+    }
+
     /// Length of the span, mm.
     pub fn step(&self) -> S {
         self.knots[3]

@@ -53,11 +53,22 @@ pub struct System<S, const N: usize, const SIZE: usize> {
     right: [Vector<S, N>; SIZE],
 }
 
+/// What a tube is around.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reference {
+    /// Lines, straight between the places: all of the spline's second derivative bends away from
+    /// them.
+    Lines,
+    /// The spline as it was given: only what has been moved counts.
+    Itself,
+}
+
 /// A spline in its tube: span number k depends on the control points k to k + 3.
 pub struct Tube<'a, S, const N: usize> {
     pub poles: &'a mut [Pole<S, N>],
     pub spans: &'a [Span<S>],
     pub places: &'a mut [Place<S, N>],
+    pub reference: Reference,
 }
 
 impl<S: Scalar, const N: usize> Tube<'_, S, N> {
@@ -117,6 +128,18 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
         edges(self.poles, span, |pole| pole.trial)
     }
 
+    /// What is kept free of the tube between the places of a span, as tried.
+    fn slack(&self, span: usize) -> S {
+        let edges = match self.reference {
+            Reference::Lines => self.trial_edges(span),
+            Reference::Itself => from_fn(|j| {
+                let (a, b) = (&self.poles[span + j].trial, &self.poles[span + j + 1].trial);
+                from_fn(|i| b[i] - a[i])
+            }),
+        };
+        self.spans[span].slack(&edges)
+    }
+
     /// Distances at all places, as tried.
     fn measure(&mut self) {
         for (k, span) in self.spans.iter().enumerate() {
@@ -131,7 +154,7 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
     fn weigh(&mut self, change: impl Fn(S) -> S) {
         for k in 0..self.spans.len() {
             let span = &self.spans[k];
-            let sag = span.slack(&self.trial_edges(k));
+            let sag = self.slack(k);
             let stiffness = span.stiffness();
             let (least, most) = (stiffness * S::of(WEIGHTS.0), stiffness * S::of(WEIGHTS.1));
             for place in &mut self.places[span.range()] {
@@ -162,14 +185,18 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
         }
     }
 
-    /// Whether a span is inside the band and goes on, as tried and measured.
+    /// Whether a span is inside the tube, as tried and measured, and goes on without a kink.
     fn holds(&self, k: usize) -> bool {
         let span = &self.spans[k];
         let edges = self.trial_edges(k);
-        if !span.goes_on(&edges) {
+        let goes_on = match self.reference {
+            Reference::Lines => span.goes_on(&edges),
+            Reference::Itself => span.curl(&edges) <= span.most_curl,
+        };
+        if !goes_on {
             return false;
         }
-        let sag = span.slack(&edges);
+        let sag = self.slack(k);
         let own = &self.places[span.range()];
         // The end of the span is the first place of the next one.
         let next = self.spans.get(k + 1).and_then(|s| self.places.get(usize::from(s.first_place)));

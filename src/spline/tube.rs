@@ -44,6 +44,9 @@ pub struct Span<S> {
     pub sag: S,
     /// How soon the motion has to be slow from here, mm: see [`super::sweep`].
     pub reach: S,
+    /// Greatest [`curl`](Self::curl) that it may have, 1/mm; looked at only where the reference is
+    /// the spline itself.
+    pub most_curl: S,
     /// Its places of comparison.
     pub first_place: u16,
     pub places: u16,
@@ -75,6 +78,19 @@ impl<S: Scalar, const N: usize> Pole<S, N> {
 }
 
 impl<S: Scalar, const N: usize> Place<S, N> {
+    /// A place on a spline that has not moved.
+    pub fn still(basis: [S; 4], radius: S) -> Self {
+        Self {
+            basis,
+            off: [S::ZERO; N],
+            radius,
+            weight: S::ZERO,
+            along: [S::ZERO; N],
+            slip: (S::ZERO, S::ZERO),
+            miss: [S::ZERO; N],
+        }
+    }
+
     /// Finds the miss for shifts of the four control points.
     #[inline]
     pub fn measure(&mut self, shifts: &[Vector<S, N>; 4]) {
@@ -101,6 +117,7 @@ impl<S: Scalar> Span<S> {
             step: local.step(),
             sag,
             reach: S::ZERO,
+            most_curl: S::ZERO,
             first_place: 0,
             places: 0,
         }
@@ -122,13 +139,36 @@ impl<S: Scalar> Span<S> {
         self.stiffness() * S::of(FIRST_WEIGHT)
     }
 
-    /// Greatest second derivative, by the edges of the control polygon, 1/mm.
-    pub fn bend<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> S {
+    /// The second derivatives at both ends, by the edges of the control polygon, 1/mm.
+    fn second<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> [Vector<S, N>; 2] {
         let part = |k: usize| -> Vector<S, N> {
             let (a, b) = (self.seconds[k] * self.firsts[k], self.seconds[k] * self.firsts[k + 1]);
             from_fn(|i| b * edges[k + 1][i] - a * edges[k][i])
         };
-        norm(&part(0)).greatest(norm(&part(1)))
+        [part(0), part(1)]
+    }
+
+    /// Greatest second derivative, by the edges of the control polygon, 1/mm.
+    pub fn bend<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> S {
+        let [start, end] = self.second(edges);
+        norm(&start).greatest(norm(&end))
+    }
+
+    /// Curvature, 1/mm: the greatest of those at both ends and in the middle.
+    pub fn curl<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> S {
+        let [a, b, c] = self.first(edges);
+        let [start, end] = self.second(edges);
+        let quarter = S::of(0.25);
+        let middle = from_fn(|i| (a[i] + S::of(2.0) * b[i] + c[i]) * quarter);
+        let mean = from_fn(|i| (start[i] + end[i]) * S::of(0.5));
+        let mut most = S::ZERO;
+        for (d, dd) in [(&a, &start), (&middle, &mean), (&c, &end)] {
+            let square = dot(d, d).greatest(S::of(1.0e-12));
+            let along = dot(d, dd) / square;
+            let across: Vector<S, N> = from_fn(|i| dd[i] - along * d[i]);
+            most = most.greatest(norm(&across) / square);
+        }
+        most
     }
 
     /// The Bezier points of the first derivative.

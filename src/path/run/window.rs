@@ -18,7 +18,7 @@ use crate::number::vector::{Vector, dot, norm, sub, zero};
 use crate::number::{Coord, Scalar};
 use crate::path::segment::raw_to_mm;
 use crate::spline::basis::Local;
-use crate::spline::sweep::{System, Tube};
+use crate::spline::sweep::{Reference, System, Tube};
 use crate::spline::tube::{Place, Pole, Span, edges};
 use core::array::from_fn;
 use heapless::Vec;
@@ -386,11 +386,13 @@ impl<S: Scalar, const N: usize> Window<S, N> {
     pub fn improve(&mut self, sweeps: u16) {
         let mut system = System::<S, N, CONTROLS>::new();
         let last = self.controls.len().saturating_sub(self.tied);
-        Tube { poles: &mut self.poles, spans: &self.spans, places: &mut self.places }.improve(
-            sweeps,
-            (self.frozen, last),
-            &mut system,
-        );
+        Tube {
+            poles: &mut self.poles,
+            spans: &self.spans,
+            places: &mut self.places,
+            reference: Reference::Lines,
+        }
+        .improve(sweeps, (self.frozen, last), &mut system);
     }
 }
 

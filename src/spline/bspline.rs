@@ -1,0 +1,525 @@
+//! A cubic B-spline with fixed capacity.
+
+use super::basis::Local;
+use super::error::SplineError;
+use crate::number::Scalar;
+use crate::number::vector::{Vector, dot, mix, norm, sub};
+use core::array::from_fn;
+use heapless::Vec;
+
+/// Gauss-Legendre points and weights on 0 to 1.
+const GAUSS: [(f64, f64); 5] = [
+    (0.046_910_077_030_668, 0.118_463_442_528_094_5),
+    (0.230_765_344_947_158_5, 0.239_314_335_249_683_2),
+    (0.5, 0.284_444_444_444_444_4),
+    (0.769_234_655_052_841_5, 0.239_314_335_249_683_2),
+    (0.953_089_922_969_332, 0.118_463_442_528_094_5),
+];
+/// Parts of a span in its arc length.
+const PARTS: u32 = 8;
+
+/// A cubic B-spline in `N` axes with at most `CAP` control points, mm (degrees on rotary axes).
+///
+/// Open splines have Bezier end conditions: they start and end in their first and last control point,
+/// along the legs of the control polygon there (Naseath 2007, section 2.3.2). Knots are kept
+/// each once: with m control points an open spline has m - 2 of them, m - 3 spans; a closed one has m
+/// intervals and m spans. All inner knots are single, so the spline is C2.
+#[derive(Clone, Debug)]
+pub struct Spline<S, const N: usize, const CAP: usize> {
+    controls: Vec<Vector<S, N>, CAP>,
+    /// Open: the knots, each once. Closed: the knots from 0 on; the last is the period.
+    knots: Vec<S, CAP>,
+    closed: bool,
+}
+
+fn in_order<S: Scalar>(knots: &[S]) -> Result<(), SplineError> {
+    for (index, pair) in knots.windows(2).enumerate() {
+        // A NaN fails too.
+        if !(pair[1] > pair[0]) {
+            return Err(SplineError::KnotOrder { index: index + 1, value: pair[1].to_f64() });
+        }
+    }
+    Ok(())
+}
+
+impl<S: Scalar, const N: usize, const CAP: usize> Spline<S, N, CAP> {
+    /// An open spline. `knots` follow any of three conventions, told apart by their number: each once
+    /// (m - 2 for m control points; the thesis's parser, section 3.4), threefold at the ends (m +
+    /// 2; Sederberg and the thesis's text), or fourfold (m + 4; most CAD systems).
+    ///
+    /// # Errors
+    /// Names the knot, control point or count that is wrong.
+    pub fn open(controls: &[Vector<S, N>], knots: &[S]) -> Result<Self, SplineError> {
+        let m = controls.len();
+        if m < 4 {
+            return Err(SplineError::TooFew { controls: m });
+        }
+        let extra = [0, 2, 3].into_iter().find(|extra| knots.len() + 2 == m + 2 * extra);
+        let Some(extra) = extra else {
+            return Err(SplineError::KnotCount { knots: knots.len(), controls: m });
+        };
+        let distinct = &knots[extra..knots.len() - extra];
+        let ends = (0..extra).chain(knots.len() - extra..knots.len());
+        for index in ends {
+            let end = if index < extra { distinct[0] } else { distinct[distinct.len() - 1] };
+            if knots[index] != end {
+                return Err(SplineError::EndKnot { index, value: knots[index].to_f64() });
+            }
+        }
+        in_order(distinct).map_err(|error| match error {
+            SplineError::KnotOrder { index, value } => {
+                SplineError::KnotOrder { index: index + extra, value }
+            }
+            other => other,
+        })?;
+        let mut own = Vec::new();
+        let room = own.extend_from_slice(distinct).is_ok();
+        Self::new(controls, own, false, room)
+    }
+
+    /// A closed spline: control points and as many knot intervals, all positive (Naseath 2007, section
+    /// 5.1.1). Interval number k is that of the span in the middle of control points k to k + 3.
+    ///
+    /// # Errors
+    /// As for [`open`](Self::open).
+    pub fn closed(controls: &[Vector<S, N>], intervals: &[S]) -> Result<Self, SplineError> {
+        let m = controls.len();
+        if m < 5 {
+            return Err(SplineError::TooFew { controls: m });
+        }
+        if intervals.len() != m {
+            return Err(SplineError::KnotCount { knots: intervals.len(), controls: m });
+        }
+        let mut knots: Vec<S, CAP> = Vec::new();
+        let mut sum = S::ZERO;
+        let mut room = true;
+        for (index, interval) in intervals.iter().enumerate() {
+            if !(*interval > S::ZERO) {
+                return Err(SplineError::KnotOrder { index, value: interval.to_f64() });
+            }
+            sum += *interval;
+            room &= knots.push(sum).is_ok();
+        }
+        Self::new(controls, knots, true, room)
+    }
+
+    fn new(
+        controls: &[Vector<S, N>],
+        knots: Vec<S, CAP>,
+        closed: bool,
+        mut room: bool,
+    ) -> Result<Self, SplineError> {
+        let broken = |point: &Vector<S, N>| !point.iter().all(|x| x.is_finite());
+        if let Some(index) = controls.iter().position(broken) {
+            return Err(SplineError::NotFinite { index });
+        }
+        if let Some(index) = knots.iter().position(|knot| !knot.is_finite()) {
+            return Err(SplineError::NotFinite { index });
+        }
+        let mut own = Vec::new();
+        room &= own.extend_from_slice(controls).is_ok();
+        if !room {
+            return Err(SplineError::TooMany { controls: controls.len(), room: CAP });
+        }
+        Ok(Self { controls: own, knots, closed })
+    }
+
+    /// The control points.
+    pub fn controls(&self) -> &[Vector<S, N>] {
+        &self.controls
+    }
+
+    /// The control points, to be moved.
+    pub fn controls_mut(&mut self) -> &mut [Vector<S, N>] {
+        &mut self.controls
+    }
+
+    /// Whether it is closed.
+    pub fn is_closed(&self) -> bool {
+        self.closed
+    }
+
+    /// The knots, each once; closed: the ends of the intervals, counted from 0.
+    pub fn knots(&self) -> &[S] {
+        &self.knots
+    }
+
+    /// The knots threefold at the ends (Sederberg), one by one; closed: the intervals.
+    pub fn printed_knots(&self) -> impl Iterator<Item = S> + '_ {
+        let count = if self.closed { self.controls.len() } else { self.controls.len() + 2 };
+        (0..count).map(|i| {
+            if self.closed {
+                let before = if i == 0 { S::ZERO } else { self.knots[i - 1] };
+                self.knots[i] - before
+            } else {
+                self.knot(i.cast_signed())
+            }
+        })
+    }
+
+    /// Number of spans.
+    pub fn spans(&self) -> usize {
+        if self.closed { self.controls.len() } else { self.controls.len() - 3 }
+    }
+
+    /// Knot number `i`: control point k has the polar label (k, k + 1, k + 2), span k lies between
+    /// the knots k + 2 and k + 3.
+    fn knot(&self, i: isize) -> S {
+        let last = self.knots.len().cast_signed() - 1;
+        if !self.closed {
+            return self.knots[(i - 2).clamp(0, last).cast_unsigned()];
+        }
+        // Span 0 starts at 0.
+        let count = last + 1;
+        let (turns, rest) = ((i - 2).div_euclid(count), (i - 2).rem_euclid(count));
+        let period = self.knots[last.cast_unsigned()];
+        let turn = S::from_i64(turns as i64) * period;
+        if rest == 0 { turn } else { turn + self.knots[rest.cast_unsigned() - 1] }
+    }
+
+    /// Parameters at the ends of a span.
+    pub fn range(&self, span: usize) -> (S, S) {
+        (self.knot(span.cast_signed() + 2), self.knot(span.cast_signed() + 3))
+    }
+
+    /// What a span depends on.
+    pub(super) fn local(&self, span: usize) -> Local<S> {
+        let start = self.knot(span.cast_signed() + 2);
+        Local::from_knots(from_fn(|i| self.knot((span + i).cast_signed()) - start))
+    }
+
+    /// The four control points of a span.
+    pub(super) fn polygon(&self, span: usize) -> [Vector<S, N>; 4] {
+        from_fn(|j| self.controls[(span + j) % self.controls.len()])
+    }
+
+    /// Point at the share `u` (0 to 1) of a span.
+    pub fn point(&self, span: usize, u: S) -> Vector<S, N> {
+        let local = self.local(span);
+        let (basis, polygon) = (local.values(local.step() * u), self.polygon(span));
+        from_fn(|i| {
+            let mut sum = S::ZERO;
+            for (part, control) in basis.iter().zip(&polygon) {
+                sum += *part * control[i];
+            }
+            sum
+        })
+    }
+
+    /// Span and share of it at a parameter; beyond the ends, the ends.
+    pub fn locate(&self, t: S) -> (usize, S) {
+        let last = self.spans() - 1;
+        // At most all spans.
+        let span = (0..last).find(|&k| t < self.range(k).1).unwrap_or(last);
+        let (from, to) = self.range(span);
+        (span, ((t - from) / (to - from)).greatest(S::ZERO).least(S::ONE))
+    }
+
+    /// Point at a parameter.
+    pub fn at(&self, t: S) -> Vector<S, N> {
+        let (span, u) = self.locate(t);
+        self.point(span, u)
+    }
+
+    /// Bezier points of a span.
+    pub fn bezier(&self, span: usize) -> [Vector<S, N>; 4] {
+        let t: [S; 6] = from_fn(|i| self.knot((span + i).cast_signed()));
+        let c = self.polygon(span);
+        // Boehm: the polar values at (a, a, a), (a, a, b), (a, b, b), (b, b, b).
+        let (a, b) = (t[2], t[3]);
+        let part = |at: S, from: S, to: S| (at - from) / (to - from);
+        let between = |p: &Vector<S, N>, q: &Vector<S, N>, u: S| mix(S::ONE - u, p, u, q);
+        let aab = between(&c[1], &c[2], part(a, t[1], t[4]));
+        let abb = between(&c[1], &c[2], part(b, t[1], t[4]));
+        let before = between(&c[0], &c[1], part(a, t[0], t[3]));
+        let after = between(&c[2], &c[3], part(b, t[2], t[5]));
+        let first = between(&before, &aab, part(a, t[1], t[3]));
+        let last = between(&abb, &after, part(b, t[2], t[4]));
+        [first, aab, abb, last]
+    }
+
+    /// The first three derivatives by the parameter at the share `u` of a span.
+    pub fn derivatives(&self, span: usize, u: S) -> [Vector<S, N>; 3] {
+        let (from, to) = self.range(span);
+        let per = S::ONE / (to - from);
+        let b = self.bezier(span);
+        let edges: [Vector<S, N>; 3] = from_fn(|j| sub(&b[j + 1], &b[j]));
+        let bends: [Vector<S, N>; 2] = from_fn(|j| sub(&edges[j + 1], &edges[j]));
+        let v = S::ONE - u;
+        let (three, six) = (S::of(3.0) * per, S::of(6.0) * per * per);
+        [
+            from_fn(|i| {
+                three
+                    * (v * v * edges[0][i] + S::of(2.0) * u * v * edges[1][i] + u * u * edges[2][i])
+            }),
+            from_fn(|i| six * (v * bends[0][i] + u * bends[1][i])),
+            from_fn(|i| six * per * (bends[1][i] - bends[0][i])),
+        ]
+    }
+
+    /// Curvature, 1/mm, at the share `u` of a span: the span's Bezier curve is divided there, and k is
+    /// (n - 1) / n h / a^2 with its first leg a and the distance h of its third point from that (Naseath
+    /// 2007, equation 3-6).
+    pub fn curvature(&self, span: usize, u: S) -> S {
+        let mut b = self.bezier(span);
+        // The part that is longer, seen from its end.
+        if u > S::of(0.5) {
+            b.reverse();
+        }
+        let u = u.least(S::ONE - u);
+        let between = |p: &Vector<S, N>, q: &Vector<S, N>| mix(S::ONE - u, p, u, q);
+        let (p01, p12, p23) = (between(&b[0], &b[1]), between(&b[1], &b[2]), between(&b[2], &b[3]));
+        let (p012, p123) = (between(&p01, &p12), between(&p12, &p23));
+        let start = between(&p012, &p123);
+        let leg = sub(&p123, &start);
+        let third = sub(&p23, &start);
+        let a = norm(&leg);
+        let along = dot(&third, &leg) / (a * a);
+        let h = norm(&mix(S::ONE, &third, -along, &leg));
+        S::of(2.0 / 3.0) * h / (a * a)
+    }
+
+    /// Arc length of a span, mm.
+    pub fn span_length(&self, span: usize) -> S {
+        let (from, to) = self.range(span);
+        let mut sum = S::ZERO;
+        for part in 0..PARTS {
+            for (u, weight) in GAUSS {
+                let u = (S::from_u32(part) + S::of(u)) * S::of(1.0 / f64::from(PARTS));
+                sum += S::of(weight) * norm(&self.derivatives(span, u)[0]);
+            }
+        }
+        sum * (to - from) * S::of(1.0 / f64::from(PARTS))
+    }
+
+    /// Arc length, mm.
+    pub fn length(&self) -> S {
+        let mut sum = S::ZERO;
+        for span in 0..self.spans() {
+            sum += self.span_length(span);
+        }
+        sum
+    }
+
+    /// A knot more, inside an open spline; the curve stays as it is (Boehm).
+    ///
+    /// # Errors
+    /// If it is closed, the parameter is not inside, is a knot already, or there is no room.
+    pub fn insert(&mut self, t: S) -> Result<(), SplineError> {
+        let (span, _) = self.locate(t);
+        let (from, to) = self.range(span);
+        if self.closed || !(t > from && t < to) {
+            return Err(SplineError::OutOfRange {
+                what: "parameter of a new knot",
+                value: t.to_f64(),
+                least: from.to_f64(),
+                greatest: to.to_f64(),
+            });
+        }
+        if self.controls.is_full() || self.knots.is_full() {
+            let controls = self.controls.len() + 1;
+            return Err(SplineError::TooMany { controls, room: CAP });
+        }
+        let c = self.polygon(span);
+        let knots: [S; 6] = from_fn(|i| self.knot((span + i).cast_signed()));
+        let new: [Vector<S, N>; 3] = from_fn(|j| {
+            let u = (t - knots[j]) / (knots[j + 3] - knots[j]);
+            mix(S::ONE - u, &c[j], u, &c[j + 1])
+        });
+        let _ = self.controls.insert(span + 2, new[1]);
+        self.controls[span + 1] = new[0];
+        self.controls[span + 3] = new[2];
+        let _ = self.knots.insert(span + 1, t);
+        Ok(())
+    }
+
+    /// The difference of two splines over the same knots, itself a spline (Naseath 2007, equation
+    /// 2-16); `None` if their control points are not equally many.
+    pub fn difference(&self, other: &Self) -> Option<Self> {
+        let mut out = self.clone();
+        if out.controls.len() != other.controls.len() || out.closed != other.closed {
+            return None;
+        }
+        for (x, y) in out.controls.iter_mut().zip(&other.controls) {
+            *x = sub(x, y);
+        }
+        Some(out)
+    }
+
+    /// The greatest distance from the origin, mm, at `precision` places of every span (and, for a
+    /// difference spline, how far the two are apart: Naseath 2007, section 3.8).
+    pub fn greatest(&self, precision: u32) -> S {
+        let mut most = S::ZERO;
+        for span in 0..self.spans() {
+            for k in 0..=precision {
+                let u = S::from_u32(k) / S::from_u32(precision.max(1));
+                most = most.greatest(norm(&self.point(span, u)));
+            }
+        }
+        most
+    }
+
+    /// An upper bound of the distance from the origin, mm: that at `precision` places of every span,
+    /// and gap^2 / 8 times the greatest second derivative for what lies between.
+    pub fn bound(&self, precision: u32) -> S {
+        let mut most = S::ZERO;
+        let per = S::ONE / S::from_u32(precision.max(1));
+        for span in 0..self.spans() {
+            let (from, to) = self.range(span);
+            let [_, start, _] = self.derivatives(span, S::ZERO);
+            let [_, end, _] = self.derivatives(span, S::ONE);
+            let gap = (to - from) * per;
+            let sag = gap * gap * S::of(0.125) * norm(&start).greatest(norm(&end));
+            for k in 0..=precision {
+                let u = S::from_u32(k) * per;
+                most = most.greatest(norm(&self.point(span, u)) + sag);
+            }
+        }
+        most
+    }
+
+    /// The point beside the path at the signed distance `radius`, to the left, in the plane of the
+    /// first two axes (Naseath 2007, equation 2-18).
+    pub fn offset(&self, span: usize, u: S, radius: S) -> Vector<S, N> {
+        const { assert!(N >= 2, "an offset needs two axes") };
+        let mut point = self.point(span, u);
+        let [d, ..] = self.derivatives(span, u);
+        let per = radius / (d[0] * d[0] + d[1] * d[1]).sqrt();
+        point[0] = point[0] - d[1] * per;
+        point[1] += d[0] * per;
+        point
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    type Planar = Spline<f64, 2, 16>;
+
+    fn open() -> Planar {
+        let controls = [[0.0, 0.0], [1.0, 2.0], [3.0, 1.5], [4.0, -1.0], [6.0, 0.5], [7.5, 0.0]];
+        Planar::open(&controls, &[0.0, 2.0, 3.0, 5.0]).unwrap()
+    }
+
+    fn closed() -> Planar {
+        let controls =
+            [[1.0, 0.0], [0.3, 1.0], [-0.8, 0.6], [-0.7, -0.8], [0.4, -1.1], [0.9, -0.6]];
+        Planar::closed(&controls, &[1.0, 0.7, 1.2, 0.9, 1.1, 1.0]).unwrap()
+    }
+
+    fn near(a: [f64; 2], b: [f64; 2], most: f64) {
+        assert!(norm(&sub(&a, &b)) <= most, "{a:?} {b:?}");
+    }
+
+    #[test]
+    fn all_conventions_mean_the_same() {
+        let spline = open();
+        let threefold: std::vec::Vec<f64> = spline.printed_knots().collect();
+        assert_eq!(threefold, [0.0, 0.0, 0.0, 2.0, 3.0, 5.0, 5.0, 5.0]);
+        let mut fourfold = threefold.clone();
+        fourfold.insert(0, 0.0);
+        fourfold.push(5.0);
+        for knots in [threefold, fourfold] {
+            let other = Planar::open(spline.controls(), &knots).unwrap();
+            assert_eq!(other.knots(), spline.knots());
+        }
+        near(spline.at(0.0), [0.0, 0.0], 0.0);
+        near(spline.at(5.0), [7.5, 0.0], 1e-15);
+    }
+
+    #[test]
+    fn wrong_splines_are_explained() {
+        let c = open();
+        let c = c.controls();
+        let text = |knots: &[f64]| std::format!("{}", Planar::open(c, knots).unwrap_err());
+        assert!(text(&[0.0, 1.0]).contains("2 knots for 6 control points"));
+        assert!(text(&[0.0, 2.0, 2.0, 5.0]).contains("knot 2 is 2"));
+        assert!(text(&[0.0, 0.1, 0.0, 2.0, 3.0, 5.0, 5.0, 5.0]).contains("knot 1 is 0.1"));
+        assert!(text(&[0.0, f64::NAN, 3.0, 5.0]).contains("knot 1"));
+        let small = Spline::<f64, 2, 5>::open(c, &[0.0, 2.0, 3.0, 5.0]).unwrap_err();
+        assert_eq!(small, SplineError::TooMany { controls: 6, room: 5 });
+        assert!(Planar::open(&c[..3], &[0.0]).is_err());
+        assert!(Planar::closed(c, &[1.0, 1.0, 0.0, 1.0, 1.0, 1.0]).is_err());
+    }
+
+    /// Value, first and second derivative agree from both sides of every knot.
+    #[test]
+    fn spans_join_with_continuous_curvature() {
+        for spline in [open(), closed()] {
+            let spans = spline.spans();
+            for k in 0..if spline.is_closed() { spans } else { spans - 1 } {
+                let next = (k + 1) % spans;
+                near(spline.point(k, 1.0), spline.point(next, 0.0), 1e-13);
+                let (a, b) = (spline.derivatives(k, 1.0), spline.derivatives(next, 0.0));
+                near(a[0], b[0], 1e-12);
+                near(a[1], b[1], 1e-11);
+            }
+        }
+    }
+
+    #[test]
+    fn bezier_points_and_derivatives_are_the_curve() {
+        for spline in [open(), closed()] {
+            for span in 0..spline.spans() {
+                let b = spline.bezier(span);
+                let (from, to) = spline.range(span);
+                for k in 0..=4 {
+                    let u = f64::from(k) / 4.0;
+                    let v = 1.0 - u;
+                    let w = [v * v * v, 3.0 * u * v * v, 3.0 * u * u * v, u * u * u];
+                    let point = from_fn(|i| (0..4).map(|j| w[j] * b[j][i]).sum());
+                    near(point, spline.point(span, u), 1e-13);
+                }
+                let h = 1e-4;
+                let (a, b) = (spline.point(span, 0.5 - h), spline.point(span, 0.5 + h));
+                let slope = from_fn(|i| (b[i] - a[i]) / (2.0 * h * (to - from)));
+                near(slope, spline.derivatives(span, 0.5)[0], 1e-6);
+            }
+        }
+    }
+
+    /// Equation 3-6 against |c' x c''| / |c'|^3.
+    #[test]
+    fn curvature_by_legs_is_that_of_the_derivatives() {
+        let spline = open();
+        for span in 0..spline.spans() {
+            for k in 0..=8 {
+                let u = f64::from(k) / 8.0;
+                let [d, dd, _] = spline.derivatives(span, u);
+                let wanted = (d[0] * dd[1] - d[1] * dd[0]).abs() / norm(&d).powi(3);
+                assert!((spline.curvature(span, u) - wanted).abs() < 1e-9, "{span} {u}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_new_knot_leaves_the_curve() {
+        let (before, mut after) = (open(), open());
+        after.insert(2.3).unwrap();
+        after.insert(0.4).unwrap();
+        assert_eq!((after.spans(), after.controls().len()), (5, 8));
+        for k in 0..=50 {
+            let t = f64::from(k) * 0.1;
+            near(before.at(t), after.at(t), 1e-13);
+        }
+        assert!(after.insert(2.0).is_err() && after.insert(7.0).is_err());
+        assert!((before.length() - after.length()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn distances_are_bounded_by_the_difference() {
+        let (a, mut b) = (open(), open());
+        b.controls_mut()[2][1] += 0.3;
+        b.controls_mut()[3][0] -= 0.1;
+        let difference = b.difference(&a).unwrap();
+        let dense = difference.greatest(1000);
+        assert!(difference.greatest(5) <= dense && dense <= difference.bound(5));
+        assert!(difference.bound(5) < 1.1 * dense && dense < 0.3);
+        // The offset is at its distance.
+        near(a.offset(1, 0.5, 0.0), a.point(1, 0.5), 0.0);
+        let away = sub(&a.offset(1, 0.5, -0.25), &a.point(1, 0.5));
+        assert!((norm(&away) - 0.25).abs() < 1e-14);
+        assert!(dot(&away, &a.derivatives(1, 0.5)[0]).abs() < 1e-13);
+    }
+}
