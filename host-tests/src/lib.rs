@@ -7,4 +7,5 @@ pub mod machine;
 pub mod program;
 pub mod reference;
 pub mod run;
+pub mod smoothing;
 pub mod view;

@@ -3,6 +3,8 @@
 use clap::{Parser, Subcommand};
 use splineway_host::commands::corners::Corners;
 use splineway_host::commands::simulate::Simulate;
+use splineway_host::commands::smooth::Smooth;
+use splineway_host::commands::thesis::Thesis;
 use std::process::ExitCode;
 
 /// Motion interpolator core: simulation of servo cycles on a PC.
@@ -16,13 +18,17 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Simulate(Simulate),
+    Smooth(Smooth),
     Corners(Corners),
+    Thesis(Thesis),
 }
 
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Simulate(simulate) => simulate.execute(),
+        Command::Smooth(smooth) => smooth.execute(),
         Command::Corners(corners) => corners.execute(),
+        Command::Thesis(thesis) => thesis.execute(),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

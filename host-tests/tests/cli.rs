@@ -181,3 +181,30 @@ fn other_speed_laws_and_corners_are_compared() {
     let error = error_of(&["corners", "--turns", "180"], 1);
     assert!(error.contains("15 to 155"), "{error}");
 }
+
+#[test]
+fn smooth_writes_spline_report_and_plot() {
+    let folder = std::env::temp_dir().join(format!("splineway-smooth-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/noisy.txt");
+    let file = |name: &str| folder.join(name).to_str().unwrap().to_owned();
+    let (out, report, plot) = (file("out.toml"), file("report.json"), file("plot.svg"));
+    for method in ["thesis", "bounded"] {
+        let arguments = ["smooth", example, "--method", method, "--out", &out, "--report", &report];
+        let outcome = splineway(&[&arguments[..], &["--plot", &plot]].concat());
+        assert!(outcome.status.success(), "{outcome:?}");
+        let text = std::fs::read_to_string(&report).unwrap();
+        let value: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let peak = |side: &str| value[side]["curvature_peak"].as_f64().unwrap();
+        assert!(peak("after") < 0.1 * peak("before"), "{method}");
+        assert!(std::fs::read_to_string(&plot).unwrap().contains("</svg>"));
+        // What was written runs.
+        let outcome = splineway(&["simulate", &out]);
+        assert!(outcome.status.success(), "{outcome:?}");
+    }
+    let outcome = splineway(&["smooth", example, "--tolerance", "-1"]);
+    assert!(!outcome.status.success());
+    let text = String::from_utf8_lossy(&outcome.stderr).into_owned();
+    assert!(text.contains("tolerance radius is -1"), "{text}");
+    std::fs::remove_dir_all(&folder).unwrap();
+}

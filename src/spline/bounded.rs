@@ -1,38 +1,62 @@
-//! Smoothing in a set number of sweeps, inside the tube by a bound.
+//! Smoothing in a bounded amount of work, inside the tube by a bound.
 //!
-//! The same sweeps that smooth runs of short lines on their way to the machine
-//! (`sweep` in this room), applied to a spline that comes as such. Against [`super::thesis`]:
+//! Three candidates are made, and the one with the least time (estimated, see below) is taken, be it
+//! the spline as given:
+//! - *sweeps*: the same that smooth runs of short lines on their way to the machine (`sweep` in this
+//!   room), here on the second derivative across the path. One band system for all control points at
+//!   once; the weight of a place grows with the speed that the motion can have there, so curvature is
+//!   not moved to where it costs more;
+//! - *moves*: the thesis's own iterations ([`super::thesis`]), at most [`MOVES`] of them, but with
+//!   distances bounded instead of sampled. They are better at peaks so sharp that the speed by the
+//!   parameter, which the sweeps hold, is what has to change;
+//! - sweeps after moves.
+//!
+//! Against the thesis:
 //! - the tube is never left: between the places of comparison the difference spline is bounded by
-//!   its second derivative; every pass leaves a valid spline, so it may be stopped after any of them;
-//! - what is minimised is the third derivative (what a jerk-limited machine pays for), weighted by how fast the
-//!   motion can be there, by solving one band system for all control points at once; no
-//!   categories, so nothing changes in jumps, and it works in any number of axes;
+//!   its second derivative;
 //! - the known weaknesses of the thesis (section 5.1: a "U" that becomes a "V", curvature that rises in
-//!   places) are excluded: no span's curvature, by an upper estimate, may exceed what the spline as
-//!   given had in its neighbourhood by more than a little;
-//! - the ends stay where they are, so that nothing has to be joined to them anew.
+//!   places) are looked for: no span's curvature may exceed what the spline as given had in
+//!   its neighbourhood by more than a little; sweeps that lead there are taken back, moves
+//!   that did are no candidate;
+//! - sweeps leave the ends where they are; moves take them across the path, as the thesis has it,
+//!   unless `ends_stay`.
+//!
+//! The *time* is that of the thesis's trajectory generator ([`Trajectory`]) over eight places per span, forty
+//! where it turns much.
 
-use super::bspline::Spline;
+use super::bspline::{Spline, bezier_curvature};
 use super::error::SplineError;
-use super::sweep::{Reference, System, Tube};
-use super::tube::{Place, Pole, Span};
+use super::sweep::{Order, Reference, System, Tube, price};
+use super::trajectory::{Low, Lows, Trajectory};
+use super::tube::{Place, Pole, Span, edges};
 use crate::number::Scalar;
-use crate::number::vector::{Vector, dot, norm, sub, zero};
+use crate::number::vector::{sub, zero};
 use core::array::from_fn;
 use heapless::Vec;
 
 /// Places of comparison in a span.
 pub const SPAN_PLACES: usize = 4;
-/// Reach at a vertex of the control polygon, times turn^1.5 over radius.
-const REACH: f64 = 25.0;
+/// Most iterations of the moves.
+pub const MOVES: u32 = 60;
 /// Share of the radius that is used; the rest is for rounding.
-const SHARE: f64 = 0.99;
+const SHARE: f64 = 0.9998;
 /// By what curvature may exceed the greatest of the neighbourhood as given; and the share of the
 /// greatest of all that it may reach anywhere.
-const BEND_SHARE: f64 = 1.02;
-const BEND_FLOOR: f64 = 0.05;
+const CURL_SHARE: f64 = 1.02;
+const CURL_FLOOR: f64 = 0.02;
+/// The first, for moves.
+const MOVED_CURL_SHARE: f64 = 3.0;
 /// Spans on either side that are its neighbourhood.
 const BESIDE: usize = 4;
+/// Parts of a span in the estimate of the time.
+const PARTS: u32 = 8;
+/// The same where curvature times length, rad, is greater than this.
+const SHARP_PARTS: u32 = 40;
+const SHARP_TURN: f64 = 1.0;
+/// Places per span at which the moves are bounded.
+const PRECISION: u32 = 20;
+/// Share of the radius within which the moves end.
+const ACCURACY: f64 = 5.0e-4;
 /// Control points of a closed spline that are held while the others move.
 const HELD: usize = 3;
 
@@ -41,16 +65,21 @@ const HELD: usize = 3;
 pub struct Options<S> {
     /// Radius of the tube, mm.
     pub radius: S,
-    /// Sweeps in a pass; 0 leaves the spline as it is.
+    /// Sweeps in a pass.
     pub sweeps: u16,
-    /// Passes; a closed spline is cut open at another place for each.
+    /// Passes; 0 leaves the spline as it is. A closed spline is cut open at another place for each.
     pub passes: u16,
+    /// Whether the end points must stay.
+    pub ends_stay: bool,
+    /// The machine by which the time is estimated.
+    pub trajectory: Trajectory<S>,
 }
 
 impl<S: Scalar> Options<S> {
-    /// 16 sweeps in two passes within a radius, mm.
+    /// Sixteen sweeps in two passes within a radius, mm; the thesis's machine (section 4.5).
     pub fn new(radius: S) -> Self {
-        Self { radius, sweeps: 16, passes: 2 }
+        let trajectory = Trajectory::thesis();
+        Self { radius, sweeps: 16, passes: 2, ends_stay: true, trajectory }
     }
 }
 
@@ -61,6 +90,7 @@ pub struct Smoother<S, const N: usize, const SIZE: usize, const PLACES: usize> {
     spans: Vec<Span<S>, SIZE>,
     places: Vec<Place<S, N>, PLACES>,
     system: System<S, N, SIZE>,
+    lows: Vec<Low<S>, PLACES>,
 }
 
 impl<S: Scalar, const N: usize, const SIZE: usize, const PLACES: usize> Default
@@ -77,7 +107,13 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const PLACES: usize>
     /// An empty work space.
     pub const fn new() -> Self {
         const { assert!(PLACES >= SPAN_PLACES * SIZE, "four places per control point") };
-        Self { poles: Vec::new(), spans: Vec::new(), places: Vec::new(), system: System::new() }
+        Self {
+            poles: Vec::new(),
+            spans: Vec::new(),
+            places: Vec::new(),
+            system: System::new(),
+            lows: Vec::new(),
+        }
     }
 
     /// Smooths a spline inside the tube around it.
@@ -101,58 +137,102 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const PLACES: usize>
         if m + HELD > SIZE {
             return Err(SplineError::TooMany { controls: m, room: SIZE - HELD });
         }
-        if radius == 0.0 {
+        if radius == 0.0 || options.passes == 0 {
             return Ok(());
         }
-        // How far every control point has been moved so far.
-        let mut shifts: Vec<Vector<S, N>, SIZE> = Vec::new();
-        for _ in 0..m {
-            let _ = shifts.push(zero());
+        let given = spline.clone();
+        let mut least = self.time(spline, &given, options, CURL_SHARE);
+        let mut consider = |smoother: &mut Self, candidate: &Spline<S, N, CAP>, share: f64| {
+            let time = smoother.time(candidate, &given, options, share);
+            if least.zip(time).is_some_and(|(least, time)| time < least) {
+                least = time;
+                spline.controls_mut().copy_from_slice(candidate.controls());
+            }
+        };
+        let mut swept = given.clone();
+        for order in [Order::Second, Order::Third] {
+            swept.controls_mut().copy_from_slice(given.controls());
+            self.sweep(&mut swept, &given, options, order);
+            consider(self, &swept, CURL_SHARE);
         }
+        let mut moved = given.clone();
+        let mut thesis = super::thesis::Options::new(options.radius * S::of(SHARE));
+        thesis.most_iterations = MOVES;
+        thesis.bounded = true;
+        thesis.precision = PRECISION;
+        thesis.accuracy = S::of(ACCURACY);
+        super::thesis::smooth(&mut moved, &thesis)?;
+        if options.ends_stay && !given.is_closed() {
+            for end in [0, m - 1] {
+                moved.controls_mut()[end] = given.controls()[end];
+            }
+            // What the ends no longer hold against may lead out of the tube.
+            let off = moved.difference(&given).map_or(S::ZERO, |off| off.bound(PRECISION));
+            let share = options.radius * S::of(SHARE) / off;
+            if share < S::ONE {
+                for (control, start) in moved.controls_mut().iter_mut().zip(given.controls()) {
+                    *control = from_fn(|i| start[i] + share * (control[i] - start[i]));
+                }
+            }
+        }
+        consider(self, &moved, MOVED_CURL_SHARE);
+        swept.controls_mut().copy_from_slice(moved.controls());
+        self.sweep(&mut swept, &given, options, Order::Second);
+        consider(self, &swept, MOVED_CURL_SHARE);
+        Ok(())
+    }
+
+    /// Smooths by sweeps, inside the tube around `given`.
+    fn sweep<const CAP: usize>(
+        &mut self,
+        spline: &mut Spline<S, N, CAP>,
+        given: &Spline<S, N, CAP>,
+        options: &Options<S>,
+        order: Order,
+    ) {
+        let m = given.controls().len();
         for pass in 0..options.passes {
-            let first = if spline.is_closed() { usize::from(pass) * m / 2 % m } else { 0 };
-            self.fill(spline, first, &shifts, options.radius);
-            let free = if spline.is_closed() { (HELD, m) } else { (1, m - 1) };
+            let first = if given.is_closed() { usize::from(pass) * m / 2 % m } else { 0 };
+            self.fill(spline, given, first, options, order);
+            let free = if given.is_closed() { (HELD, m) } else { (1, m - 1) };
             Tube {
                 poles: &mut self.poles,
                 spans: &self.spans,
                 places: &mut self.places,
                 reference: Reference::Itself,
+                order,
             }
             .improve(options.sweeps, free, &mut self.system);
             for (k, pole) in self.poles.iter().take(m).enumerate() {
-                shifts[(first + k) % m] = pole.shift;
+                let i = (first + k) % m;
+                let start = &given.controls()[i];
+                spline.controls_mut()[i] = from_fn(|n| start[n] + pole.shift[n]);
             }
         }
-        for (control, shift) in spline.controls_mut().iter_mut().zip(&shifts) {
-            for (x, dx) in control.iter_mut().zip(shift) {
-                *x += *dx;
-            }
-        }
-        Ok(())
     }
 
     /// Takes a spline, from control point `first` on.
     fn fill<const CAP: usize>(
         &mut self,
         spline: &Spline<S, N, CAP>,
+        given: &Spline<S, N, CAP>,
         first: usize,
-        shifts: &[Vector<S, N>],
-        radius: S,
+        options: &Options<S>,
+        order: Order,
     ) {
         self.poles.clear();
         self.spans.clear();
         self.places.clear();
-        let (controls, spans) = (spline.controls(), spline.spans());
+        let (controls, spans) = (given.controls(), given.spans());
         let m = controls.len();
         for k in 0..spans + 3 {
             let (i, next) = ((first + k) % m, (first + k + 1) % m);
             let mut pole = Pole::new(sub(&controls[next], &controls[i]));
-            pole.shift = shifts[i];
+            pole.shift = sub(&spline.controls()[i], &controls[i]);
             let _ = self.poles.push(pole);
         }
         for k in 0..spans {
-            let local = spline.local((first + k) % m);
+            let local = given.local((first + k) % m);
             let step = local.step();
             let gap = step * S::of(1.0 / SPAN_PLACES as f64);
             let mut span = Span::new(&local, gap * gap * S::of(0.125));
@@ -160,70 +240,118 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const PLACES: usize>
             span.places = SPAN_PLACES as u16;
             for j in 0..SPAN_PLACES {
                 let at = gap * S::from_u32(j as u32);
-                let _ = self.places.push(Place::still(local.values(at), radius * S::of(SHARE)));
+                let radius = options.radius * S::of(SHARE);
+                let _ = self.places.push(Place::still(local.values(at), radius));
             }
             let _ = self.spans.push(span);
         }
-        self.set_reach(spline.is_closed(), radius);
-        self.set_bends();
-        for span in &self.spans {
+        self.set_most_curls(CURL_SHARE);
+        self.set_reach(options);
+        for k in 0..spans {
+            let edges = edges(&self.poles, k, |pole| pole.shift);
+            let span = &mut self.spans[k];
+            let (r, speed) = (span.reach, span.slowest(&edges).greatest(S::of(1.0e-9)));
+            let cube = speed * speed * speed;
+            span.price = match order {
+                // v^4 by the integral of k^2 over the length.
+                Order::Second => {
+                    let root = r.cbrt();
+                    r * r * root * root / cube
+                }
+                Order::Third => price(r) / (cube * speed * speed),
+            };
+            let weight = order.first_weight(span);
             for place in &mut self.places[span.range()] {
-                place.weight = span.first_weight();
+                place.weight = weight;
             }
         }
     }
 
-    /// How soon the motion has to be slow from every span: the least of reach at a vertex and
-    /// way to it, in units of the parameter.
-    fn set_reach(&mut self, closed: bool, radius: S) {
+    /// How far from every span, by the motion, the place is at which it would be at rest: v^1.5
+    /// over its slope.
+    fn set_reach(&mut self, options: &Options<S>) {
+        let slope = S::of(1.5) * options.trajectory.jerk.sqrt();
         let n = self.spans.len();
+        let length = |span: &Span<S>, k: usize, poles: &[Pole<S, N>]| {
+            span.slowest(&edges(poles, k, |pole| pole.shift)) * span.step
+        };
         for k in 0..n {
-            // The vertex in the middle of the span's polygon.
-            let (a, b) = (&self.poles[k].edge, &self.poles[k + 1].edge);
-            let (la, lb) = (norm(a), norm(b));
-            let cosine = dot(a, b) / (la * lb);
-            // Twice the sine of half the turn.
-            let turn = (S::of(2.0) * (S::ONE - cosine)).greatest(S::of(1.0e-6)).sqrt();
-            let reach = S::of(REACH) * radius / (turn * turn.sqrt());
-            let speed = (la + lb) / (self.spans[k].step * S::of(2.0));
-            // In units of the parameter, of which the third derivative is one.
-            self.spans[k].reach = reach / speed.greatest(S::of(1.0e-9));
+            let curl = self.spans[k].curl(&edges(&self.poles, k, |pole| pole.shift));
+            let speed = options.trajectory.allowed(curl);
+            self.spans[k].reach = speed * speed.sqrt() / slope;
         }
-        // Twice around, for closed ones.
-        for _ in 0..if closed { 2 } else { 1 } {
-            let mut there = self.spans[n - 1].reach + self.spans[n - 1].step;
-            for k in (0..n).rev() {
-                let span = &mut self.spans[k];
-                span.reach = span.reach.least(there);
-                there = span.reach + span.step;
-            }
-            let mut there = self.spans[0].reach + self.spans[0].step;
-            for span in &mut self.spans {
-                span.reach = span.reach.least(there);
-                there = span.reach + span.step;
-            }
+        // Twice there and back, for closed ones.
+        let mut there = self.spans[n - 1].reach;
+        for k in (0..2 * n).rev() {
+            let (k, way) = (k % n, length(&self.spans[k % n], k % n, &self.poles));
+            self.spans[k].reach = self.spans[k].reach.least(there);
+            there = self.spans[k].reach + way;
+        }
+        let mut there = self.spans[0].reach;
+        for k in 0..2 * n {
+            let (k, way) = (k % n, length(&self.spans[k % n], k % n, &self.poles));
+            self.spans[k].reach = self.spans[k].reach.least(there);
+            there = self.spans[k].reach + way;
         }
     }
 
     /// What curvature may reach: see the head of the file.
-    fn set_bends(&mut self) {
+    fn set_most_curls(&mut self, share: f64) {
         let n = self.spans.len();
-        let bend = |k: usize| -> S {
-            let edges: [Vector<S, N>; 3] = from_fn(|j| self.poles[k + j].edge);
-            self.spans[k].curl(&edges)
-        };
-        let mut bends: Vec<S, SIZE> = Vec::new();
-        for k in 0..n {
-            let _ = bends.push(bend(k));
+        let mut curls: Vec<S, SIZE> = Vec::new();
+        for (k, span) in self.spans.iter().enumerate() {
+            let _ = curls.push(span.curl(&edges(&self.poles, k, |_| zero())));
         }
-        let greatest = bends.iter().fold(S::ZERO, |most, bend| most.greatest(*bend));
+        let greatest = curls.iter().fold(S::ZERO, |most, curl| most.greatest(*curl));
         for (k, span) in self.spans.iter_mut().enumerate() {
-            let mut most = greatest * S::of(BEND_FLOOR);
-            for bend in &bends[k.saturating_sub(BESIDE)..n.min(k + BESIDE + 1)] {
-                most = most.greatest(*bend);
+            let mut most = greatest * S::of(CURL_FLOOR);
+            for curl in &curls[k.saturating_sub(BESIDE)..n.min(k + BESIDE + 1)] {
+                most = most.greatest(*curl);
             }
-            span.most_curl = most * S::of(BEND_SHARE);
+            span.most_curl = most * S::of(share);
         }
+    }
+
+    /// Estimated time over a spline, s; none if curvature has risen somewhere.
+    fn time<const CAP: usize>(
+        &mut self,
+        spline: &Spline<S, N, CAP>,
+        given: &Spline<S, N, CAP>,
+        options: &Options<S>,
+        share: f64,
+    ) -> Option<S> {
+        self.fill(spline, given, 0, options, Order::Second);
+        self.set_most_curls(share);
+        for k in 0..self.spans.len() {
+            let edges = edges(&self.poles, k, |pole| pole.shift);
+            if !(self.spans[k].curl(&edges) <= self.spans[k].most_curl) {
+                return None;
+            }
+        }
+        let mut finder = Lows::default();
+        self.lows.clear();
+        let mut way = S::ZERO;
+        for k in 0..self.spans.len() {
+            let (length, bezier) = (spline.span_length(k), spline.bezier(k));
+            // Where the path turns much its peak of curvature is narrow.
+            let turn = self.spans[k].curl(&edges(&self.poles, k, |pole| pole.shift)) * length;
+            let parts = if turn > S::of(SHARP_TURN) { SHARP_PARTS } else { PARTS };
+            let per = S::ONE / S::from_u32(parts);
+            for j in u32::from(k > 0)..=parts {
+                if (k, j) != (0, 0) {
+                    way += length * per;
+                }
+                let u = S::from_u32(j) * per;
+                let speed = options.trajectory.allowed(bezier_curvature(bezier, u));
+                if let Some(low) = finder.push(way, speed) {
+                    self.lows.push(low).ok()?;
+                }
+            }
+        }
+        for low in finder.finish()? {
+            self.lows.push(low).ok()?;
+        }
+        Some(options.trajectory.plan(&mut self.lows))
     }
 }
 
@@ -271,13 +399,9 @@ mod tests {
     }
 
     #[test]
-    fn no_sweeps_and_no_radius_change_nothing() {
+    fn no_passes_and_no_radius_change_nothing() {
         let given = noisy();
-        for options in [
-            Options { sweeps: 0, ..Options::new(0.1) },
-            Options { passes: 0, ..Options::new(0.1) },
-            Options::new(0.0),
-        ] {
+        for options in [Options { passes: 0, ..Options::new(0.1) }, Options::new(0.0)] {
             let mut spline = given.clone();
             smoother().smooth(&mut spline, &options).unwrap();
             assert!(spline.controls() == given.controls());
@@ -332,7 +456,7 @@ mod tests {
         // All of the ripples, not only those far from where it was cut open.
         for k in (0..24).step_by(4) {
             let [x, y] = spline.controls()[k];
-            assert!(x.hypot(y) < 10.2, "{k}: {}", x.hypot(y));
+            assert!(x.hypot(y) < 10.25, "{k}: {}", x.hypot(y));
         }
     }
 }

@@ -42,6 +42,25 @@ fn in_order<S: Scalar>(knots: &[S]) -> Result<(), SplineError> {
     Ok(())
 }
 
+/// Curvature, 1/mm, of a cubic Bezier curve at the share `u`: see [`Spline::curvature`].
+pub(super) fn bezier_curvature<S: Scalar, const N: usize>(mut b: [Vector<S, N>; 4], u: S) -> S {
+    // The part that is longer, seen from its end.
+    if u > S::of(0.5) {
+        b.reverse();
+    }
+    let u = u.least(S::ONE - u);
+    let between = |p: &Vector<S, N>, q: &Vector<S, N>| mix(S::ONE - u, p, u, q);
+    let (p01, p12, p23) = (between(&b[0], &b[1]), between(&b[1], &b[2]), between(&b[2], &b[3]));
+    let (p012, p123) = (between(&p01, &p12), between(&p12, &p23));
+    let start = between(&p012, &p123);
+    let leg = sub(&p123, &start);
+    let third = sub(&p23, &start);
+    let a = norm(&leg);
+    let along = dot(&third, &leg) / (a * a);
+    let h = norm(&mix(S::ONE, &third, -along, &leg));
+    S::of(2.0 / 3.0) * h / (a * a)
+}
+
 impl<S: Scalar, const N: usize, const CAP: usize> Spline<S, N, CAP> {
     /// An open spline. `knots` follow any of three conventions, told apart by their number: each once
     /// (m - 2 for m control points; the thesis's parser, section 3.4), threefold at the ends (m +
@@ -261,35 +280,26 @@ impl<S: Scalar, const N: usize, const CAP: usize> Spline<S, N, CAP> {
     /// (n - 1) / n h / a^2 with its first leg a and the distance h of its third point from that (Naseath
     /// 2007, equation 3-6).
     pub fn curvature(&self, span: usize, u: S) -> S {
-        let mut b = self.bezier(span);
-        // The part that is longer, seen from its end.
-        if u > S::of(0.5) {
-            b.reverse();
-        }
-        let u = u.least(S::ONE - u);
-        let between = |p: &Vector<S, N>, q: &Vector<S, N>| mix(S::ONE - u, p, u, q);
-        let (p01, p12, p23) = (between(&b[0], &b[1]), between(&b[1], &b[2]), between(&b[2], &b[3]));
-        let (p012, p123) = (between(&p01, &p12), between(&p12, &p23));
-        let start = between(&p012, &p123);
-        let leg = sub(&p123, &start);
-        let third = sub(&p23, &start);
-        let a = norm(&leg);
-        let along = dot(&third, &leg) / (a * a);
-        let h = norm(&mix(S::ONE, &third, -along, &leg));
-        S::of(2.0 / 3.0) * h / (a * a)
+        bezier_curvature(self.bezier(span), u)
     }
 
     /// Arc length of a span, mm.
     pub fn span_length(&self, span: usize) -> S {
-        let (from, to) = self.range(span);
+        let b = self.bezier(span);
+        let edges: [Vector<S, N>; 3] = from_fn(|j| sub(&b[j + 1], &b[j]));
+        let per = S::of(1.0 / f64::from(PARTS));
         let mut sum = S::ZERO;
         for part in 0..PARTS {
             for (u, weight) in GAUSS {
-                let u = (S::from_u32(part) + S::of(u)) * S::of(1.0 / f64::from(PARTS));
-                sum += S::of(weight) * norm(&self.derivatives(span, u)[0]);
+                let u = (S::from_u32(part) + S::of(u)) * per;
+                let v = S::ONE - u;
+                let (vv, uv, uu) = (v * v, S::of(2.0) * u * v, u * u);
+                let slope: Vector<S, N> =
+                    from_fn(|i| vv * edges[0][i] + uv * edges[1][i] + uu * edges[2][i]);
+                sum += S::of(weight) * norm(&slope);
             }
         }
-        sum * (to - from) * S::of(1.0 / f64::from(PARTS))
+        S::of(3.0) * sum * per
     }
 
     /// Arc length, mm.
@@ -349,31 +359,39 @@ impl<S: Scalar, const N: usize, const CAP: usize> Spline<S, N, CAP> {
     /// The greatest distance from the origin, mm, at `precision` places of every span (and, for a
     /// difference spline, how far the two are apart: Naseath 2007, section 3.8).
     pub fn greatest(&self, precision: u32) -> S {
-        let mut most = S::ZERO;
-        for span in 0..self.spans() {
-            for k in 0..=precision {
-                let u = S::from_u32(k) / S::from_u32(precision.max(1));
-                most = most.greatest(norm(&self.point(span, u)));
-            }
-        }
-        most
+        self.most(precision, |_, _| S::ZERO)
     }
 
     /// An upper bound of the distance from the origin, mm: that at `precision` places of every span,
     /// and gap^2 / 8 times the greatest second derivative for what lies between.
     pub fn bound(&self, precision: u32) -> S {
+        self.most(precision, |b, per| {
+            let bend = |j: usize| -> Vector<S, N> {
+                from_fn(|i| b[j][i] - S::of(2.0) * b[j + 1][i] + b[j + 2][i])
+            };
+            // Six times these are the second derivatives by the share of the span.
+            let bend = dot(&bend(0), &bend(0)).greatest(dot(&bend(1), &bend(1))).sqrt();
+            S::of(0.75) * per * per * bend
+        })
+    }
+
+    /// The greatest distance from the origin at places of every span, and what is added in it.
+    fn most(&self, precision: u32, more: impl Fn(&[Vector<S, N>; 4], S) -> S) -> S {
         let mut most = S::ZERO;
         let per = S::ONE / S::from_u32(precision.max(1));
         for span in 0..self.spans() {
-            let (from, to) = self.range(span);
-            let [_, start, _] = self.derivatives(span, S::ZERO);
-            let [_, end, _] = self.derivatives(span, S::ONE);
-            let gap = (to - from) * per;
-            let sag = gap * gap * S::of(0.125) * norm(&start).greatest(norm(&end));
+            let b = self.bezier(span);
+            let mut square = S::ZERO;
             for k in 0..=precision {
                 let u = S::from_u32(k) * per;
-                most = most.greatest(norm(&self.point(span, u)) + sag);
+                let v = S::ONE - u;
+                let (uu, vv, three) = (u * u, v * v, S::of(3.0));
+                let w = [vv * v, three * vv * u, three * v * uu, uu * u];
+                let point: Vector<S, N> =
+                    from_fn(|i| w[0] * b[0][i] + w[1] * b[1][i] + w[2] * b[2][i] + w[3] * b[3][i]);
+                square = square.greatest(dot(&point, &point));
             }
+            most = most.greatest(square.sqrt() + more(&b, per));
         }
         most
     }

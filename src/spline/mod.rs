@@ -11,7 +11,9 @@ mod bspline;
 mod error;
 pub(crate) mod sweep;
 pub mod thesis;
+mod trajectory;
 pub(crate) mod tube;
 
 pub use self::bspline::Spline;
 pub use self::error::SplineError;
+pub use self::trajectory::{Low, Lows, Trajectory};

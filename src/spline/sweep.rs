@@ -24,7 +24,7 @@ use crate::number::vector::{Vector, norm};
 use core::array::from_fn;
 
 /// Weight of a place at first, as a share of the stiffness of the spline there.
-pub const FIRST_WEIGHT: f64 = 5.0e-3;
+const FIRST_WEIGHT: f64 = 5.0e-3;
 /// Bounds of the weight, as shares of the stiffness.
 const WEIGHTS: (f64, f64) = (1.0e-5, 1.0e4);
 /// Bounds of the distance over the target for the change of a weight in a sweep.
@@ -41,7 +41,7 @@ const ROUNDS: usize = 8;
 /// Rounds in which they are halved; after that they are dropped.
 const HALVINGS: usize = 3;
 
-/// Weight of the third derivative by the reach, mm.
+/// Price of the third derivative by the reach, mm.
 pub fn price<S: Scalar>(reach: S) -> S {
     reach * reach * reach
 }
@@ -63,12 +63,37 @@ pub enum Reference {
     Itself,
 }
 
+/// What is minimised.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// The second derivative across the path, at the span's price.
+    Second,
+    /// The third derivative, at the span's price.
+    Third,
+}
+
+impl Order {
+    /// What holds a spline against being moved, by the square of a displacement.
+    fn stiffness<S: Scalar>(self, span: &Span<S>) -> S {
+        match self {
+            Self::Third => span.stiffness(),
+            Self::Second => span.second_stiffness(),
+        }
+    }
+
+    /// The weight that draws the spline to its reference at first, in proportion to its stiffness.
+    pub fn first_weight<S: Scalar>(self, span: &Span<S>) -> S {
+        self.stiffness(span) * S::of(FIRST_WEIGHT)
+    }
+}
+
 /// A spline in its tube: span number k depends on the control points k to k + 3.
 pub struct Tube<'a, S, const N: usize> {
     pub poles: &'a mut [Pole<S, N>],
     pub spans: &'a [Span<S>],
     pub places: &'a mut [Place<S, N>],
     pub reference: Reference,
+    pub order: Order,
 }
 
 impl<S: Scalar, const N: usize> Tube<'_, S, N> {
@@ -155,7 +180,7 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
         for k in 0..self.spans.len() {
             let span = &self.spans[k];
             let sag = self.slack(k);
-            let stiffness = span.stiffness();
+            let stiffness = self.order.stiffness(span);
             let (least, most) = (stiffness * S::of(WEIGHTS.0), stiffness * S::of(WEIGHTS.1));
             for place in &mut self.places[span.range()] {
                 let ratio = (norm(&place.miss) + sag) / (place.radius * S::of(TARGET));
@@ -177,8 +202,19 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
         }
         for k in first.saturating_sub(3)..last.min(self.spans.len()) {
             let span = &self.spans[k];
-            let third = span.third(&self.trial_edges(k));
-            system.add(k, (first, last), span.weight(), &span.thirds, &third);
+            let edges = self.trial_edges(k);
+            match self.order {
+                Order::Third => {
+                    let third = span.third(&edges);
+                    system.add(k, (first, last), span.weight(), &span.thirds, &third);
+                }
+                Order::Second => {
+                    // Only what bends the path is to vanish, not what changes the parameter's speed.
+                    for (row, value) in span.second_rows().iter().zip(span.across(&edges)) {
+                        system.add(k, (first, last), span.second_weight(), row, &value);
+                    }
+                }
+            }
             for place in &self.places[span.range()] {
                 system.add(k, (first, last), place.weight, &place.basis, &place.miss);
             }

@@ -80,12 +80,15 @@ pub struct Options<S> {
     pub accuracy: S,
     /// Most iterations.
     pub most_iterations: u32,
+    /// Whether distances are bounded instead of sampled: the tube is not left between the places
+    /// either. The thesis: no.
+    pub bounded: bool,
 }
 
 impl<S: Scalar> Options<S> {
     /// The thesis's values for a radius, mm.
     pub fn new(radius: S) -> Self {
-        Self { radius, precision: 5, accuracy: S::of(0.01), most_iterations: 1000 }
+        Self { radius, precision: 5, accuracy: S::of(0.01), most_iterations: 1000, bounded: false }
     }
 
     /// # Errors
@@ -313,35 +316,39 @@ fn place<S: Scalar, const N: usize, const CAP: usize>(
 }
 
 /// Moves the control points; `move_by` holds their distances.
-fn moved<S: Scalar, const N: usize, const CAP: usize>(
-    spline: &Spline<S, N, CAP>,
+fn shift<S: Scalar, const N: usize, const CAP: usize>(
+    from: &Spline<S, N, CAP>,
     directions: &[Vector<S, N>],
     move_by: &[S],
-) -> Spline<S, N, CAP> {
-    let mut out = spline.clone();
-    for ((point, direction), distance) in out.controls_mut().iter_mut().zip(directions).zip(move_by)
-    {
-        for (x, d) in point.iter_mut().zip(direction) {
-            *x += *distance * *d;
-        }
+    to: &mut Spline<S, N, CAP>,
+) {
+    let start = from.controls().iter().zip(directions).zip(move_by);
+    for (point, ((old, direction), distance)) in to.controls_mut().iter_mut().zip(start) {
+        *point = mix(S::ONE, old, *distance, direction);
     }
-    out
 }
 
-/// Ratio of how far the spline and how far the control point moved (equation 3-38).
-fn sensitivities<S: Scalar, const N: usize, const CAP: usize>(
-    before: &Spline<S, N, CAP>,
-    after: &Spline<S, N, CAP>,
-    move_by: &[S],
-) -> Vec<S, CAP> {
-    let mut out = Vec::new();
-    if let Some(difference) = after.difference(before) {
-        for (i, distance) in move_by.iter().enumerate() {
-            let (span, u) = place(&difference, i);
-            let _ = out.push(norm(&difference.point(span, u)) / *distance);
-        }
+/// The difference of two splines into a third over the same knots (equation 3-32).
+fn subtract<S: Scalar, const N: usize, const CAP: usize>(
+    a: &Spline<S, N, CAP>,
+    b: &Spline<S, N, CAP>,
+    out: &mut Spline<S, N, CAP>,
+) {
+    for (d, (x, y)) in out.controls_mut().iter_mut().zip(a.controls().iter().zip(b.controls())) {
+        *d = sub(x, y);
     }
-    out
+}
+
+/// From distances that control points were moved by to how far the spline moved per distance
+/// (equation 3-38).
+fn to_sensitivities<S: Scalar, const N: usize, const CAP: usize>(
+    difference: &Spline<S, N, CAP>,
+    move_by: &mut [S],
+) {
+    for (i, distance) in move_by.iter_mut().enumerate() {
+        let (span, u) = place(difference, i);
+        *distance = norm(&difference.point(span, u)) / *distance;
+    }
 }
 
 /// Smooths a spline inside the tube around it, as printed.
@@ -369,13 +376,20 @@ pub fn smooth<S: Scalar, const N: usize, const CAP: usize>(
     for _ in 0..start.controls().len() {
         let _ = move_by.push(radius);
     }
-    move_by = sensitivities(spline, &moved(spline, &heading, &move_by), &move_by);
+    let (mut next, mut difference) = (start.clone(), start.clone());
+    shift(spline, &heading, &move_by, &mut next);
+    subtract(&next, spline, &mut difference);
+    to_sensitivities(&difference, &mut move_by);
     for iteration in 1..=options.most_iterations {
         move_distances(&mut move_by, outcome.left);
-        let (mut next, mut left) = (start.clone(), S::ZERO);
+        let mut left = S::ZERO;
         for _ in 0..if iteration == 1 { HALVINGS } else { 1 } {
-            next = moved(spline, &heading, &move_by);
-            let off = next.difference(&start).map_or(radius, |d| d.greatest(options.precision));
+            shift(spline, &heading, &move_by, &mut next);
+            subtract(&next, &start, &mut difference);
+            let bounded = options.bounded;
+            let precision = options.precision;
+            let off =
+                if bounded { difference.bound(precision) } else { difference.greatest(precision) };
             left = radius - off;
             if left > options.accuracy * radius {
                 break;
@@ -389,9 +403,10 @@ pub fn smooth<S: Scalar, const N: usize, const CAP: usize>(
             outcome.ending = Ending::Touching;
             return Ok(outcome);
         }
-        move_by = sensitivities(spline, &next, &move_by);
+        subtract(&next, spline, &mut difference);
+        to_sensitivities(&difference, &mut move_by);
         outcome.left = left;
-        *spline = next;
+        spline.controls_mut().copy_from_slice(next.controls());
         heading = directions(spline, &start, &categories(spline));
         if is_null(&heading) {
             outcome.ending = Ending::Straight;

@@ -4,12 +4,13 @@
 //! it moves by between two of them is bounded by its second derivative.
 
 use super::basis::Local;
-use super::sweep::FIRST_WEIGHT;
 use crate::number::Scalar;
 use crate::number::vector::{Vector, dot, norm};
 use core::array::from_fn;
 use core::ops::Range;
 
+/// Shares of the value at a span's start in those at its two Gauss points.
+const NEAR: [f64; 2] = [0.788_675_134_594_812_9, 0.211_324_865_405_187_1];
 /// Least product of neighbouring first derivatives, by the parameter.
 const LEAST_SPEED: f64 = 0.01;
 
@@ -44,6 +45,8 @@ pub struct Span<S> {
     pub sag: S,
     /// How soon the motion has to be slow from here, mm: see [`super::sweep`].
     pub reach: S,
+    /// Price of the derivative that is minimised.
+    pub price: S,
     /// Greatest [`curl`](Self::curl) that it may have, 1/mm; looked at only where the reference is
     /// the spline itself.
     pub most_curl: S,
@@ -117,6 +120,7 @@ impl<S: Scalar> Span<S> {
             step: local.step(),
             sag,
             reach: S::ZERO,
+            price: S::ONE,
             most_curl: S::ZERO,
             first_place: 0,
             places: 0,
@@ -134,13 +138,8 @@ impl<S: Scalar> Span<S> {
         self.sag * self.bend(edges)
     }
 
-    /// The weight that draws the spline to its reference at first, in proportion to its stiffness.
-    pub fn first_weight(&self) -> S {
-        self.stiffness() * S::of(FIRST_WEIGHT)
-    }
-
     /// The second derivatives at both ends, by the edges of the control polygon, 1/mm.
-    fn second<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> [Vector<S, N>; 2] {
+    pub fn second<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> [Vector<S, N>; 2] {
         let part = |k: usize| -> Vector<S, N> {
             let (a, b) = (self.seconds[k] * self.firsts[k], self.seconds[k] * self.firsts[k + 1]);
             from_fn(|i| b * edges[k + 1][i] - a * edges[k][i])
@@ -152,6 +151,27 @@ impl<S: Scalar> Span<S> {
     pub fn bend<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> S {
         let [start, end] = self.second(edges);
         norm(&start).greatest(norm(&end))
+    }
+
+    /// The second derivative across the path at the two Gauss points, 1/mm.
+    pub fn across<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> [Vector<S, N>; 2] {
+        let [a, b, c] = self.first(edges);
+        let [start, end] = self.second(edges);
+        NEAR.map(|near| {
+            let (v, u) = (S::of(near), S::of(1.0 - near));
+            let (va, vb, vc) = (v * v, S::of(2.0) * u * v, u * u);
+            let d: Vector<S, N> = from_fn(|i| va * a[i] + vb * b[i] + vc * c[i]);
+            let dd: Vector<S, N> = from_fn(|i| v * start[i] + u * end[i]);
+            let along = dot(&d, &dd) / dot(&d, &d).greatest(S::of(1.0e-12));
+            from_fn(|i| dd[i] - along * d[i])
+        })
+    }
+
+    /// The least speed by the parameter, of those at both ends and in the middle.
+    pub fn slowest<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> S {
+        let [a, b, c] = self.first(edges);
+        let middle: Vector<S, N> = from_fn(|i| (a[i] + S::of(2.0) * b[i] + c[i]) * S::of(0.25));
+        norm(&a).least(norm(&middle)).least(norm(&c))
     }
 
     /// Curvature, 1/mm: the greatest of those at both ends and in the middle.
@@ -201,9 +221,35 @@ impl<S: Scalar> Span<S> {
         self.weight() * (a * a + b * b + c * c + d * d)
     }
 
-    /// Weight of the square of the third derivative: see [`super::sweep`].
+    /// What a second derivative costs here, by the square of a displacement of a control point.
+    pub fn second_stiffness(&self) -> S {
+        let mut sum = S::ZERO;
+        for row in self.second_rows() {
+            for x in row {
+                sum += x * x;
+            }
+        }
+        self.second_weight() * sum
+    }
+
+    /// Weight of the squares of the second derivative at the two places of
+    /// [`second_rows`](Self::second_rows): their sum is the integral.
+    pub fn second_weight(&self) -> S {
+        self.step * self.price * S::of(0.5)
+    }
+
+    /// The second derivative at the two Gauss points of the span, by the four control points.
+    pub fn second_rows(&self) -> [[S; 4]; 2] {
+        let ([a0, a1, a2], [b0, b1]) = (self.firsts, self.seconds);
+        let zero = S::ZERO;
+        let start = [b0 * a0, -(b0 * (a0 + a1)), b0 * a1, zero];
+        let end = [zero, b1 * a1, -(b1 * (a1 + a2)), b1 * a2];
+        NEAR.map(|near| from_fn(|j| S::of(near) * start[j] + S::of(1.0 - near) * end[j]))
+    }
+
+    /// Weight of the square of the third derivative.
     pub fn weight(&self) -> S {
-        self.step * super::sweep::price(self.reach)
+        self.step * self.price
     }
 }
 

@@ -2,3 +2,5 @@
 
 pub mod corners;
 pub mod simulate;
+pub mod smooth;
+pub mod thesis;

@@ -1,9 +1,10 @@
 //! Tool paths as read from files, before they become blocks of the core.
 
+pub mod curve;
 pub mod gcode;
-pub mod nurbs;
 pub mod poly;
 
+use crate::smoothing::{self, SplineFile};
 use anyhow::{Context, Result, bail};
 use std::path::Path;
 
@@ -126,13 +127,19 @@ pub fn read(path: &Path, options: ReadOptions) -> Result<Program> {
     // Comments of old programs come in any encoding.
     let text = String::from_utf8_lossy(&text);
     let program = match ending.as_str() {
+        "txt" if smoothing::is_spline(&text) => spline(&text, "txt", options),
         "txt" => poly::parse(&text),
-        "json" => nurbs::parse(&text, options),
+        "toml" => spline(&text, "toml", options),
+        "json" => curve::parse_json(&text, options),
         "ngc" | "nc" | "gcode" | "tap" | "cnc" => gcode::parse(&text, options.feed),
         _ => bail!(
             "{name}: unknown kind of file \".{ending}\"; known are .ngc .nc .gcode .tap .cnc (G-code), \
-             .txt (poly-line) and .json (NURBS curve)"
+             .txt (poly-line or spline), .toml (spline) and .json (spline or NURBS curve)"
         ),
     };
     program.with_context(|| format!("{name}"))
+}
+
+fn spline(text: &str, ending: &str, options: ReadOptions) -> Result<Program> {
+    curve::parse_spline(&SplineFile::parse(text, ending)?, options)
 }

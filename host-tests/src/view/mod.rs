@@ -6,14 +6,16 @@ mod picture;
 mod progress;
 mod report;
 mod trace;
+mod tube;
 
 pub use csv_out::CsvOut;
 pub use progress::Progress;
 pub use report::{Report, violations};
 pub use trace::{Point, Trace};
+pub use tube::TubeScene;
 
 use crate::run::Track;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use std::path::Path;
 
 /// What a plot shows.
@@ -57,6 +59,20 @@ pub fn plot(path: &Path, scene: &Scene<'_>) -> Result<()> {
 pub fn plot_speeds(path: &Path, title: &str, curves: &[Curve]) -> Result<()> {
     let page = |svg: &str| Ok(format!("<!doctype html><meta charset=\"utf-8\">{svg}"));
     write(path, || picture::speeds_svg(title, curves), page)
+}
+
+/// Writes a plot of a smoothed path in its tube.
+///
+/// # Errors
+/// An unknown ending, or a file that cannot be written.
+pub fn plot_tube(path: &Path, scene: &TubeScene<'_>) -> Result<()> {
+    let page = |svg: &str| Ok(format!("<!doctype html><meta charset=\"utf-8\">{svg}"));
+    let svg = || {
+        let mut text = String::new();
+        tube::draw(&mut text, scene).map_err(|error| anyhow!("plot: {error}"))?;
+        Ok(text)
+    };
+    write(path, svg, page)
 }
 
 fn write(

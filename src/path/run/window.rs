@@ -18,7 +18,7 @@ use crate::number::vector::{Vector, dot, norm, sub, zero};
 use crate::number::{Coord, Scalar};
 use crate::path::segment::raw_to_mm;
 use crate::spline::basis::Local;
-use crate::spline::sweep::{Reference, System, Tube};
+use crate::spline::sweep::{Order, Reference, System, Tube, price};
 use crate::spline::tube::{Place, Pole, Span, edges};
 use core::array::from_fn;
 use heapless::Vec;
@@ -209,10 +209,11 @@ impl<S: Scalar, const N: usize> Window<S, N> {
             self.reach = self.reach.least(*reach + raw_to_mm(*way - end));
         }
         span.reach = start.least(self.reach);
+        span.price = price(span.reach);
         span.first_place = self.places.len() as u16;
         span.places = draft.places.len() as u16;
         for mut place in draft.places {
-            place.weight = span.first_weight();
+            place.weight = Order::Third.first_weight(&span);
             let _ = self.places.push(place);
         }
         let _ = self.spans.push(span);
@@ -234,6 +235,7 @@ impl<S: Scalar, const N: usize> Window<S, N> {
                 return;
             }
             span.reach = there;
+            span.price = price(there);
             there += span.step;
         }
     }
@@ -391,6 +393,7 @@ impl<S: Scalar, const N: usize> Window<S, N> {
             spans: &self.spans,
             places: &mut self.places,
             reference: Reference::Lines,
+            order: Order::Third,
         }
         .improve(sweeps, (self.frozen, last), &mut system);
     }

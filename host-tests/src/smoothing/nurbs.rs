@@ -1,7 +1,6 @@
-//! NURBS curves as JSON, cut into chords.
+//! NURBS curves of any degree.
 
-use super::{Course, Move, Program, ReadOptions, Speed};
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use serde::Deserialize;
 
 /// A NURBS curve: `{degree, control_points, weights, knots}`.
@@ -15,6 +14,40 @@ pub struct Nurbs {
 }
 
 impl Nurbs {
+    /// A curve.
+    ///
+    /// # Errors
+    /// Names the member and what is wrong with it.
+    pub fn new(
+        degree: usize,
+        control_points: Vec<Vec<f64>>,
+        weights: Option<Vec<f64>>,
+        knots: Vec<f64>,
+    ) -> Result<Self> {
+        let curve = Self { degree, control_points, weights, knots };
+        curve.check()?;
+        Ok(curve)
+    }
+
+    /// A curve from JSON.
+    ///
+    /// # Errors
+    /// Names the place in the text, or the member and what is wrong with it.
+    pub fn read(text: &str) -> Result<Self> {
+        let curve: Self = serde_json::from_str(text).context("not a NURBS curve")?;
+        curve.check()?;
+        Ok(curve)
+    }
+
+    /// The knots inside its domain and at its ends, each once.
+    pub fn breaks(&self) -> Vec<f64> {
+        let (from, to) = self.domain();
+        let mut breaks: Vec<f64> =
+            self.knots.iter().copied().filter(|knot| (from..=to).contains(knot)).collect();
+        breaks.dedup();
+        breaks
+    }
+
     fn check(&self) -> Result<()> {
         let n = self.control_points.len();
         ensure!((1..=9).contains(&self.degree), "degree is {}; it must be 1 to 9", self.degree);
@@ -54,12 +87,13 @@ impl Nurbs {
         Ok(())
     }
 
-    fn domain(&self) -> (f64, f64) {
+    /// First and last parameter.
+    pub fn domain(&self) -> (f64, f64) {
         (self.knots[self.degree], self.knots[self.knots.len() - 1 - self.degree])
     }
 
     /// The point at a parameter of the domain, by de Boor's algorithm on homogeneous points.
-    fn point(&self, u: f64) -> [f64; 3] {
+    pub fn point(&self, u: f64) -> [f64; 3] {
         let (p, knots) = (self.degree, &self.knots);
         let n = self.control_points.len();
         let span = knots[p + 1..n].partition_point(|&knot| knot <= u) + p;
@@ -85,75 +119,5 @@ impl Nurbs {
         }
         let [x, y, z, w] = d[p];
         [x / w, y / w, z / w]
-    }
-}
-
-/// Reads a curve and cuts it into chords of equal parameter steps.
-///
-/// # Errors
-/// Names the place in the file, or the member and what is wrong with it.
-pub fn parse(text: &str, options: ReadOptions) -> Result<Program> {
-    let curve: Nurbs = serde_json::from_str(text).context("not a NURBS curve")?;
-    curve.check()?;
-    if options.segments == 0 {
-        bail!("a curve cannot be cut into 0 segments");
-    }
-    let (from, to) = curve.domain();
-    let mut program = Program::default();
-    for k in 0..=options.segments {
-        let u = from + (to - from) * k as f64 / options.segments as f64;
-        let mut point = [0.0; 9];
-        point[..3].copy_from_slice(&curve.point(u));
-        if k == 0 {
-            program.start = point;
-        } else {
-            program.moves.push(Move {
-                path: Course::Line { to: point },
-                speed: Speed::PerSecond(options.feed),
-                tolerance: None,
-                exact_stop: false,
-                line: u32::try_from(k)?,
-            });
-        }
-    }
-    Ok(program)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const OPTIONS: ReadOptions = ReadOptions { feed: 10.0, segments: 8 };
-
-    /// The quarter circle as a rational quadratic: every point at distance 1.
-    #[test]
-    fn rational_weights_make_a_circle() {
-        let text = r#"{"degree": 2, "control_points": [[1, 0], [1, 1], [0, 1]],
-            "weights": [1, 0.7071067811865476, 1], "knots": [0, 0, 0, 1, 1, 1]}"#;
-        let program = parse(text, OPTIONS).unwrap();
-        assert_eq!(program.moves.len(), 8);
-        for step in &program.moves {
-            let Course::Line { to } = step.path else { panic!("a chord is a line") };
-            assert!((to[0].hypot(to[1]) - 1.0).abs() < 1e-12);
-        }
-    }
-
-    #[test]
-    fn wrong_curves_are_explained() {
-        for (text, part) in [
-            ("{", "not a NURBS curve"),
-            (r#"{"degree": 3, "control_points": [[0, 0]], "knots": []}"#, "too few"),
-            (
-                r#"{"degree": 1, "control_points": [[0], [1]], "knots": [0, 0, 1]}"#,
-                "4 are expected",
-            ),
-            (
-                r#"{"degree": 1, "control_points": [[0], [1]], "weights": [1, 0], "knots": [0, 0, 1, 1]}"#,
-                "weights[1]",
-            ),
-        ] {
-            let error = format!("{:#}", parse(text, OPTIONS).unwrap_err());
-            assert!(error.contains(part), "{error}");
-        }
     }
 }

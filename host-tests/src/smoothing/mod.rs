@@ -1,0 +1,107 @@
+//! Smoothing of B-spline tool paths: files, figures, the thesis's trajectory generator and its cases.
+
+pub mod cases;
+mod figures;
+mod file;
+mod interpolate;
+mod nurbs;
+mod rational;
+mod trajectory;
+
+pub use figures::{Figures, Place, measure, profile};
+pub use file::{SplineFile, is_spline, read, write};
+pub use interpolate::interpolate;
+pub use nurbs::Nurbs;
+pub use rational::convert;
+pub use trajectory::{Motion, run};
+
+use anyhow::Result;
+use splineway::spline::{Spline, bounded, thesis};
+use std::time::{Duration, Instant};
+
+/// Control points there is room for.
+pub const ROOM: usize = 1024;
+const SIZE: usize = ROOM + 3;
+const PLACES: usize = SIZE * bounded::SPAN_PLACES;
+
+/// A spline tool path, mm.
+pub type Path = Spline<f64, 3, ROOM>;
+
+/// Which way to smooth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Method {
+    /// Chapter 3 of Naseath 2007, as printed.
+    Thesis,
+    /// A set number of sweeps, inside the tube by a bound.
+    Bounded,
+}
+
+/// How to smooth.
+#[derive(Clone, Copy, Debug)]
+pub struct Request {
+    /// Way.
+    pub method: Method,
+    /// Radius of the tube, mm.
+    pub radius: f64,
+    /// Places per knot interval at which the thesis's method takes distances.
+    pub precision: u32,
+    /// Share of the radius within which the thesis's method ends.
+    pub accuracy: f64,
+    /// Most iterations of the thesis's method, sweeps of the bounded one.
+    pub iterations: Option<u32>,
+    /// Whether the bounded method leaves the end points where they are.
+    pub ends_stay: bool,
+}
+
+/// A smoothed path.
+#[derive(Clone, Debug)]
+pub struct Smoothed {
+    /// The path.
+    pub path: Path,
+    /// Iterations or sweeps.
+    pub iterations: u32,
+    /// How it ended.
+    pub ending: String,
+    /// Time it took.
+    pub took: Duration,
+}
+
+/// Smooths a path.
+///
+/// # Errors
+/// A radius, precision or accuracy out of its range.
+pub fn smooth(given: &Path, request: &Request) -> Result<Smoothed> {
+    let mut path = given.clone();
+    match request.method {
+        Method::Thesis => {
+            let mut options = thesis::Options::new(request.radius);
+            options.precision = request.precision;
+            options.accuracy = request.accuracy;
+            if let Some(most) = request.iterations {
+                options.most_iterations = most;
+            }
+            let start = Instant::now();
+            let outcome = thesis::smooth(&mut path, &options)?;
+            let took = start.elapsed();
+            let ending = match outcome.ending {
+                thesis::Ending::Touching => "touches the tube",
+                thesis::Ending::Straight => "is straight",
+                thesis::Ending::Iterations => "iterations used up",
+            };
+            Ok(Smoothed { path, iterations: outcome.iterations, ending: ending.to_owned(), took })
+        }
+        Method::Bounded => {
+            let mut options = bounded::Options::new(request.radius);
+            options.ends_stay = request.ends_stay;
+            if let Some(sweeps) = request.iterations {
+                options.sweeps = u16::try_from(sweeps)?;
+            }
+            let mut room: Box<bounded::Smoother<f64, 3, SIZE, PLACES>> = Box::default();
+            let start = Instant::now();
+            room.smooth(&mut path, &options)?;
+            let took = start.elapsed();
+            let iterations = u32::from(options.sweeps) * u32::from(options.passes);
+            Ok(Smoothed { path, iterations, ending: "sweeps done".to_owned(), took })
+        }
+    }
+}
