@@ -1,4 +1,4 @@
-//! **splineway** takes tool paths - thousands of short lines, arcs and dwells - and gives one
+//! **splineway** takes tool paths - thousands of short lines, arcs, curves and dwells - and gives one
 //! position setpoint per servo cycle for every axis: inside the tolerance band, within every axis's
 //! velocity, acceleration and jerk at every instant, and always able to stop. It is `no_std`, never
 //! allocates, has no `unsafe`, and runs the same code in `f32` on a Cortex-M4F and in `f64` on a PC.
@@ -14,6 +14,8 @@
 //! ```
 //!
 //! - [`block`]: what comes in. A [`Block`] is plain data, checked as a whole when it is pushed.
+//! - [`spline`]: cubic B-splines and their smoothing inside a tube; for splines that come as such, and for
+//!   the runs of `path`.
 //! - `path`: geometry, which knows no time. Blocks wait until their neighbours are known; corners
 //!   become cubic B-splines inside the tolerance band (shaped for least time, or as in Guo, Yan, Wang
 //!   2023), runs of short lines one cubic B-spline that is smoothed inside the band in a set number of

@@ -44,6 +44,15 @@ pub enum Motion<S, const N: usize> {
         /// Full turns beyond the first arrival (P word minus one).
         extra_turns: u16,
     },
+    /// A cubic curve by its Bezier points, of which the first is the start (G5; a span of a spline:
+    /// `spline::Spline::bezier`). It is followed within the tolerance, which must be at least 1e-4 mm;
+    /// where two join with the same tangent the motion goes on.
+    Cubic {
+        /// The two Bezier points between, absolute.
+        controls: [[Coord; N]; 2],
+        /// End point, absolute.
+        to: [Coord; N],
+    },
     /// Stand still for a time, s. Always comes with an exact stop.
     Dwell {
         /// Duration, s.
@@ -92,6 +101,11 @@ impl<S: Scalar, const N: usize> Block<S, N> {
             exact_stop: false,
             tag,
         }
+    }
+
+    /// A cubic curve with a feed, mm/s.
+    pub const fn cubic(controls: [[Coord; N]; 2], to: [Coord; N], feed: S, tag: u32) -> Self {
+        Self { motion: Motion::Cubic { controls, to }, ..Self::line(to, feed, tag) }
     }
 
     /// A line as fast as the axes allow.

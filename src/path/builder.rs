@@ -4,6 +4,7 @@
 //! wants of it: so a block is held until two more have come, or until the path is closed.
 
 use super::blend::{self, Blend};
+use super::chords::Chords;
 use super::corner::Corner;
 use super::cut::{Emitted, next_way, rest_cell, standstill};
 use super::item::{Item, Joint};
@@ -39,6 +40,8 @@ enum Stage<S, const N: usize> {
 /// The look-ahead buffer over blocks.
 pub struct Builder<S, const N: usize, const BLOCKS: usize> {
     items: Deque<Item<S, N>, BLOCKS>,
+    /// The rest of a curve that has been accepted last.
+    chords: Option<Chords<S, N>>,
     /// End of the last accepted block.
     end: [Coord; N],
     closed: bool,
@@ -58,6 +61,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         const { assert!(BLOCKS >= 4, "a look-ahead of fewer than 4 blocks cannot share legs") };
         Self {
             items: Deque::new(),
+            chords: None,
             end: start,
             closed: false,
             stage: Stage::Waiting,
@@ -70,23 +74,48 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
 
     /// End point of the last accepted block.
     pub fn end(&self) -> &[Coord; N] {
-        &self.end
+        self.chords.as_ref().map_or(&self.end, Chords::end)
     }
 
     /// Blocks waiting.
     pub fn len(&self) -> usize {
-        self.items.len()
+        self.items.len() + usize::from(self.chords.is_some())
     }
 
     pub fn is_full(&self) -> bool {
-        self.items.is_full()
+        self.items.is_full() || self.chords.is_some()
     }
 
     /// Takes a block, or leaves everything as it was.
     pub fn push(&mut self, block: &Block<S, N>, config: &Config<S, N>) -> Result<(), PushError> {
-        if self.items.is_full() {
+        self.feed(config);
+        if self.is_full() {
             return Err(PushError::Full);
         }
+        let reject = |reason| PushError::Rejected { tag: block.tag, reason };
+        if let Some(chords) = Chords::new(self.end, block, config).map_err(reject)? {
+            // The first chord is checked as the block is: by its feed and its length.
+            self.take(&chords.line(), config)?;
+            self.chords = chords.advanced();
+            self.feed(config);
+            return Ok(());
+        }
+        self.take(block, config)
+    }
+
+    /// Takes chords of the curve under way as long as there is room.
+    fn feed(&mut self, config: &Config<S, N>) {
+        for _ in 0..BLOCKS {
+            let Some(chords) = self.chords else { return };
+            if self.items.is_full() || self.take(&chords.line(), config).is_err() {
+                return;
+            }
+            self.chords = chords.advanced();
+        }
+    }
+
+    /// Takes a block for which there is room, or leaves everything as it was.
+    fn take(&mut self, block: &Block<S, N>, config: &Config<S, N>) -> Result<(), PushError> {
         let reject = |reason| PushError::Rejected { tag: block.tag, reason };
         let Some(item) = Item::new(self.end, block, config).map_err(reject)? else {
             // Zero length: nothing to do but to honour an exact stop.
@@ -115,11 +144,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
 
     /// No more blocks for now: the path ends, at rest, where the last block ends.
     pub fn close(&mut self) {
-        self.closed = true;
+        self.closed = self.chords.is_none();
     }
 
     /// The next cell, if enough is known to cut it. `last` is the node the last one ended at.
     pub fn emit(&mut self, last: &Node<S, N>, config: &Config<S, N>) -> Option<Emitted<S, N>> {
+        self.feed(config);
         // A finished stage leads to the next: body, joint, next item. Each turn of this loop
         // moves on by one of these, and an item has a body or a joint with cells, or is dropped.
         for _ in 0..4 * BLOCKS {

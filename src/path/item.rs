@@ -94,7 +94,8 @@ impl<S: Scalar, const N: usize> Item<S, N> {
                 item.stop_after = true;
                 return Ok((seconds > S::ZERO).then_some(item));
             }
-            Motion::Line { to } => {
+            // A curve comes as chords; as a whole it is taken for the line to its end.
+            Motion::Line { to } | Motion::Cubic { to, .. } => {
                 check_coordinates(&to)?;
                 Segment::line(from, to)
             }
@@ -112,7 +113,7 @@ impl<S: Scalar, const N: usize> Item<S, N> {
     }
 }
 
-fn in_range<S: Scalar>(
+pub fn in_range<S: Scalar>(
     field: Field,
     value: S,
     least: f64,

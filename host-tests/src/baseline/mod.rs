@@ -26,6 +26,9 @@ pub enum Law {
     SCurve,
 }
 
+/// Chords that stand for a curve.
+const CURVE_CHORDS: u32 = 32;
+
 /// What a law came to.
 #[derive(Clone, Debug)]
 pub struct Outcome {
@@ -65,8 +68,9 @@ fn pieces(program: &Program, limits: &[Axis]) -> Vec<Piece> {
     let axes = program.axes();
     let mut here = program.start;
     let mut list: Vec<Piece> = Vec::new();
-    for step in &program.moves {
+    for step in &program.flattened(CURVE_CHORDS).moves {
         let (to, length, tangents, radius) = match &step.path {
+            Course::Cubic { .. } => continue,
             Course::Dwell { seconds } => {
                 if let Some(last) = list.last_mut() {
                     last.dwell += seconds;

@@ -1,13 +1,8 @@
-//! Curves, cut into chords.
+//! Curves: splines as cubic blocks, NURBS of any degree as chords.
 
 use super::{Course, Move, Program, ReadOptions, Speed};
 use crate::smoothing::{Nurbs, SplineFile};
 use anyhow::{Result, bail};
-
-/// Greatest distance of a chord from its spline, mm.
-const SAG: f64 = 1.0e-4;
-/// Most chords of a span.
-const MOST_CHORDS: f64 = 1.0e5;
 
 /// Reads a curve and cuts it into chords of equal parameter steps.
 ///
@@ -39,43 +34,28 @@ pub fn parse_nurbs(text: &str, options: ReadOptions) -> Result<Program> {
     Ok(program)
 }
 
-/// Cuts a spline file into chords that are within 1e-4 mm of it. (The tolerance in it is that of
-/// smoothing; the run takes the machine's.)
+/// A spline file as cubic blocks, one per span. (The tolerance in it is that of smoothing; the run
+/// takes the machine's.)
 ///
 /// # Errors
 /// Names what is wrong with the spline.
 pub fn parse_spline(file: &SplineFile, options: ReadOptions) -> Result<Program> {
     let path = file.path()?;
-    let mut program = Program::default();
     let point = |[x, y, z]: [f64; 3]| {
         let mut point = [0.0; 9];
         point[..3].copy_from_slice(&[x, y, z]);
         point
     };
-    program.start = point(path.point(0, 0.0));
-    let mut line = 0;
+    let mut program = Program { start: point(path.point(0, 0.0)), ..Program::default() };
     for span in 0..path.spans() {
-        // A chord over a share u of the span lies up to u^2 / 8 times the second derivative off.
-        let (from, to) = path.range(span);
-        let norm = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let bend = [0.0, 1.0].map(|u| norm(path.derivatives(span, u)[1]));
-        let chords = (to - from) * (bend[0].max(bend[1]) / (8.0 * SAG)).sqrt();
-        if chords > MOST_CHORDS {
-            bail!("span {span} would take {chords:.0} chords");
-        }
-        let chords = chords.ceil().max(1.0) as u32;
-        for k in 1..=chords {
-            line += 1;
-            program.moves.push(Move {
-                path: Course::Line {
-                    to: point(path.point(span, f64::from(k) / f64::from(chords))),
-                },
-                speed: Speed::PerSecond(file.feed.unwrap_or(options.feed)),
-                tolerance: None,
-                exact_stop: false,
-                line,
-            });
-        }
+        let [_, first, second, to] = path.bezier(span).map(point);
+        program.moves.push(Move {
+            path: Course::Cubic { controls: [first, second], to },
+            speed: Speed::PerSecond(file.feed.unwrap_or(options.feed)),
+            tolerance: None,
+            exact_stop: false,
+            line: u32::try_from(span + 1)?,
+        });
     }
     Ok(program)
 }

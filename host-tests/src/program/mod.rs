@@ -37,6 +37,13 @@ pub enum Course {
         /// Full turns beyond the first arrival.
         extra_turns: u16,
     },
+    /// Cubic curve by its Bezier points.
+    Cubic {
+        /// The two points between.
+        controls: [Point; 2],
+        /// End point.
+        to: Point,
+    },
     /// Stand still, s.
     Dwell {
         /// Duration.
@@ -107,6 +114,31 @@ impl Program {
     }
 }
 
+impl Program {
+    /// The same with curves as chords, `chords` each.
+    #[must_use]
+    pub fn flattened(&self, chords: u32) -> Self {
+        let mut out = Self { moves: Vec::new(), ..self.clone() };
+        let mut here = self.start;
+        for step in &self.moves {
+            match &step.path {
+                Course::Cubic { controls, to } => {
+                    for k in 1..=chords {
+                        let to = on_cubic(&here, controls, to, f64::from(k) / f64::from(chords));
+                        out.moves.push(Move { path: Course::Line { to }, ..step.clone() });
+                    }
+                    here = *to;
+                    continue;
+                }
+                Course::Line { to } | Course::Arc { to, .. } => here = *to,
+                Course::Dwell { .. } => {}
+            }
+            out.moves.push(step.clone());
+        }
+        out
+    }
+}
+
 /// How files are read.
 #[derive(Clone, Copy, Debug)]
 pub struct ReadOptions {
@@ -142,4 +174,11 @@ pub fn read(path: &Path, options: ReadOptions) -> Result<Program> {
 
 fn spline(text: &str, ending: &str, options: ReadOptions) -> Result<Program> {
     curve::parse_spline(&SplineFile::parse(text, ending)?, options)
+}
+
+/// Place on a cubic curve at a share of its parameter.
+pub fn on_cubic(from: &Point, [first, second]: &[Point; 2], to: &Point, u: f64) -> Point {
+    let v = 1.0 - u;
+    let w = [v * v * v, 3.0 * v * v * u, 3.0 * v * u * u, u * u * u];
+    std::array::from_fn(|i| w[0] * from[i] + w[1] * first[i] + w[2] * second[i] + w[3] * to[i])
 }

@@ -331,6 +331,10 @@ pub fn block<S: Scalar, const N: usize>(step: &Move, axes: &[usize]) -> Result<B
             turn: if *clockwise { Turn::Clockwise } else { Turn::CounterClockwise },
             extra_turns: *extra_turns,
         },
+        Course::Cubic { controls: [first, second], to } => Motion::Cubic {
+            controls: [coords(first, axes)?, coords(second, axes)?],
+            to: coords(to, axes)?,
+        },
         Course::Dwell { seconds } => Motion::Dwell { seconds: S::of(*seconds) },
     };
     let feed = match step.speed {

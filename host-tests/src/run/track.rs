@@ -1,6 +1,6 @@
 //! The programmed path as a fine poly-line, to hold setpoints against.
 
-use crate::program::{Course, Program};
+use crate::program::{Course, Program, on_cubic};
 
 /// Arcs are cut into chords that leave them by no more than this, mm.
 const SAGITTA: f64 = 1.0e-6;
@@ -58,6 +58,21 @@ impl Track {
                         let (r, phi) = (r0 + (r1 - r0) * u, a0 + sign * sweep * u);
                         point[*p] = centre.0 + r * phi.cos();
                         point[*q] = centre.1 + r * phi.sin();
+                        track.add(axes.iter().map(|&axis| point[axis]));
+                    }
+                    here = *to;
+                }
+                Course::Cubic { controls, to } => {
+                    let bend =
+                        [(&here, &controls[0], &controls[1]), (&controls[0], &controls[1], to)]
+                            .map(|(a, b, c)| {
+                                let x = (0..a.len()).map(|i| a[i] - 2.0 * b[i] + c[i]);
+                                6.0 * x.map(|x| x * x).sum::<f64>().sqrt()
+                            });
+                    let n = (bend[0].max(bend[1]) / (8.0 * SAGITTA)).sqrt().ceil();
+                    let n = (n as usize).clamp(8, 2_000_000);
+                    for k in 1..=n {
+                        let point = on_cubic(&here, controls, to, k as f64 / n as f64);
                         track.add(axes.iter().map(|&axis| point[axis]));
                     }
                     here = *to;

@@ -79,6 +79,16 @@ pub fn program(draws: &[Draw], axes: &[usize]) -> Program {
                 }
                 Course::Line { to }
             }
+            // A curve, bent one way or the other, even back on itself.
+            10..=11 => {
+                let mut controls = [here, to];
+                for (k, &axis) in axes.iter().enumerate() {
+                    let across = draw.bend * draw.size * draw.step[(k + 1) % axes.len()];
+                    controls[0][axis] += across;
+                    controls[1][axis] += if draw.kind == 10 { across } else { -across };
+                }
+                Course::Cubic { controls, to }
+            }
             _ => Course::Line { to },
         };
         if !matches!(path, Course::Dwell { .. }) {

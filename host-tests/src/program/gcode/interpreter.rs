@@ -33,6 +33,10 @@ enum Mode {
     Feed,
     Clockwise,
     CounterClockwise,
+    /// G5.
+    Cubic,
+    /// G5.1.
+    Quadratic,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,6 +74,8 @@ struct Reader {
     position: Point,
     /// Machine position of the program's zero (G92).
     zero: Point,
+    /// From the last point of the G5 before to its second control point (its P and Q).
+    last_control: Option<[f64; 2]>,
     warned: BTreeSet<String>,
     ended: bool,
 }
@@ -107,6 +113,7 @@ impl Reader {
             feed: None,
             default_feed,
             position: [0.0; AXES],
+            last_control: None,
             zero: [0.0; AXES],
             warned: BTreeSet::new(),
             ended: false,
@@ -166,6 +173,8 @@ impl Reader {
             20 => self.mode = Mode::Clockwise,
             30 => self.mode = Mode::CounterClockwise,
             40 => line.dwell = true,
+            50 => self.mode = Mode::Cubic,
+            51 => self.mode = Mode::Quadratic,
             90 => line.exact_stop = true,
             170 => self.plane = Plane::Xy,
             180 => self.plane = Plane::Zx,
@@ -320,7 +329,13 @@ impl Reader {
         let from = self.position;
         let to = self.target(line);
         Self::check(&to)?;
-        let curve = if arc { self.arc(line, &from, to)? } else { None };
+        let control = self.last_control.take();
+        let curve = match self.mode {
+            Mode::Clockwise | Mode::CounterClockwise => self.arc(line, &from, to)?,
+            Mode::Cubic => Some(self.cubic(line, &from, to, control)?),
+            Mode::Quadratic => Some(self.quadratic(line, &from, to)?),
+            Mode::None | Mode::Rapid | Mode::Feed => None,
+        };
         if arc && curve.is_none() {
             self.warn(number, "an arc without centre (I J K) or radius (R) is taken as a line");
         }
@@ -349,6 +364,51 @@ impl Reader {
         };
         let scale = if linear { self.scale() } else { 1.0 };
         Ok(Speed::PerSecond(feed * scale / 60.0))
+    }
+
+    /// Two words of a curve in the XY plane, mm; `None` if neither is there.
+    fn pair(&self, line: &Line<'_>, letters: [char; 2]) -> Result<Option<[f64; 2]>> {
+        if self.plane != Plane::Xy {
+            bail!("G5 and G5.1 need the XY plane (G17)");
+        }
+        match letters.map(|letter| line.get(letter)) {
+            [None, None] => Ok(None),
+            [Some(x), Some(y)] => Ok(Some([x * self.scale(), y * self.scale()])),
+            _ => bail!("{} and {} come together", letters[0], letters[1]),
+        }
+    }
+
+    /// G5: I and J from the start to the first control point, P and Q from the end to the second.
+    /// Without I and J the curve goes on from the G5 before.
+    fn cubic(
+        &mut self,
+        line: &Line<'_>,
+        from: &Point,
+        to: Point,
+        before: Option<[f64; 2]>,
+    ) -> Result<Course> {
+        let first = self.pair(line, ['I', 'J'])?.or(before.map(|control| control.map(|x| -x)));
+        let first = first.ok_or_else(|| anyhow!("the first G5 needs I and J"))?;
+        let second = self.pair(line, ['P', 'Q'])?.ok_or_else(|| anyhow!("G5 needs P and Q"))?;
+        self.last_control = Some(second);
+        let mut controls = [*from, to];
+        for i in 0..2 {
+            controls[0][i] += first[i];
+            controls[1][i] += second[i];
+        }
+        Ok(Course::Cubic { controls: thirds(from, controls, &to), to })
+    }
+
+    /// G5.1: I and J from the start to the only control point.
+    fn quadratic(&self, line: &Line<'_>, from: &Point, to: Point) -> Result<Course> {
+        let control = self.pair(line, ['I', 'J'])?.ok_or_else(|| anyhow!("G5.1 needs I and J"))?;
+        let mut controls = [*from, to];
+        for i in 0..2 {
+            let middle = from[i] + control[i];
+            controls[0][i] += (middle - from[i]) * 2.0 / 3.0;
+            controls[1][i] += (middle - to[i]) * 2.0 / 3.0;
+        }
+        Ok(Course::Cubic { controls: thirds(from, controls, &to), to })
     }
 
     /// The arc to `to`, or `None` if neither centre nor radius is given.
@@ -387,6 +447,15 @@ impl Reader {
     }
 }
 
+/// Control points of a plane curve; the other axes move evenly.
+fn thirds(from: &Point, mut controls: [Point; 2], to: &Point) -> [Point; 2] {
+    for i in 2..AXES {
+        controls[0][i] = from[i] + (to[i] - from[i]) / 3.0;
+        controls[1][i] = to[i] - (to[i] - from[i]) / 3.0;
+    }
+    controls
+}
+
 /// A letter other than G and M may stand once in a line.
 fn check_repeats(words: &[Word]) -> Result<()> {
     for (i, word) in words.iter().enumerate() {
@@ -408,7 +477,9 @@ mod tests {
             .moves
             .iter()
             .map(|step| match &step.path {
-                Course::Line { to } | Course::Arc { to, .. } => (to[0], to[1], to[2]),
+                Course::Line { to } | Course::Arc { to, .. } | Course::Cubic { to, .. } => {
+                    (to[0], to[1], to[2])
+                }
                 Course::Dwell { .. } => (f64::NAN, 0.0, 0.0),
             })
             .collect()
@@ -428,6 +499,32 @@ mod tests {
             ends("G1 X5 Y5 F1\nG28 X6"),
             [(5.0, 5.0, 0.0), (6.0, 5.0, 0.0), (0.0, 5.0, 0.0)]
         );
+    }
+
+    #[test]
+    fn cubic_and_quadratic_curves() {
+        let program =
+            parse("G1 X1 F60\nG5 X4 Y0 I1 J2 P-1 Q2\nX7 Y0 P-1 Q-2\nG5.1 X10 Y3 Z3 I3 J0", 10.0)
+                .unwrap();
+        let controls: Vec<[(f64, f64); 2]> = program.moves[1..]
+            .iter()
+            .map(|step| match &step.path {
+                Course::Cubic { controls, .. } => controls.map(|point| (point[0], point[1])),
+                other => panic!("{other:?}"),
+            })
+            .collect();
+        assert_eq!(controls[0], [(2.0, 2.0), (3.0, 2.0)]);
+        assert_eq!(controls[1], [(5.0, -2.0), (6.0, -2.0)]);
+        assert_eq!(controls[2], [(9.0, 0.0), (10.0, 1.0)]);
+        for (text, part) in [
+            ("G5 X1 P1 Q1 F60", "line 1: the first G5 needs I and J"),
+            ("G5 X1 I1 J1 F60", "line 1: G5 needs P and Q"),
+            ("G5.1 X1 I1 F60", "line 1: I and J come together"),
+            ("G18 G5.1 X1 I1 J1 F60", "line 1: G5 and G5.1 need the XY plane"),
+        ] {
+            let error = format!("{:#}", parse(text, 10.0).unwrap_err());
+            assert!(error.contains(part), "{error}");
+        }
     }
 
     #[test]
