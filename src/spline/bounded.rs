@@ -1,11 +1,11 @@
 //! Smoothing in a bounded amount of work, inside the tube by a bound.
 //!
-//! Three candidates are made, and the one with the least time (estimated, see below) is taken, be it
+//! Four candidates are made, and the one with the least time (estimated, see below) is taken, be it
 //! the spline as given:
 //! - *sweeps*: the same that smooth runs of short lines on their way to the machine (`sweep` in this
-//!   room), here on the second derivative across the path. One band system for all control points at
-//!   once; the weight of a place grows with the speed that the motion can have there, so curvature is
-//!   not moved to where it costs more;
+//!   room), on the second derivative across the path, and on the third. One band system for all control
+//!   points at once; the weight of a place grows with the speed that the motion can have there, so
+//!   curvature is not moved to where it costs more;
 //! - *moves*: the thesis's own iterations ([`super::thesis`]), at most [`MOVES`] of them, but with
 //!   distances bounded instead of sampled. They are better at peaks so sharp that the speed by the
 //!   parameter, which the sweeps hold, is what has to change;
@@ -15,9 +15,9 @@
 //! - the tube is never left: between the places of comparison the difference spline is bounded by
 //!   its second derivative;
 //! - the known weaknesses of the thesis (section 5.1: a "U" that becomes a "V", curvature that rises in
-//!   places) are looked for: no span's curvature may exceed what the spline as given had in
-//!   its neighbourhood by more than a little; sweeps that lead there are taken back, moves
-//!   that did are no candidate;
+//!   places) are looked for: sweeps that make a span's curvature exceed what the spline as given had in
+//!   its neighbourhood by more than a little are taken back there; moves that make it exceed that
+//!   threefold are no candidate, and what they cost in time below that counts against them;
 //! - sweeps leave the ends where they are; moves take them across the path, as the thesis has it,
 //!   unless `ends_stay`.
 //!
@@ -37,7 +37,7 @@ use heapless::Vec;
 /// Places of comparison in a span.
 pub const SPAN_PLACES: usize = 4;
 /// Most iterations of the moves.
-pub const MOVES: u32 = 60;
+pub const MOVES: u32 = 40;
 /// Share of the radius that is used; the rest is for rounding.
 const SHARE: f64 = 0.9998;
 /// By what curvature may exceed the greatest of the neighbourhood as given; and the share of the
@@ -119,7 +119,8 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const PLACES: usize>
     /// Smooths a spline inside the tube around it.
     ///
     /// Work: at most (`sweeps` + 8) `passes` band systems over the control points, each with five
-    /// rows per span; about 400 operations per control point, axis and sweep.
+    /// rows per span, three times; about 500 operations per control point, axis and sweep. Moves: see
+    /// [`super::thesis::smooth`].
     ///
     /// # Errors
     /// If the radius is negative or not finite, or the spline has more control points than there is room for.

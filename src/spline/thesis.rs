@@ -179,8 +179,12 @@ pub fn categories<S: Scalar, const N: usize, const CAP: usize>(
         let (Some(a), Some(b), Some(c)) = (at(i, -2), at(i, -1), at(i, 1)) else { return false };
         dot(&off_line(a, b, &points[i]), &off_line(c, b, &points[i])) > S::ZERO
     };
+    let mut sides: Vec<bool, CAP> = Vec::new();
     for i in 0..m {
-        let primary = one_side(i) && neighbour(spline, i, 1).is_some_and(one_side);
+        let _ = sides.push(one_side(i));
+    }
+    for i in 0..m {
+        let primary = sides[i] && neighbour(spline, i, 1).is_some_and(|next| sides[next]);
         let _ = kinds.push(if primary { Kind::Primary } else { Kind::Ripple });
     }
     for i in 0..m {
