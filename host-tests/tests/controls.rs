@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Draw, config, dense, draws, machine, program, stretches};
+use common::{Draw, broken, config, dense, draws, judged, machine, program, stretches};
 use proptest::prelude::*;
 use splineway::{
     Activity, AxisLimits, Block, Config, Controls, Coord, Feed, Limits, Link, Progress, PushError,
@@ -10,23 +10,7 @@ use splineway::{
 };
 use splineway_host::machine::Machine;
 use splineway_host::program::Program;
-use splineway_host::run::{
-    Action, Event, Events, Judge, Precision, Stats, Track, Verdict, run_with,
-};
-use splineway_host::view::violations;
-
-fn judged(
-    program: &Program,
-    machine: &Machine,
-    precision: Precision,
-    events: &Events,
-) -> (Verdict, Stats) {
-    let limits = machine.axes_of(program).unwrap();
-    let track = Track::new(program);
-    let mut judge = Judge::new(&track, &limits, machine.cycle, machine.tolerance);
-    let stats = run_with(program, machine, precision, events, &mut [&mut judge]).unwrap();
-    (judge.verdict(), stats)
-}
+use splineway_host::run::{Action, Event, Events, Precision, run_with};
 
 /// One random command: when (as a share of the time), which, how much.
 fn commands() -> impl Strategy<Value = Vec<(f64, u8, u16)>> {
@@ -83,8 +67,7 @@ fn check_program(
     if stats.aborted {
         verdict.end_error = 0.0;
     }
-    let limits = machine.axes_of(program).unwrap();
-    let broken = violations(&verdict, precision, machine.cycle, machine.tolerance, &limits);
+    let broken = broken(&verdict, program, machine, precision);
     prop_assert!(broken.is_empty(), "{broken:?} {:?}", events.list());
     Ok(())
 }

@@ -2,28 +2,10 @@
 
 mod common;
 
-use common::{Draw, config, draws, machine, program};
+use common::{Draw, check, config, draws, judged, machine, program};
 use proptest::prelude::*;
-use splineway_host::machine::{Machine, Mode};
-use splineway_host::program::Program;
-use splineway_host::run::{Judge, Precision, Track, Verdict, run};
-use splineway_host::view::violations;
-
-fn judge(program: &Program, machine: &Machine, precision: Precision) -> Verdict {
-    let limits = machine.axes_of(program).unwrap();
-    let track = Track::new(program);
-    let mut judge = Judge::new(&track, &limits, machine.cycle, machine.tolerance);
-    run(program, machine, precision, &mut [&mut judge]).unwrap();
-    judge.verdict()
-}
-
-fn check(program: &Program, machine: &Machine, precision: Precision) -> Result<(), TestCaseError> {
-    let verdict = judge(program, machine, precision);
-    let limits = machine.axes_of(program).unwrap();
-    let broken = violations(&verdict, precision, machine.cycle, machine.tolerance, &limits);
-    prop_assert!(broken.is_empty(), "{broken:?}");
-    Ok(())
-}
+use splineway_host::machine::Mode;
+use splineway_host::run::{Events, Precision};
 
 proptest! {
     #![proptest_config(config(1500))]
@@ -93,7 +75,7 @@ proptest! {
         for step in &mut stops.moves {
             step.exact_stop = true;
         }
-        let (smooth, stops) = (judge(&smooth, &machine, Precision::F64), judge(&stops, &machine, Precision::F64));
+        let (smooth, stops) = (judged(&smooth, &machine, Precision::F64, &Events::default()).0, judged(&stops, &machine, Precision::F64, &Events::default()).0);
         prop_assert!(smooth.time <= stops.time * 1.03 + 0.002, "{} s, with stops {} s", smooth.time, stops.time);
     }
 }
@@ -110,8 +92,8 @@ fn f32_takes_as_long_as_f64() {
     let (mut wide, mut narrow, mut apart) = (0.0, 0.0, 0);
     for _ in 0..300 {
         let program = program(&draws.new_tree(&mut runner).unwrap().current(), &[0, 1, 2]);
-        let a = judge(&program, &machine, Precision::F64).time;
-        let b = judge(&program, &machine, Precision::F32).time;
+        let a = judged(&program, &machine, Precision::F64, &Events::default()).0.time;
+        let b = judged(&program, &machine, Precision::F32, &Events::default()).0.time;
         wide += a;
         narrow += b;
         apart += u32::from((a - b).abs() > 0.005 * a + 0.002);

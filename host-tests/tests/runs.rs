@@ -2,37 +2,16 @@
 
 mod common;
 
-use common::{config, dense, machine, poly_line, stretches};
+use common::{check, config, dense, judged, machine, poly_line, stretches};
 use proptest::prelude::*;
 use splineway_host::machine::{Axis, Machine};
 use splineway_host::program::Program;
-use splineway_host::run::{Judge, Observer, Precision, Sample, Stats, Track, Verdict, run};
-use splineway_host::view::violations;
+use splineway_host::run::{Events, Observer, Precision, Sample, run};
 use std::f64::consts::TAU;
 
-/// No program here takes that long.
-struct Patience;
-
-impl Observer for Patience {
-    fn setpoint(&mut self, sample: &Sample<'_>) -> anyhow::Result<()> {
-        anyhow::ensure!(sample.time < 1000.0, "line {}: the run does not end", sample.tag);
-        Ok(())
-    }
-}
-
-fn judge(program: &Program, machine: &Machine, precision: Precision) -> (Verdict, Stats) {
-    let limits = machine.axes_of(program).unwrap();
-    let track = Track::new(program);
-    let mut judge = Judge::new(&track, &limits, machine.cycle, machine.tolerance);
-    let stats = run(program, machine, precision, &mut [&mut judge, &mut Patience]).unwrap();
-    (judge.verdict(), stats)
-}
-
-fn check(program: &Program, machine: &Machine, precision: Precision) -> Result<f64, TestCaseError> {
-    let (verdict, stats) = judge(program, machine, precision);
-    let limits = machine.axes_of(program).unwrap();
-    let broken = violations(&verdict, precision, machine.cycle, machine.tolerance, &limits);
-    prop_assert!(broken.is_empty(), "{broken:?}");
+/// Time of a program, of which nothing may be broken or lost.
+fn time(program: &Program, machine: &Machine, precision: Precision) -> Result<f64, TestCaseError> {
+    let (verdict, stats) = check(program, machine, precision)?;
     prop_assert_eq!(stats.blocks, program.moves.len() as u64);
     Ok(verdict.time)
 }
@@ -48,7 +27,7 @@ proptest! {
         sweeps in 0u16..12,
     ) {
         let machine = Machine { sweeps, ..machine(tolerance, scale, 3) };
-        check(&dense(&stretches), &machine, Precision::F64)?;
+        time(&dense(&stretches), &machine, Precision::F64)?;
     }
 }
 
@@ -60,7 +39,7 @@ proptest! {
         stretches in stretches(1..10),
         tolerance in (-2.5f64..-0.5).prop_map(|e| 10f64.powf(e)),
     ) {
-        check(&dense(&stretches), &machine(tolerance, (1.0, 1.0), 3), Precision::F32)?;
+        time(&dense(&stretches), &machine(tolerance, (1.0, 1.0), 3), Precision::F32)?;
     }
 }
 
@@ -88,9 +67,9 @@ fn noise_within_the_band_costs_nothing() {
         })
         .collect();
     let machine = common_machine(0.05);
-    let plain = check(&poly_line(&[([100.0, 0.0, 0.0], feed)]), &machine, Precision::F64).unwrap();
-    let time = check(&poly_line(&noisy), &machine, Precision::F64).unwrap();
-    assert!(time < 1.03 * plain, "{time} s, the straight line {plain} s");
+    let plain = time(&poly_line(&[([100.0, 0.0, 0.0], feed)]), &machine, Precision::F64).unwrap();
+    let noisy = time(&poly_line(&noisy), &machine, Precision::F64).unwrap();
+    assert!(noisy < 1.03 * plain, "{noisy} s, the straight line {plain} s");
 }
 
 /// Sweeps pay, and none at all is a path inside the band too.
@@ -106,7 +85,7 @@ fn every_number_of_sweeps_is_inside_and_more_are_faster() {
         .collect();
     let times = [0, 1, 2, 4, 8, 16].map(|sweeps| {
         let machine = Machine { sweeps, ..common_machine(0.03) };
-        check(&poly_line(&wave), &machine, Precision::F64).unwrap()
+        time(&poly_line(&wave), &machine, Precision::F64).unwrap()
     });
     assert!(times[4] < 0.8 * times[0] && times[5] < 1.01 * times[4], "{times:?}");
 }
@@ -116,7 +95,7 @@ fn every_number_of_sweeps_is_inside_and_more_are_faster() {
 fn cells_follow_the_curve_and_not_the_lines() {
     let cells = [600, 6000, 60_000].map(|chords| {
         let program = poly_line(&circle(10.0, chords, 100.0));
-        judge(&program, &common_machine(0.02), Precision::F64).1.counters.cells
+        judged(&program, &common_machine(0.02), Precision::F64, &Events::default()).1.counters.cells
     });
     assert!(cells[0] < 150 && cells[1] < 150 && cells[2] < 300, "{cells:?}");
 }

@@ -122,15 +122,7 @@ proptest! {
 
 fn time_saved(path: &Path, method: Method, radius: f64) -> f64 {
     let trajectory = Trajectory::thesis();
-    let request = Request {
-        method,
-        radius,
-        precision: 5,
-        accuracy: 0.01,
-        iterations: None,
-        ends_stay: false,
-    };
-    let smoothed = smooth(path, &request).unwrap();
+    let smoothed = smooth(path, &Request::new(method, radius)).unwrap();
     if method == Method::Bounded {
         let off = smoothed.path.difference(path).unwrap();
         assert!(off.bound(200) <= radius * (1.0 + 1e-9), "{} of {radius}", off.bound(200));

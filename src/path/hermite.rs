@@ -1,6 +1,6 @@
 //! Quintic Hermite curves: point, tangent and curvature given at both ends.
 
-use super::node::{Cell, GAUSS, Node, by_arc_length};
+use super::node::{Cell, Node, by_arc_length, integral};
 use crate::number::Scalar;
 use crate::number::vector::{Vector, norm, shifted};
 use core::array::from_fn;
@@ -88,11 +88,7 @@ impl<S: Scalar, const N: usize> Hermite<S, N> {
 
     /// Arc length between two parameters, by the three-point Gauss rule.
     pub fn arc_length(&self, from: S, to: S) -> S {
-        let mut sum = S::ZERO;
-        for (x, weight) in GAUSS {
-            sum += S::of(weight) * norm(&self.first(from + (to - from) * S::of(x)));
-        }
-        sum * (to - from)
+        integral(from, to, |u| norm(&self.first(u)))
     }
 
     /// Node at `u`, given the position of the start.

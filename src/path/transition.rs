@@ -5,7 +5,7 @@
 //! leg, 0 at the corner, y to the inside of the turn.
 
 use super::corner::Corner;
-use super::node::{Cell, GAUSS, Node, Order};
+use super::node::{Cell, Node, Order, integral};
 use crate::number::vector::{Vector, mix, shifted};
 use crate::number::{Coord, Scalar};
 use core::array::from_fn;
@@ -105,12 +105,10 @@ impl<S: Scalar> Half<S> {
             let u0 = if index == first { from } else { S::ZERO };
             let u1 = if index == last { to } else { S::ONE };
             let span = self.span(index);
-            let mut part = S::ZERO;
-            for (x, weight) in GAUSS {
-                let (_, (dx, dy), _) = bezier(&span, u0 + (u1 - u0) * S::of(x));
-                part += S::of(weight) * (dx * dx + dy * dy).sqrt();
-            }
-            sum += part * (u1 - u0);
+            sum += integral(u0, u1, |u| {
+                let (_, (dx, dy), _) = bezier(&span, u);
+                (dx * dx + dy * dy).sqrt()
+            });
         }
         sum
     }

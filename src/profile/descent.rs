@@ -181,26 +181,16 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
                 if self.edge.left() > S::of(LEAST_LEFT) {
                     self.edge = sharper(self.edge);
                 }
-            } else if self.keeps_limits(window, stretch, limits) || failures >= MOST_FAILURES {
+            } else if !self.edge.is_relaxed()
+                || self.holds(window, stretch, limits)
+                || failures >= MOST_FAILURES
+            {
                 return steps + 1;
             } else if promise < now.weight * S::of(SHARPEN) {
                 self.edge = sharper(self.edge);
             }
         }
         iterations
-    }
-
-    /// Whether the states of a stretch keep all limits, in the midst of it.
-    fn keeps_limits<const N: usize>(
-        &mut self,
-        window: &Window<S, N, NODES>,
-        stretch: Stretch,
-        limits: &Limits<S, N>,
-    ) -> bool {
-        let edge = core::mem::replace(&mut self.edge, Edge::STRICT);
-        let holds = !edge.is_relaxed() || self.holds(window, stretch, limits);
-        self.edge = edge;
-        holds
     }
 
     /// The share of the step to take, if any share is no worse than `here`;

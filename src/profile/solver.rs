@@ -166,28 +166,22 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         value.is_finite().then_some(value)
     }
 
-    /// Whether the states of a stretch keep all limits, with a rest at its end.
+    /// Whether the states of a stretch keep all limits, with a rest at its end, however the barrier
+    /// is relaxed.
     pub fn holds<const N: usize>(
         &mut self,
         window: &Window<S, N, NODES>,
         stretch: Stretch,
         limits: &Limits<S, N>,
     ) -> bool {
-        self.value_here(window, stretch, limits, S::ZERO).is_some()
-    }
-
-    /// Time and barrier over a stretch as it stands.
-    pub(super) fn value_here<const N: usize>(
-        &mut self,
-        window: &Window<S, N, NODES>,
-        stretch: Stretch,
-        limits: &Limits<S, N>,
-        weight: S,
-    ) -> Option<S> {
         for work in &mut self.work[stretch.first..=stretch.last] {
             work.step = [S::ZERO; 2];
         }
-        self.value(window, stretch, limits, (weight, S::ZERO), (stretch.first, stretch.last))
+        let edge = core::mem::replace(&mut self.edge, Edge::STRICT);
+        let all = (stretch.first, stretch.last);
+        let holds = self.value(window, stretch, limits, (S::ZERO, S::ZERO), all).is_some();
+        self.edge = edge;
+        holds
     }
 
     /// Time over a stretch, s.

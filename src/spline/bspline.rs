@@ -410,6 +410,17 @@ impl<S: Scalar, const N: usize, const CAP: usize> Spline<S, N, CAP> {
 }
 
 #[cfg(test)]
+impl<const N: usize, const CAP: usize> Spline<f64, N, CAP> {
+    /// The greatest curvature at `places` places of every span.
+    pub(super) fn peak(&self, places: u32) -> f64 {
+        (0..self.spans())
+            .flat_map(|span| (0..places).map(move |k| (span, f64::from(k) / f64::from(places))))
+            .map(|(span, u)| self.curvature(span, u))
+            .fold(0.0, f64::max)
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use super::*;
 

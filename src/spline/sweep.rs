@@ -1,8 +1,8 @@
 //! Smoothing a spline inside its tube, in a fixed number of sweeps.
 //!
-//! What is minimised: the integral of w |c'''|^2 over the window, c''' being the third derivative by
-//! arc length (of the poly-line that the spline follows). On a jerk-limited machine it is what costs time: at a speed v it
-//! needs the jerk |c'''| v^3, so a path is run at (J / |c'''|)^(1/3); curvature alone, which the
+//! What is minimised for runs ([`Order::Third`]): the integral of w |c'''|^2 over the window, c''' being
+//! the third derivative by arc length (of the poly-line that the spline follows). On a jerk-limited
+//! machine it is what costs time: at a speed v it needs the jerk |c'''| v^3, so a path is run at (J / |c'''|)^(1/3); curvature alone, which the
 //! thesis (Naseath 2007, section 3.1) lowers, limits it only where acceleration does. The price w is
 //! the cube of the *reach*: of k band / turn^1.5 at a corner of the poly-line, plus the distance to it.
 //! Out of a corner the speed grows with the power 2/3 of the distance (constant jerk), from a speed

@@ -121,14 +121,11 @@ impl Smooth {
         }
         let trajectory =
             Trajectory { feed: self.feed, acceleration: self.acceleration, jerk: self.jerk };
-        let request = Request {
-            method: self.method,
-            radius,
-            precision: self.precision.or(file.precision).unwrap_or(5),
-            accuracy: self.accuracy.or(file.accuracy).unwrap_or(0.01),
-            iterations: self.iterations,
-            ends_stay: true,
-        };
+        let mut request = Request::new(self.method, radius);
+        request.precision = self.precision.or(file.precision).unwrap_or(request.precision);
+        request.accuracy = self.accuracy.or(file.accuracy).unwrap_or(request.accuracy);
+        request.iterations = self.iterations;
+        request.ends_stay = true;
         let smoothed = smooth(&given, &request)?;
         let report = self.report(&given, &smoothed, radius, &trajectory);
         print(&report);

@@ -19,15 +19,7 @@ struct Run {
 }
 
 fn run(path: &Path, method: Method, radius: f64, trajectory: &Trajectory<f64>) -> Result<Run> {
-    let request = Request {
-        method,
-        radius,
-        precision: 5,
-        accuracy: 0.01,
-        iterations: None,
-        ends_stay: false,
-    };
-    let smoothed = smooth(path, &request)?;
+    let smoothed = smooth(path, &Request::new(method, radius))?;
     let off = smoothed.path.difference(path).map_or(0.0, |d| d.greatest(200)) / radius;
     Ok(Run { figures: measure(&smoothed.path, trajectory), smoothed, off })
 }

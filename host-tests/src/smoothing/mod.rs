@@ -53,6 +53,14 @@ pub struct Request {
     pub ends_stay: bool,
 }
 
+impl Request {
+    /// With the thesis's precision and accuracy (section 4.2), and its freedom at the ends.
+    pub fn new(method: Method, radius: f64) -> Self {
+        let (precision, accuracy) = (5, 0.01);
+        Self { method, radius, precision, accuracy, iterations: None, ends_stay: false }
+    }
+}
+
 /// A smoothed path.
 #[derive(Clone, Debug)]
 pub struct Smoothed {

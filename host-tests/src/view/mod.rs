@@ -57,8 +57,7 @@ pub fn plot(path: &Path, scene: &Scene<'_>) -> Result<()> {
 /// # Errors
 /// An unknown ending, or a file that cannot be written.
 pub fn plot_speeds(path: &Path, title: &str, curves: &[Curve]) -> Result<()> {
-    let page = |svg: &str| Ok(format!("<!doctype html><meta charset=\"utf-8\">{svg}"));
-    write(path, || picture::speeds_svg(title, curves), page)
+    write(path, || picture::speeds_svg(title, curves), bare_page)
 }
 
 /// Writes a plot of a smoothed path in its tube.
@@ -66,13 +65,18 @@ pub fn plot_speeds(path: &Path, title: &str, curves: &[Curve]) -> Result<()> {
 /// # Errors
 /// An unknown ending, or a file that cannot be written.
 pub fn plot_tube(path: &Path, scene: &TubeScene<'_>) -> Result<()> {
-    let page = |svg: &str| Ok(format!("<!doctype html><meta charset=\"utf-8\">{svg}"));
     let svg = || {
         let mut text = String::new();
         tube::draw(&mut text, scene).map_err(|error| anyhow!("plot: {error}"))?;
         Ok(text)
     };
-    write(path, svg, page)
+    write(path, svg, bare_page)
+}
+
+/// A page that shows a picture and nothing else.
+#[allow(clippy::unnecessary_wraps)] // as other pages
+fn bare_page(svg: &str) -> Result<String> {
+    Ok(format!("<!doctype html><meta charset=\"utf-8\">{svg}"))
 }
 
 fn write(

@@ -6,7 +6,59 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use splineway_host::machine::{Axis, Machine};
 use splineway_host::program::{Course, Move, Point, Program, Speed};
+use splineway_host::run::{
+    Events, Judge, Observer, Precision, Sample, Stats, Track, Verdict, run_with,
+};
+use splineway_host::view::violations;
 use std::collections::BTreeMap;
+
+/// No program of the tests takes that long.
+struct Patience;
+
+impl Observer for Patience {
+    fn setpoint(&mut self, sample: &Sample<'_>) -> anyhow::Result<()> {
+        anyhow::ensure!(sample.time < 1000.0, "line {}: the run does not end", sample.tag);
+        Ok(())
+    }
+}
+
+/// Runs a program while an operator gives commands, and judges it.
+pub fn judged(
+    program: &Program,
+    machine: &Machine,
+    precision: Precision,
+    events: &Events,
+) -> (Verdict, Stats) {
+    let limits = machine.axes_of(program).unwrap();
+    let track = Track::new(program);
+    let mut judge = Judge::new(&track, &limits, machine.cycle, machine.tolerance);
+    let observers: &mut [&mut dyn Observer] = &mut [&mut judge, &mut Patience];
+    let stats = run_with(program, machine, precision, events, observers).unwrap();
+    (judge.verdict(), stats)
+}
+
+/// What a run has broken.
+pub fn broken(
+    verdict: &Verdict,
+    program: &Program,
+    machine: &Machine,
+    precision: Precision,
+) -> Vec<String> {
+    let limits = machine.axes_of(program).unwrap();
+    violations(verdict, precision, machine.cycle, machine.tolerance, &limits)
+}
+
+/// Runs a program without commands; nothing may be broken.
+pub fn check(
+    program: &Program,
+    machine: &Machine,
+    precision: Precision,
+) -> Result<(Verdict, Stats), TestCaseError> {
+    let (verdict, stats) = judged(program, machine, precision, &Events::default());
+    let broken = broken(&verdict, program, machine, precision);
+    prop_assert!(broken.is_empty(), "{broken:?}");
+    Ok((verdict, stats))
+}
 
 /// One random move: kind, direction and size, feed, stop.
 #[derive(Clone, Debug)]

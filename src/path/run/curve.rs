@@ -2,7 +2,7 @@
 
 use crate::number::vector::{Vector, dot, norm, shifted, sub};
 use crate::number::{Coord, Scalar};
-use crate::path::node::{Cell, GAUSS, Node, Order, by_arc_length};
+use crate::path::node::{Cell, Node, Order, by_arc_length, integral};
 use core::array::from_fn;
 
 /// Turn of a cell, rad. A cell is a quintic through its ends with their tangents and curvatures,
@@ -69,11 +69,7 @@ impl<S: Scalar, const N: usize> Curve<S, N> {
     }
 
     fn length(&self, from: S, to: S) -> S {
-        let mut sum = S::ZERO;
-        for (x, weight) in GAUSS {
-            sum += S::of(weight) * norm(&self.first(from + (to - from) * S::of(x)));
-        }
-        sum * (to - from) * self.step
+        integral(from, to, |u| norm(&self.first(u))) * self.step
     }
 
     /// The node before a part, given where the curve starts and ends.
