@@ -75,7 +75,7 @@
 //! with the solver's workspace. A dense run takes few nodes for many lines, so `BLOCKS` may be small.
 //! `size_of` tells the bytes; the README has a table.
 #![no_std]
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 #[cfg(test)]
 extern crate std;
@@ -88,9 +88,11 @@ mod planner;
 mod profile;
 pub mod servo;
 pub mod spline;
+#[cfg(feature = "wire")]
+pub mod wire;
 
 pub use block::{Block, Feed, Motion, PushError, Turn};
-pub use machine::{AxisLimits, Config, CornerMode, Limits};
+pub use machine::{AxisLimits, Config, ConfigError, CornerMode, Limits};
 pub use number::{Coord, Scalar};
 pub use planner::{Counters, Planner, Progress};
 pub use servo::{Activity, Controls, Interpolator, Link, Setpoint};

@@ -5,6 +5,8 @@
 //! positions inside one cell of the path, where it is precise to fractions of a nanometre.
 
 mod coord;
+pub(crate) mod list;
+mod root;
 mod scalar;
 pub(crate) mod shared;
 pub(crate) mod vector;

@@ -1,5 +1,6 @@
 //! The scalar the core computes with.
 
+use super::root::sqrtf;
 use super::shared::Shared;
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
@@ -143,5 +144,5 @@ macro_rules! scalar {
     };
 }
 
-scalar!(f32, AtomicU32, libm::sqrtf, libm::cbrtf, libm::logf, libm::sincosf);
+scalar!(f32, AtomicU32, sqrtf, libm::cbrtf, libm::logf, libm::sincosf);
 scalar!(f64, [AtomicU32; 2], libm::sqrt, libm::cbrt, libm::log, libm::sincos);

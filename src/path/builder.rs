@@ -72,6 +72,19 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         }
     }
 
+    /// Forgets everything and starts anew at a point. (In place: a new one would take its size of stack.)
+    pub fn restart(&mut self, start: [Coord; N]) {
+        self.items.clear();
+        self.chords = None;
+        self.end = start;
+        self.closed = false;
+        self.stage = Stage::Waiting;
+        self.kept = 0;
+        self.half = None;
+        self.run.clear();
+        self.rested = true;
+    }
+
     /// End point of the last accepted block.
     pub fn end(&self) -> &[Coord; N] {
         self.chords.as_ref().map_or(&self.end, Chords::end)

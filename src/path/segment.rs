@@ -47,14 +47,21 @@ impl<S: Scalar, const N: usize> Helix<S, N> {
         let (sin, cos) = libm::sincos(angle);
         let along = self.rate * self.radius;
         let bend = -self.rate * self.rate * self.radius;
-        let (p, q) = self.plane;
         let mut tangent = self.drift;
-        tangent[p] = S::of(-along * sin);
-        tangent[q] = S::of(along * cos);
+        self.put(&mut tangent, S::of(-along * sin), S::of(along * cos));
         let mut curvature = zero();
-        curvature[p] = S::of(bend * cos);
-        curvature[q] = S::of(bend * sin);
+        self.put(&mut curvature, S::of(bend * cos), S::of(bend * sin));
         (tangent, curvature)
+    }
+
+    /// Sets what is in the plane.
+    fn put<T>(&self, vector: &mut [T; N], p: T, q: T) {
+        if let Some(slot) = vector.get_mut(self.plane.0) {
+            *slot = p;
+        }
+        if let Some(slot) = vector.get_mut(self.plane.1) {
+            *slot = q;
+        }
     }
 }
 
@@ -200,7 +207,7 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
                 let fraction = if way_raw >= self.length_raw {
                     1 << 62
                 } else {
-                    ((i128::from(way_raw) << 62) / i128::from(self.length_raw)) as i64
+                    ((i128::from(way_raw) << 62) / i128::from(self.length_raw.max(1))) as i64
                 };
                 Node {
                     at: from_fn(|i| self.start[i].towards(self.end[i], fraction)),
@@ -215,8 +222,8 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
                 let mut at: [Coord; N] =
                     from_fn(|i| self.start[i].plus(helix.drift[i].to_f64() * way));
                 let (sin, cos) = libm::sincos(angle);
-                at[helix.plane.0] = helix.centre.0.plus(helix.radius * cos);
-                at[helix.plane.1] = helix.centre.1.plus(helix.radius * sin);
+                let (x, y) = (helix.radius * cos, helix.radius * sin);
+                helix.put(&mut at, helix.centre.0.plus(x), helix.centre.1.plus(y));
                 if way_raw <= 0 {
                     at = self.start;
                 } else if way_raw >= self.length_raw {
@@ -311,12 +318,13 @@ impl<S: Scalar, const N: usize> Helix<S, N> {
         } else {
             phi.sin_cos().0 / phi - S::ONE
         };
-        let (p, q) = self.plane;
-        let mut bulge = zero();
-        for i in [p, q] {
-            bulge[i] = tangent[i] * way * short + curvature[i] * towards;
-        }
-        bulge
+        from_fn(|i| {
+            if i == self.plane.0 || i == self.plane.1 {
+                tangent[i] * way * short + curvature[i] * towards
+            } else {
+                S::ZERO
+            }
+        })
     }
 }
 

@@ -18,6 +18,7 @@
 use super::corner::Corner;
 use super::transition::Half;
 use crate::number::Scalar;
+use crate::number::list::some;
 use core::array::from_fn;
 
 /// One shape: distances of P0..P4 from the corner in units of G, offsets of P3 and P4 and of P5 in
@@ -125,12 +126,13 @@ fn bracket<const M: usize>(list: &[f64; M], x: f64) -> (usize, f64) {
     let rising = list[1] > list[0];
     let passed = |value: f64| if rising { x >= value } else { x <= value };
     let mut at = 0;
-    for i in 1..M - 1 {
-        if passed(list[i]) {
+    for (i, value) in list.iter().enumerate().take(M - 1).skip(1) {
+        if passed(*value) {
             at = i;
         }
     }
-    let share = (x - list[at]) / (list[at + 1] - list[at]);
+    let Some([before, after]) = some(list, at) else { return (0, 0.0) };
+    let share = (x - before) / (after - before);
     (at, share.clamp(0.0, 1.0))
 }
 

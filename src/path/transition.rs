@@ -84,8 +84,8 @@ impl<S: Scalar> Half<S> {
     /// Span and parameter in it of a node of the half, 0 to `cells`.
     fn place(&self, node: u8) -> (usize, S) {
         let place = u16::from(node) * u16::from(self.spans);
-        let cells = u16::from(self.cells);
-        let span = (place / cells).min(u16::from(self.spans) - 1);
+        let cells = u16::from(self.cells).max(1);
+        let span = (place / cells).min(u16::from(self.spans).saturating_sub(1));
         let rest = place - span * cells;
         (usize::from(span), S::from_u32(u32::from(rest)) / S::from_u32(u32::from(cells)))
     }

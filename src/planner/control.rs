@@ -12,7 +12,6 @@
 
 use super::{Halt, Planner, Progress};
 use crate::number::Scalar;
-use crate::path::builder::Builder;
 use crate::profile::law::State;
 use crate::profile::rows::Pace;
 use crate::profile::solver::{Aim, Stretch};
@@ -84,7 +83,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             let last = self.window.index(self.planned_end);
             self.window.truncate(last);
             if let Some(station) = self.window.last() {
-                self.builder = Builder::new(station.node.at);
+                self.builder.restart(station.node.at);
             }
             self.waits = false;
             self.requests.aborted();

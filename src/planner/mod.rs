@@ -131,28 +131,31 @@ impl<S: Scalar, const N: usize, const NODES: usize> Link<S, N, NODES> {
         }
         let (plan, servo, requests) = self.split();
         let node = Node { at: start, tangent: zero(), curvature: zero() };
-        let planner = Planner {
-            side: plan,
-            config,
-            builder: Builder::new(start),
-            window: Window::new(node),
-            solver: Solver::new(),
-            planned_end: 0,
-            pending: None,
-            changes: Changes::NONE,
-            requests,
-            overrides: (100, 100),
-            halt: None,
-            waits: false,
-            resumes: 0,
-            reaction: 0,
-            tried: 0,
-            checkpoint: 0,
-            waiting_since: None,
-            finished: false,
-            counters: Counters::default(),
-        };
-        Ok((planner, Interpolator::new(servo, start, config.cycle)))
+        // Built where it is returned to: it is large.
+        Ok((
+            Planner {
+                side: plan,
+                config,
+                builder: Builder::new(start),
+                window: Window::new(node),
+                solver: Solver::new(),
+                planned_end: 0,
+                pending: None,
+                changes: Changes::NONE,
+                requests,
+                overrides: (100, 100),
+                halt: None,
+                waits: false,
+                resumes: 0,
+                reaction: 0,
+                tried: 0,
+                checkpoint: 0,
+                waiting_since: None,
+                finished: false,
+                counters: Counters::default(),
+            },
+            Interpolator::new(servo, start, config.cycle),
+        ))
     }
 }
 

@@ -115,14 +115,15 @@ pub struct Model<S> {
 impl<S: Scalar> Model<S> {
     #[inline]
     fn add(&mut self, slope: S, curvature: S, g: &Gradient<S>) {
-        let mut n = 0;
-        for i in 0..4 {
-            self.gradient[i] += slope * g[i];
-            let row = curvature * g[i];
-            for gj in &g[i..] {
-                self.hessian[n] += row * *gj;
-                n += 1;
-            }
+        for (sum, gi) in self.gradient.iter_mut().zip(g) {
+            *sum += slope * *gi;
+        }
+        let [g0, g1, g2, g3] = *g;
+        let [r0, r1, r2, r3] = g.map(|gi| curvature * gi);
+        let (row0, row1) = ([r0 * g0, r0 * g1, r0 * g2, r0 * g3], [r1 * g1, r1 * g2, r1 * g3]);
+        let rows = row0.into_iter().chain(row1).chain([r2 * g2, r2 * g3, r3 * g3]);
+        for (sum, part) in self.hessian.iter_mut().zip(rows) {
+            *sum += part;
         }
     }
 }

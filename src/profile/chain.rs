@@ -27,33 +27,32 @@ impl<S: Scalar> Work<S> {
 /// Solves the chain in place: the gradient becomes the step. Returns gradient . step.
 pub fn solve<S: Scalar>(work: &mut [Work<S>]) -> S {
     let tiny = S::EPSILON * S::of(16.0);
-    for i in 0..work.len() {
+    let mut left = &mut *work;
+    while let [here, later @ ..] = left {
         // L D L^T of the 2 x 2 block.
-        let [bb, ba, aa] = work[i].block;
+        let [bb, ba, aa] = here.block;
         let lower = ba / bb;
         let rest = (aa - ba * lower).greatest(aa * tiny);
-        work[i].block = [bb, lower, rest];
-        if i + 1 == work.len() {
-            break;
-        }
-        let [c0, c1, c2, c3] = work[i].coupling;
+        here.block = [bb, lower, rest];
+        let Some(next) = later.first_mut() else { break };
+        let [c0, c1, c2, c3] = here.coupling;
         // Columns of block^-1 coupling.
         let (x0, x2) = solve_block(bb, lower, rest, c0, c2);
         let (x1, x3) = solve_block(bb, lower, rest, c1, c3);
-        let [g0, g1] = work[i].gradient;
+        let [g0, g1] = here.gradient;
         let (y0, y1) = solve_block(bb, lower, rest, g0, g1);
-        let next = &mut work[i + 1];
         let floor = [next.block[0] * tiny, next.block[2] * tiny];
         next.block[0] = (next.block[0] - (c0 * x0 + c2 * x2)).greatest(floor[0]);
         next.block[1] -= c0 * x1 + c2 * x3;
         next.block[2] = (next.block[2] - (c1 * x1 + c3 * x3)).greatest(floor[1]);
         next.gradient[0] -= c0 * y0 + c2 * y1;
         next.gradient[1] -= c1 * y0 + c3 * y1;
+        left = later;
     }
     let mut promise = S::ZERO;
     let mut after = [S::ZERO; 2];
-    for i in (0..work.len()).rev() {
-        let Work { block, gradient, coupling, .. } = work[i];
+    for here in work.iter_mut().rev() {
+        let Work { block, gradient, coupling, .. } = *here;
         // Before it is overwritten: y^T D^-1 y sums to gradient . step.
         let u = gradient[0];
         let v = gradient[1] - block[1] * gradient[0];
@@ -61,7 +60,7 @@ pub fn solve<S: Scalar>(work: &mut [Work<S>]) -> S {
         let r0 = gradient[0] - (coupling[0] * after[0] + coupling[1] * after[1]);
         let r1 = gradient[1] - (coupling[2] * after[0] + coupling[3] * after[1]);
         let (x, y) = solve_block(block[0], block[1], block[2], r0, r1);
-        work[i].gradient = [x, y];
+        here.gradient = [x, y];
         after = [x, y];
     }
     promise

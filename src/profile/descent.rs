@@ -148,13 +148,13 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         let mut failures = 0;
         for steps in 0..iterations {
             let Some(here) = self.assemble(window, stretch, limits, now) else { return steps };
-            let promise = solve(&mut self.work[stretch.first..=stretch.last]);
+            let promise = solve(self.works(stretch.first, stretch.last));
             if !promise.is_finite() {
                 // Rounding has made the system singular: take it from further inside.
                 now.damping = (now.damping * S::of(16.0)).greatest(S::ONE);
                 continue;
             }
-            for work in &mut self.work[stretch.first..=stretch.last] {
+            for work in self.works(stretch.first, stretch.last) {
                 work.step = work.gradient;
             }
             let (found, blocked) = self.search(window, stretch, limits, now.weight, here);
@@ -230,9 +230,9 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         let mut share = S::ONE;
         for i in stretch.first..stretch.last {
             if Self::is_free(window, stretch, i)
-                && let Some(station) = window.get(i)
+                && let (Some(station), Some(work)) = (window.get(i), self.work.get(i))
             {
-                let (b, step) = (station.state.b * S::of(0.9), self.work[i].step[0]);
+                let (b, step) = (station.state.b * S::of(0.9), work.step[0]);
                 if share * step > b {
                     share = b / step;
                 }

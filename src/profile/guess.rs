@@ -74,25 +74,25 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         let rise = |i: usize, y: S| -> S {
             let Some(station) = window.get(i) else { return S::ZERO };
             // The root of the speed is the cube root of y.
-            let root = y.cbrt().greatest(S::of(1.0e-3));
+            let root = cube_root(y).greatest(S::of(1.0e-3));
             let by_acceleration = S::of(ACCELERATION) * station.bounds.acceleration / root;
             let slope = station.bounds.jerk.sqrt().least(by_acceleration);
             S::of(1.5) * slope * station.cell.length
         };
         for i in start..last {
-            let y = self.work[i].step[0];
-            let next = &mut self.work[i + 1].step[0];
-            *next = next.least(y + rise(i, y));
+            let Some([here, next]) = self.two(i) else { return };
+            let y = here.step[0];
+            next.step[0] = next.step[0].least(y + rise(i, y));
         }
         for i in (start + 1..last).rev() {
-            let y = self.work[i + 1].step[0];
-            let here = &mut self.work[i].step[0];
-            *here = here.least(y + rise(i, y));
+            let Some([here, next]) = self.two(i) else { return };
+            let y = next.step[0];
+            here.step[0] = here.step[0].least(y + rise(i, y));
         }
-        for i in start + 1..last {
+        for (i, work) in (start..last).zip(self.works(start, last)).skip(1) {
             if Self::is_free(window, stretch, i) {
-                let y = self.work[i].step[0];
-                window.set_state(i, State { b: y * y.cbrt(), a: S::ZERO });
+                let y = work.step[0];
+                window.set_state(i, State { b: y * cube_root(y), a: S::ZERO });
             }
         }
         let mut before = window.get(start).map_or(S::ZERO, |station| station.state.b);
@@ -119,27 +119,28 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         (start, last): (usize, usize),
         limits: &Limits<S, N>,
     ) {
-        for work in &mut self.work[start..=last] {
+        for work in self.works(start, last) {
             work.step = [S::of(1.0e30); 2];
         }
         for i in start..last {
             let Some((station, after)) = window.pair(i) else { return };
             if station.cell.length > S::ZERO {
-                let [here, next] = steady_cubes(&station.view(after, limits));
-                self.work[i].step[0] = self.work[i].step[0].least(here);
-                self.work[i + 1].step[0] = self.work[i + 1].step[0].least(next);
+                let cubes = steady_cubes(&station.view(after, limits));
+                for (work, cube) in self.two(i).into_iter().flatten().zip(cubes) {
+                    work.step[0] = work.step[0].least(cube);
+                }
             }
         }
-        for i in start..=last {
+        for (i, work) in (start..).zip(self.works(start, last)) {
             let Some(station) = window.get(i) else { return };
             let cube = if i == start {
                 station.state.b * station.state.b.sqrt()
             } else if station.rest || i == last {
                 S::ZERO
             } else {
-                self.work[i].step[0]
+                work.step[0]
             };
-            self.work[i].step[0] = cube.sqrt();
+            work.step[0] = cube.sqrt();
         }
     }
 
@@ -155,7 +156,7 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
     ) -> bool {
         let new = new.max(stretch.first + 1);
         let cells = (new - 1, stretch.last);
-        for work in &mut self.work[cells.0..=cells.1] {
+        for work in self.works(cells.0, cells.1) {
             work.step = [S::ZERO; 2];
         }
         let mut rate = S::ONE / (limits.time_scale() * S::of(0.125));
@@ -214,4 +215,19 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
             }
         }
     }
+}
+
+/// Cube root to about 1e-4, for a guess: libm's costs some thousand instructions where f64 is software.
+/// x^(1/4 + 1/16), and two steps of Halley's method for the rest of the exponent.
+fn cube_root<S: Scalar>(x: S) -> S {
+    let quarter = x.sqrt().sqrt();
+    let mut root = quarter * quarter.sqrt().sqrt();
+    for _ in 0..2 {
+        let cube = root * root * root;
+        let less = cube + cube + x;
+        if less > S::ZERO {
+            root = root * ((cube + x + x) / less);
+        }
+    }
+    root
 }

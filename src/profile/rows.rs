@@ -132,11 +132,11 @@ pub struct View<'a, S, const N: usize> {
 
 /// How one Bernstein coefficient of the jerk is made of bulge, turn and the end accelerations:
 /// index of the path jerk, and the four factors.
-type Mix = (usize, f64, f64, f64, f64);
+type Mix = (f64, f64, f64, f64);
 
 /// Factors of bulge w^3, turn v1 w^2, E0 w and E1 w in Q0, Q1, Q2.
 const JERK_MIX: [Mix; 3] =
-    [(0, 60.0, -24.0, -9.0, 3.0), (1, -120.0, 60.0, 9.0, -9.0), (2, 60.0, -36.0, -3.0, 9.0)];
+    [(60.0, -24.0, -9.0, 3.0), (-120.0, 60.0, 9.0, -9.0), (60.0, -36.0, -3.0, 9.0)];
 
 /// Parts of an axis's motion that do not depend on which coefficient is wanted.
 #[derive(Clone, Copy)]
@@ -172,13 +172,14 @@ impl<S: Scalar> Axis<S> {
     #[inline]
     pub fn jerks(&self, law: &Law<S>) -> [S; 3] {
         let [first, middle, last] = JERK_MIX;
-        [self.jerk(law, first), self.jerk(law, middle), self.jerk(law, last)]
+        let [q0, q1, q2] = law.jerk;
+        [self.jerk(law, q0, first), self.jerk(law, q1, middle), self.jerk(law, q2, last)]
     }
 
     #[inline]
-    fn jerk(&self, law: &Law<S>, (j, bulge, turn, e0, e1): Mix) -> S {
+    fn jerk(&self, law: &Law<S>, jerk: S, (bulge, turn, e0, e1): Mix) -> S {
         let w = law.rate;
-        self.tangent * law.jerk[j]
+        self.tangent * jerk
             + ((S::of(bulge) * self.bulge * w + S::of(turn) * self.turn * law.v1) * w
                 + S::of(e0) * self.e0
                 + S::of(e1) * self.e1)
@@ -397,19 +398,20 @@ impl<S: Scalar> Axis<S> {
     #[inline]
     fn jerk_gradients(&self, law: &Law<S>, slopes: &Slopes<S>) -> [Gradient<S>; 3] {
         let (w, two) = (law.rate, S::of(2.0));
-        let gradient = |(j, bulge, turn, e0, e1): Mix| {
+        let gradient = |slope: &Gradient<S>, (bulge, turn, e0, e1): Mix| {
             let (bulge, turn, e0, e1) = (S::of(bulge), S::of(turn), S::of(e0), S::of(e1));
             let per_rate = (S::of(3.0) * bulge * self.bulge * w + two * turn * self.turn * law.v1)
                 * w
                 + e0 * self.e0
                 + e1 * self.e1;
-            let mut g = mixed((&slopes.jerk[j], self.tangent), (&slopes.rate, per_rate));
+            let mut g = mixed((slope, self.tangent), (&slopes.rate, per_rate));
             g[0] += two * e0 * self.k0 * law.v0 * w;
             g[2] += (turn * self.turn * w + two * e1 * self.k1 * law.v1) * w;
             g[3] += e1 * self.turn * w;
             g
         };
-        [gradient(JERK_MIX[0]), gradient(JERK_MIX[1]), gradient(JERK_MIX[2])]
+        let ([s0, s1, s2], [first, middle, last]) = (&slopes.jerk, JERK_MIX);
+        [gradient(s0, first), gradient(s1, middle), gradient(s2, last)]
     }
 }
 

@@ -12,6 +12,7 @@ use super::rows::{View, rows, time_gradient};
 use super::window::Window;
 use crate::machine::Limits;
 use crate::number::Scalar;
+use crate::number::list::{part_mut, some_mut};
 
 /// Share of acceleration and jerk that the last cell before an open end may use.
 const OPEN_END_SHARE: f64 = 0.4;
@@ -66,6 +67,16 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         Self { work: [Work::EMPTY; NODES], aim: Aim::Time, price: S::ZERO, edge: Edge::STRICT }
     }
 
+    /// The workspace of some stations.
+    pub(super) fn works(&mut self, first: usize, last: usize) -> &mut [Work<S>] {
+        part_mut(&mut self.work, first..last + 1)
+    }
+
+    /// The workspace of a station and the next.
+    pub(super) fn two(&mut self, i: usize) -> Option<&mut [Work<S>; 2]> {
+        some_mut(&mut self.work, i)
+    }
+
     /// Whether a station's state is to be found.
     pub(super) fn is_free<const N: usize>(
         window: &Window<S, N, NODES>,
@@ -111,7 +122,7 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         if !Self::is_free(window, stretch, i) {
             return station.state;
         }
-        let step = self.work[i].step;
+        let step = self.work.get(i).map_or([S::ZERO; 2], |work| work.step);
         State { b: station.state.b - share * step[0], a: station.state.a - share * step[1] }
     }
 
@@ -174,7 +185,7 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         stretch: Stretch,
         limits: &Limits<S, N>,
     ) -> bool {
-        for work in &mut self.work[stretch.first..=stretch.last] {
+        for work in self.works(stretch.first, stretch.last) {
             work.step = [S::ZERO; 2];
         }
         let edge = core::mem::replace(&mut self.edge, Edge::STRICT);
@@ -209,9 +220,7 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         limits: &Limits<S, N>,
         Weights { weight, stiffness, damping }: Weights<S>,
     ) -> Option<S> {
-        for work in &mut self.work[stretch.first..=stretch.last] {
-            *work = Work::EMPTY;
-        }
+        self.works(stretch.first, stretch.last).fill(Work::EMPTY);
         let timed = self.aim != Aim::Halt;
         let mut slack = Slack::new(self.edge);
         let mut time = S::ZERO;
@@ -219,7 +228,8 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
             let free = (Self::is_free(window, stretch, i), Self::is_free(window, stretch, i + 1));
             let (station, after) = window.pair(i)?;
             let toll = self.toll(window, stretch, i + 1);
-            self.work[i + 1].gradient[0] += toll;
+            let [_, ahead] = self.two(i)?;
+            ahead.gradient[0] += toll;
             time += toll * after.state.b;
             let length = station.cell.length;
             if !(length > S::ZERO) {
@@ -244,23 +254,21 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
             if timed {
                 add_time_curvature(&mut h, length, ends, free);
             }
-            let work = &mut self.work[i];
-            for (sum, part) in work.block.iter_mut().zip([h[0], h[1], h[4]]) {
+            let [here, ahead] = self.two(i)?;
+            for (sum, part) in here.block.iter_mut().zip([h[0], h[1], h[4]]) {
                 *sum += part;
             }
-            work.gradient[0] += g[0];
-            work.gradient[1] += g[1];
-            work.coupling = [h[2], h[3], h[5], h[6]];
-            let work = &mut self.work[i + 1];
-            for (sum, part) in work.block.iter_mut().zip([h[7], h[8], h[9]]) {
+            here.gradient[0] += g[0];
+            here.gradient[1] += g[1];
+            here.coupling = [h[2], h[3], h[5], h[6]];
+            for (sum, part) in ahead.block.iter_mut().zip([h[7], h[8], h[9]]) {
                 *sum += part;
             }
-            work.gradient[0] += g[2];
-            work.gradient[1] += g[3];
+            ahead.gradient[0] += g[2];
+            ahead.gradient[1] += g[3];
         }
-        for i in stretch.first..=stretch.last {
+        for (i, work) in (stretch.first..).zip(self.works(stretch.first, stretch.last)) {
             if !Self::is_free(window, stretch, i) {
-                let work = &mut self.work[i];
                 work.block = [S::ONE, S::ZERO, S::ONE];
                 work.gradient = [S::ZERO; 2];
             }

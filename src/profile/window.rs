@@ -127,18 +127,17 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
         if self.stations.push_back(station).is_err() {
             return false;
         }
-        for i in (index + 2..self.stations.len()).rev() {
-            self.stations.swap(i, i - 1);
-        }
+        let moved = self.stations.iter_mut().skip(index + 1);
+        moved.fold(station, |before, slot| core::mem::replace(slot, before));
         true
     }
 
     /// Takes out the station at `index`, not the first; the running numbers of those behind fall
     /// by one.
     pub fn remove(&mut self, index: usize) {
-        for i in index + 1..self.stations.len() {
-            self.stations.swap(i, i - 1);
-        }
+        let Some(last) = self.stations.back().copied() else { return };
+        let moved = self.stations.iter_mut().skip(index).rev();
+        moved.fold(last, |behind, slot| core::mem::replace(slot, behind));
         self.stations.pop_back();
     }
 

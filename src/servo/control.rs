@@ -17,6 +17,7 @@ pub struct Requests {
     stop: AtomicBool,
     abort: AtomicBool,
     single: AtomicBool,
+    /// Overrides, as what they differ from 100 per cent by: untouched requests are all zeros.
     feed: AtomicU32,
     rapid: AtomicU32,
     /// Counts [`Controls::resume`], so that none is missed.
@@ -42,6 +43,14 @@ impl Wish {
     }
 }
 
+fn per_cent(share: &AtomicU32) -> u16 {
+    share.load(Acquire).wrapping_add(100) as u16
+}
+
+fn set_per_cent(share: &AtomicU32, percent: u16) {
+    share.store(u32::from(percent).wrapping_sub(100), Release);
+}
+
 impl Requests {
     pub const fn new() -> Self {
         Self {
@@ -49,8 +58,8 @@ impl Requests {
             stop: AtomicBool::new(false),
             abort: AtomicBool::new(false),
             single: AtomicBool::new(false),
-            feed: AtomicU32::new(100),
-            rapid: AtomicU32::new(100),
+            feed: AtomicU32::new(0),
+            rapid: AtomicU32::new(0),
             resumes: AtomicU32::new(0),
         }
     }
@@ -61,7 +70,7 @@ impl Requests {
             stop: self.stop.load(Acquire),
             abort: self.abort.load(Acquire),
             single: self.single.load(Acquire),
-            overrides: (self.feed.load(Acquire) as u16, self.rapid.load(Acquire) as u16),
+            overrides: (per_cent(&self.feed), per_cent(&self.rapid)),
             resumes: self.resumes.load(Acquire),
         }
     }
@@ -122,12 +131,12 @@ impl<'a> Controls<'a> {
     /// Feed override, 0 to 200 per cent of the programmed feed (more counts as 200), never beyond
     /// what the axes allow. At 0 the motion is held.
     pub fn feed_override(self, percent: u16) {
-        self.requests.feed.store(u32::from(percent.min(MOST_FEED)), Release);
+        set_per_cent(&self.requests.feed, percent.min(MOST_FEED));
     }
 
     /// Override of rapids, 0 to 100 per cent. At 0 the motion is held.
     pub fn rapid_override(self, percent: u16) {
-        self.requests.rapid.store(u32::from(percent.min(MOST_RAPID)), Release);
+        set_per_cent(&self.requests.rapid, percent.min(MOST_RAPID));
     }
 
     /// Single block mode: rest at the end of every block until [`Controls::resume`].

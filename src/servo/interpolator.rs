@@ -1,8 +1,8 @@
 //! One setpoint per servo cycle.
 
-use super::link::{ServoSide, Timeline};
-use super::piece::{Piece, Sequel};
-use super::setpoint::{Activity, Setpoint};
+use super::link::{Ahead, ServoSide, Timeline};
+use super::piece::Slot;
+use super::setpoint::Setpoint;
 use crate::number::{Coord, Scalar};
 
 /// Pieces that may begin within one servo cycle: each lasts at least a quarter of one.
@@ -10,11 +10,15 @@ const PIECES_PER_TICK: usize = 6;
 
 /// The interrupt's handle: call [`Interpolator::tick`] once per servo cycle.
 ///
-/// Work per tick: one piece evaluated, at most six begun; no waiting, no division, no root.
+/// Work per tick: one piece evaluated where it lies, at most six begun; no waiting, no division, no
+/// root. The README has the number of instructions.
 pub struct Interpolator<'a, S: Scalar, const N: usize> {
     side: ServoSide<'a, S, N>,
     cycle: S,
-    piece: Option<Piece<S, N>>,
+    /// The piece under way, in the plan that was handed over.
+    piece: Option<&'a Slot<S, N>>,
+    /// Its duration, s.
+    time: S,
     /// Time by which the piece under way had begun at the end of the cycle that took it up, s.
     lag: S,
     /// Ticks since then.
@@ -31,20 +35,11 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
             side,
             cycle,
             piece: None,
+            time: S::ZERO,
             lag: S::ZERO,
             count: 0,
             serial: 0,
-            rest: Setpoint {
-                origin: start,
-                offset: [S::ZERO; N],
-                velocity: [S::ZERO; N],
-                acceleration: [S::ZERO; N],
-                path_origin: Coord::ZERO,
-                path_offset: S::ZERO,
-                path_speed: S::ZERO,
-                tag: 0,
-                activity: Activity::Idle,
-            },
+            rest: Setpoint { origin: start, ..Setpoint::REST },
         }
     }
 
@@ -55,54 +50,53 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
         // A plan that branches off where the last cycle ended, or a start from rest: either way the
         // time of the new piece counts from there.
         if self.side.change_over(last) || self.piece.is_none() {
-            self.begin(S::ZERO, last);
+            let ahead = self.side.ahead(self.serial);
+            self.begin(ahead, S::ZERO, last);
         }
         self.count = self.count.wrapping_add(1);
+        let mut t = self.lag + S::from_u32(self.count) * self.cycle;
         for _ in 0..PIECES_PER_TICK {
-            let Some(piece) = &self.piece else { return self.rest };
-            let t = self.lag + S::from_u32(self.count) * self.cycle;
-            if t < piece.time {
+            let Some(piece) = self.piece else { return self.rest };
+            if t < self.time {
                 return piece.at(t);
             }
-            self.finish(t, last.wrapping_add(1));
-        }
-        // Never reached while pieces keep their least duration; a longer one would only be slow.
-        match &self.piece {
-            Some(piece) => piece.at(S::ZERO),
-            None => self.rest,
-        }
-    }
-
-    /// The piece under way is over at its own time `t`, in servo cycle `now`: on to the next one.
-    fn finish(&mut self, t: S, now: u32) {
-        let Some(piece) = self.piece.take() else { return };
-        let over = t - piece.time;
-        self.begin(over, now);
-        if self.piece.is_none() {
-            if piece.sequel == Sequel::Starved {
+            // On to the next one, `t` seconds into it.
+            let ahead = self.side.ahead(self.serial);
+            if ahead.may_rest {
+                // Now: the planner may write over it as soon as a new plan is taken.
+                self.rest(piece);
+            }
+            let starves = piece.starves();
+            t = t - self.time;
+            self.begin(ahead, t, last.wrapping_add(1));
+            if self.piece.is_none() && starves {
                 self.side.count_starved();
             }
-            let last = piece.at(piece.time);
-            self.rest = Setpoint {
-                velocity: [S::ZERO; N],
-                acceleration: [S::ZERO; N],
-                path_speed: S::ZERO,
-                activity: Activity::Idle,
-                ..last
-            };
         }
+        // Never reached while pieces keep their least duration; a longer one would only be slow.
+        self.piece.map_or(self.rest, |piece| piece.at(S::ZERO))
+    }
+
+    /// Notes where the motion rests if nothing follows the piece.
+    #[cold]
+    fn rest(&mut self, piece: &Slot<S, N>) {
+        let last = piece.at(self.time);
+        let Setpoint { origin, offset, path_origin, path_offset, tag, .. } = last;
+        self.rest = Setpoint { origin, offset, path_origin, path_offset, tag, ..Setpoint::REST };
     }
 
     /// Takes up the next piece, `over` seconds into it at the end of servo cycle `now`.
-    fn begin(&mut self, over: S, now: u32) {
-        self.piece = self.side.next(self.serial);
-        if let Some(piece) = &self.piece {
-            self.side.report(&Timeline { serial: piece.serial, began: now, lag: over });
-            self.serial = piece.serial.wrapping_add(1);
+    fn begin(&mut self, ahead: Ahead, over: S, now: u32) {
+        self.piece = self.side.next(ahead);
+        self.lag = over;
+        self.count = 0;
+        if let Some(piece) = self.piece {
+            let serial = piece.serial();
+            self.time = piece.time();
+            self.side.report(&Timeline { serial, began: now, lag: over });
+            self.serial = serial.wrapping_add(1);
         } else {
             self.side.report(&Timeline { serial: self.serial, began: now, lag: S::ZERO });
         }
-        self.lag = over;
-        self.count = 0;
     }
 }

@@ -33,8 +33,9 @@ pub enum Branch {
 }
 
 /// What has become of an offer: the low two bits of [`Flags::offer`]; the others count offers.
-const OPEN: u32 = 0;
-const TAKEN: u32 = 1;
+/// Taken is 0, so that an empty link is all zeros and takes no room in the image.
+const TAKEN: u32 = 0;
+const OPEN: u32 = 1;
 const REFUSED: u32 = 2;
 const VERDICT: u32 = 3;
 
@@ -67,7 +68,7 @@ pub struct Flags<S: Scalar> {
 impl<S: Scalar> Flags<S> {
     const fn new() -> Self {
         Self {
-            offer: AtomicU32::new(TAKEN),
+            offer: AtomicU32::new(0),
             branch: AtomicU32::new(0),
             by_cycle: AtomicU32::new(0),
             lengths: [AtomicU32::new(0), AtomicU32::new(0)],
@@ -171,7 +172,7 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
 
     /// Adds a piece to the plan that will be offered next; only when the last is decided.
     pub fn write(&mut self, piece: &Piece<S, N>) {
-        if let Some(slot) = self.plans[self.spare].get(self.written) {
+        if let Some(slot) = self.plans[self.spare & 1].get(self.written) {
             slot.store(piece);
             self.written += 1;
         }
@@ -185,7 +186,7 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
         };
         self.flags.branch.store(place, Relaxed);
         self.flags.by_cycle.store(by_cycle, Relaxed);
-        self.flags.lengths[self.spare].store(self.written as u32, Relaxed);
+        self.flags.lengths[self.spare & 1].store(self.written as u32, Relaxed);
         self.written = 0;
         self.offered = self.offered.wrapping_add(1) & (u32::MAX >> 2);
         self.flags.offer.store(self.offered << 2 | OPEN, Release);
@@ -224,6 +225,15 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
     }
 }
 
+/// What the interrupt has found at a node.
+#[derive(Clone, Copy, Debug)]
+pub struct Ahead {
+    /// An offer, and what is to be said to it.
+    decide: Option<(u32, u32)>,
+    /// Whether there may be no next piece.
+    pub may_rest: bool,
+}
+
 /// The interrupt's end.
 pub struct ServoSide<'a, S: Scalar, const N: usize> {
     plans: [&'a [Slot<S, N>]; 2],
@@ -236,7 +246,7 @@ pub struct ServoSide<'a, S: Scalar, const N: usize> {
     next: usize,
 }
 
-impl<S: Scalar, const N: usize> ServoSide<'_, S, N> {
+impl<'a, S: Scalar, const N: usize> ServoSide<'a, S, N> {
     /// The offer that is open: its word, its branch.
     fn open(&self) -> Option<(u32, Branch)> {
         let offer = self.flags.offer.load(Acquire);
@@ -250,8 +260,8 @@ impl<S: Scalar, const N: usize> ServoSide<'_, S, N> {
 
     /// Takes or refuses an offer; `false` if it has been withdrawn meanwhile.
     fn decide(&mut self, offer: u32, verdict: u32) -> bool {
-        let done =
-            self.flags.offer.compare_exchange(offer, offer | verdict, AcqRel, Acquire).is_ok();
+        let decided = offer & !VERDICT | verdict;
+        let done = self.flags.offer.compare_exchange(offer, decided, AcqRel, Acquire).is_ok();
         if done && verdict == TAKEN {
             self.plan = offer >> 2;
             self.active = 1 - self.active;
@@ -270,24 +280,39 @@ impl<S: Scalar, const N: usize> ServoSide<'_, S, N> {
         ahead == 0 && self.decide(offer, TAKEN)
     }
 
-    /// The piece that starts at node `serial`: of the new plan if one branches off there, else of
-    /// the present one.
-    pub fn next(&mut self, serial: u32) -> Option<Piece<S, N>> {
+    /// What comes at node `serial`: to be asked before [`ServoSide::next`].
+    pub fn ahead(&self, serial: u32) -> Ahead {
+        let lasts = |plan: usize, next: usize| next < self.length(plan);
         if let Some((offer, Branch::Node(node))) = self.open() {
             let ahead = node.wrapping_sub(serial);
             if ahead == 0 {
-                self.decide(offer, TAKEN);
-            } else if ahead > u32::MAX / 2 {
-                self.decide(offer, REFUSED);
+                // Taken or withdrawn: either plan may be the one.
+                let goes_on = lasts(1 - self.active, 0) && lasts(self.active, self.next);
+                return Ahead { decide: Some((offer, TAKEN)), may_rest: !goes_on };
+            }
+            if ahead > u32::MAX / 2 {
+                let may_rest = !lasts(self.active, self.next);
+                return Ahead { decide: Some((offer, REFUSED)), may_rest };
             }
         }
-        let length = self.flags.lengths[self.active].load(Relaxed) as usize;
-        if self.next >= length {
+        Ahead { decide: None, may_rest: !lasts(self.active, self.next) }
+    }
+
+    fn length(&self, plan: usize) -> usize {
+        self.flags.lengths[plan & 1].load(Relaxed) as usize
+    }
+
+    /// The next piece: of the new plan if one branches off here, else of the present one.
+    pub fn next(&mut self, ahead: Ahead) -> Option<&'a Slot<S, N>> {
+        if let Some((offer, verdict)) = ahead.decide {
+            self.decide(offer, verdict);
+        }
+        if self.next >= self.length(self.active) {
             return None;
         }
-        let slot = self.plans[self.active].get(self.next)?;
+        let slot = self.plans[self.active & 1].get(self.next)?;
         self.next += 1;
-        Some(slot.load())
+        Some(slot)
     }
 
     /// Reports the piece that is taken up, or that there is none.

@@ -43,6 +43,19 @@ pub struct Setpoint<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Setpoint<S, N> {
+    /// At rest in the origin.
+    pub(crate) const REST: Self = Self {
+        origin: [Coord::ZERO; N],
+        offset: [S::ZERO; N],
+        velocity: [S::ZERO; N],
+        acceleration: [S::ZERO; N],
+        path_origin: Coord::ZERO,
+        path_offset: S::ZERO,
+        path_speed: S::ZERO,
+        tag: 0,
+        activity: Activity::Idle,
+    };
+
     /// Position of an axis in mm, for hosts with fast `f64`; 0 for an axis that does not exist.
     pub fn position_mm(&self, axis: usize) -> f64 {
         match (self.origin.get(axis), self.offset.get(axis)) {

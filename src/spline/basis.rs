@@ -32,17 +32,21 @@ impl<S: Scalar> Local<S> {
     /// The basis functions of the four control points at a place of the span, by the recurrence
     /// of Cox and de Boor.
     pub fn values(&self, at: S) -> [S; 4] {
-        let mut n = [S::ONE, S::ZERO, S::ZERO, S::ZERO];
-        for j in 1..=3 {
+        let [t0, t1, t2, t3, t4, t5] = self.knots;
+        let rights = [t3 - at, t4 - at, t5 - at];
+        let (mut n, mut lefts) = ([S::ONE, S::ZERO, S::ZERO, S::ZERO], [S::ZERO; 3]);
+        for (j, left) in [t2, t1, t0].into_iter().enumerate() {
+            // The left ends of this degree's supports: one more in front each time.
+            lefts = [at - left, lefts[0], lefts[1]];
             let mut saved = S::ZERO;
-            for r in 0..j {
-                let right = self.knots[3 + r] - at;
-                let left = at - self.knots[3 + r - j];
-                let part = n[r] / (right + left);
-                n[r] = saved + right * part;
+            for ((n, right), left) in n.iter_mut().zip(rights).zip(lefts).take(j + 1) {
+                let part = *n / (right + left);
+                *n = saved + right * part;
                 saved = left * part;
             }
-            n[j] = saved;
+            if let Some(last) = n.get_mut(j + 1) {
+                *last = saved;
+            }
         }
         n
     }

@@ -20,7 +20,8 @@
 
 use super::tube::{Place, Pole, Span, edges};
 use crate::number::Scalar;
-use crate::number::vector::{Vector, norm};
+use crate::number::list::{part, part_mut, some, some_mut};
+use crate::number::vector::{Vector, norm, sub};
 use core::array::from_fn;
 
 /// Weight of a place at first, as a share of the stiffness of the spline there.
@@ -120,7 +121,7 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
             self.sweep(system, (first, last));
         }
         for _ in 0..REPAIRS {
-            if (0..self.spans.len()).all(|k| self.holds(k)) {
+            if self.spans.iter().enumerate().all(|(k, span)| self.holds(k, span)) {
                 break;
             }
             self.weigh(|ratio| {
@@ -154,22 +155,25 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
     }
 
     /// What is kept free of the tube between the places of a span, as tried.
-    fn slack(&self, span: usize) -> S {
+    fn slack(&self, k: usize, span: &Span<S>) -> S {
         let edges = match self.reference {
-            Reference::Lines => self.trial_edges(span),
-            Reference::Itself => from_fn(|j| {
-                let (a, b) = (&self.poles[span + j].trial, &self.poles[span + j + 1].trial);
-                from_fn(|i| b[i] - a[i])
-            }),
+            Reference::Lines => self.trial_edges(k),
+            Reference::Itself => match some(self.poles, k) {
+                Some([a, b, c, d]) => {
+                    [sub(&b.trial, &a.trial), sub(&c.trial, &b.trial), sub(&d.trial, &c.trial)]
+                }
+                None => [[S::ZERO; N]; 3],
+            },
         };
-        self.spans[span].slack(&edges)
+        span.slack(&edges)
     }
 
     /// Distances at all places, as tried.
     fn measure(&mut self) {
         for (k, span) in self.spans.iter().enumerate() {
-            let shifts = from_fn(|j| self.poles[k + j].trial);
-            for place in &mut self.places[span.range()] {
+            let Some(poles) = some::<_, 4>(self.poles, k) else { return };
+            let shifts = poles.each_ref().map(|pole| pole.trial);
+            for place in part_mut(self.places, span.range()) {
                 place.measure(&shifts);
             }
         }
@@ -177,12 +181,11 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
 
     /// Weights by distances: `change` is the factor for a distance over the target.
     fn weigh(&mut self, change: impl Fn(S) -> S) {
-        for k in 0..self.spans.len() {
-            let span = &self.spans[k];
-            let sag = self.slack(k);
+        for (k, span) in self.spans.iter().enumerate() {
+            let sag = self.slack(k, span);
             let stiffness = self.order.stiffness(span);
             let (least, most) = (stiffness * S::of(WEIGHTS.0), stiffness * S::of(WEIGHTS.1));
-            for place in &mut self.places[span.range()] {
+            for place in part_mut(self.places, span.range()) {
                 let ratio = (norm(&place.miss) + sag) / (place.radius * S::of(TARGET));
                 let weight = place.weight * change(ratio);
                 place.weight = weight.greatest(least).least(most);
@@ -196,12 +199,9 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
         system: &mut System<S, N, SIZE>,
         (first, last): (usize, usize),
     ) {
-        for i in first..last {
-            system.rows[i] = [S::ZERO; 4];
-            system.right[i] = [S::ZERO; N];
-        }
-        for k in first.saturating_sub(3)..last.min(self.spans.len()) {
-            let span = &self.spans[k];
+        part_mut(&mut system.rows, first..last).fill([S::ZERO; 4]);
+        part_mut(&mut system.right, first..last).fill([S::ZERO; N]);
+        for (k, span) in self.spans.iter().enumerate().take(last).skip(first.saturating_sub(3)) {
             let edges = self.trial_edges(k);
             match self.order {
                 Order::Third => {
@@ -215,15 +215,14 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
                     }
                 }
             }
-            for place in &self.places[span.range()] {
+            for place in part(self.places, span.range()) {
                 system.add(k, (first, last), place.weight, &place.basis, &place.miss);
             }
         }
     }
 
     /// Whether a span is inside the tube, as tried and measured, and goes on without a kink.
-    fn holds(&self, k: usize) -> bool {
-        let span = &self.spans[k];
+    fn holds(&self, k: usize, span: &Span<S>) -> bool {
         let edges = self.trial_edges(k);
         let goes_on = match self.reference {
             Reference::Lines => span.goes_on(&edges),
@@ -232,8 +231,8 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
         if !goes_on {
             return false;
         }
-        let sag = self.slack(k);
-        let own = &self.places[span.range()];
+        let sag = self.slack(k, span);
+        let own = part(self.places, span.range());
         // The end of the span is the first place of the next one.
         let next = self.spans.get(k + 1).and_then(|s| self.places.get(usize::from(s.first_place)));
         own.iter().chain(next).all(|place| norm(&place.miss) + sag <= place.radius)
@@ -244,10 +243,10 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
         for round in 0..ROUNDS {
             let share = if round < HALVINGS { S::of(0.5) } else { S::ZERO };
             let mut all = true;
-            for k in 0..self.spans.len() {
-                if !self.holds(k) {
+            for (k, span) in self.spans.iter().enumerate() {
+                if !self.holds(k, span) {
                     all = false;
-                    for pole in &mut self.poles[k..k + 4] {
+                    for pole in some_mut::<_, 4>(self.poles, k).into_iter().flatten() {
                         pole.back = true;
                     }
                 }
@@ -290,11 +289,14 @@ impl<S: Scalar, const N: usize, const SIZE: usize> System<S, N, SIZE> {
             if i < from || i >= to {
                 continue;
             }
+            let (Some(sums), Some(right)) = (self.rows.get_mut(i), self.right.get_mut(i)) else {
+                return;
+            };
             let pull = weight * row[a];
-            for b in a..4 {
-                self.rows[i][b - a] += pull * row[b];
+            for (sum, x) in sums.iter_mut().zip(&row[a..]) {
+                *sum += pull * *x;
             }
-            for (sum, x) in self.right[i].iter_mut().zip(value) {
+            for (sum, x) in right.iter_mut().zip(value) {
                 *sum -= pull * *x;
             }
         }
@@ -302,35 +304,35 @@ impl<S: Scalar, const N: usize, const SIZE: usize> System<S, N, SIZE> {
 
     /// Solves rows from..to in place, by L D L^T; couplings to rows outside are left out.
     fn solve(&mut self, from: usize, to: usize) {
-        for i in from..to {
-            let [d, rest @ ..] = self.rows[i];
+        let mut rows = part_mut(&mut self.rows, from..to);
+        let mut rights = part_mut(&mut self.right, from..to);
+        while let ([row, later @ ..], [right, later_rights @ ..]) = (rows, rights) {
+            let [d, rest @ ..] = *row;
             let per = S::ONE / d;
             let lower = rest.map(|x| x * per);
-            for a in 0..3 {
-                let j = i + 1 + a;
-                if j >= to {
-                    break;
+            let coupled = later.iter_mut().zip(&mut *later_rights).zip(lower).enumerate();
+            for (a, ((row, sums), factor)) in coupled {
+                for (x, y) in row.iter_mut().zip(&rest[a..]) {
+                    *x -= factor * *y;
                 }
-                for b in a..3 {
-                    self.rows[j][b - a] -= lower[a] * rest[b];
-                }
-                for n in 0..N {
-                    let part = lower[a] * self.right[i][n];
-                    self.right[j][n] -= part;
+                for (sum, x) in sums.iter_mut().zip(&*right) {
+                    *sum -= factor * *x;
                 }
             }
-            self.rows[i] = [per, lower[0], lower[1], lower[2]];
+            *row = [per, lower[0], lower[1], lower[2]];
+            (rows, rights) = (later, later_rights);
         }
-        for i in (from..to).rev() {
-            let [per, lower @ ..] = self.rows[i];
-            for n in 0..N {
-                let mut x = self.right[i][n] * per;
-                for (a, l) in lower.iter().enumerate() {
-                    if i + 1 + a < to {
-                        x -= *l * self.right[i + 1 + a][n];
-                    }
+        let rows = part(&self.rows, from..to).iter();
+        let rights = part_mut(&mut self.right, from..to);
+        for (i, [per, lower @ ..]) in rows.enumerate().rev() {
+            let Some((first, later)) = rights.get_mut(i..).and_then(<[_]>::split_first_mut) else {
+                return;
+            };
+            for (n, x) in first.iter_mut().enumerate() {
+                *x = *x * *per;
+                for (l, right) in lower.iter().zip(&*later) {
+                    *x -= *l * right[n];
                 }
-                self.right[i][n] = x;
             }
         }
     }

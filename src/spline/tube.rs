@@ -5,6 +5,7 @@
 
 use super::basis::Local;
 use crate::number::Scalar;
+use crate::number::list::some;
 use crate::number::vector::{Vector, dot, norm};
 use core::array::from_fn;
 use core::ops::Range;
@@ -253,15 +254,17 @@ impl<S: Scalar> Span<S> {
     }
 }
 
-/// The edges of the control polygon of a span, the control points being moved.
+/// The edges of the control polygon of a span, the control points being moved; of a span that does not
+/// exist they have no length.
 pub fn edges<S: Scalar, const N: usize>(
     poles: &[Pole<S, N>],
     span: usize,
     moved: impl Fn(&Pole<S, N>) -> Vector<S, N>,
 ) -> [Vector<S, N>; 3] {
-    from_fn(|j| {
-        let (a, b) = (&poles[span + j], &poles[span + j + 1]);
+    let Some([a, b, c, d]) = some(poles, span) else { return [[S::ZERO; N]; 3] };
+    let edge = |a: &Pole<S, N>, b: &Pole<S, N>| -> Vector<S, N> {
         let (from, to) = (moved(a), moved(b));
         from_fn(|i| a.edge[i] + (to[i] - from[i]))
-    })
+    };
+    [edge(a, b), edge(b, c), edge(c, d)]
 }

@@ -115,6 +115,20 @@ impl Program {
 }
 
 impl Program {
+    /// The same for a machine that stands in the origin: with a rapid move to where the path starts.
+    #[must_use]
+    pub fn with_approach(&self) -> Self {
+        let mut out = self.clone();
+        if self.start.iter().any(|&mm| mm != 0.0) {
+            let path = Course::Line { to: self.start };
+            let approach =
+                Move { path, speed: Speed::Rapid, tolerance: None, exact_stop: true, line: 0 };
+            out.moves.insert(0, approach);
+            out.start = [0.0; AXES];
+        }
+        out
+    }
+
     /// The same with curves as chords, `chords` each.
     #[must_use]
     pub fn flattened(&self, chords: u32) -> Self {

@@ -3,7 +3,7 @@
 use crate::number::vector::{Vector, dot, norm, zero};
 use crate::number::{Coord, Scalar};
 use crate::path::node::Order;
-use crate::path::segment::Segment;
+use crate::path::segment::{Segment, raw_to_mm};
 use core::array::from_fn;
 use heapless::{Deque, Vec};
 
@@ -17,6 +17,9 @@ const THINNING: f64 = 0.05;
 pub const SPIKE: f64 = 0.4;
 /// How far back is no spike but rounding, as a share of the tolerance.
 const BACK_SLACK: f64 = 1.0e-3;
+/// Lines shorter than this, 1e-12 mm, are followed by their direction, in `f32` to a nanometre; on longer
+/// ones a point is found by a division of wide integers.
+const SHORT: i64 = 10 * Coord::PER_MM;
 /// Most difference of the feeds of lines that become one, relative.
 const FEED_SLACK: f64 = 0.02;
 
@@ -213,11 +216,18 @@ impl<S: Scalar, const N: usize> Chain<S, N> {
 
     /// Index of the vertex at the end of the line that holds an arc length.
     fn index(&self, way: i64) -> usize {
-        let mut i = self.vertices.len().saturating_sub(1);
-        while i > 1 && self.vertices.get(i - 1).is_some_and(|v| v.way >= way) {
-            i -= 1;
+        // The first vertex at or behind it, by halving; the last if there is none, never the first.
+        let last = self.vertices.len().saturating_sub(1);
+        let (mut low, mut high) = (1, last);
+        while low < high {
+            let middle = usize::midpoint(low, high);
+            if self.vertices.get(middle).is_some_and(|v| v.way >= way) {
+                high = middle;
+            } else {
+                low = middle + 1;
+            }
         }
-        i
+        low.min(last)
     }
 
     /// The point at an arc length. Beyond either end the chain goes on straight, for as much as its
@@ -245,8 +255,12 @@ impl<S: Scalar, const N: usize> Chain<S, N> {
         if way >= b.way || b.way <= a.way {
             return b.at;
         }
-        let done = (way - a.way).max(0);
-        let fraction = ((i128::from(done) << 62) / i128::from(b.way - a.way)) as i64;
+        let (done, all) = ((way - a.way).max(0), b.way - a.way);
+        if all < SHORT {
+            let along: S = raw_to_mm(done);
+            return from_fn(|k| a.at[k].plus(b.direction[k] * along));
+        }
+        let fraction = ((i128::from(done) << 62) / i128::from(all.max(1))) as i64;
         from_fn(|k| a.at[k].towards(b.at[k], fraction))
     }
 

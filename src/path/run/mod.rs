@@ -112,6 +112,13 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         }
     }
 
+    /// Forgets the run.
+    pub fn clear(&mut self) {
+        self.window.clear();
+        self.state = State::Tied;
+        (self.handed, self.ready, self.part) = (0, 0, 0);
+    }
+
     /// Starts a run at a point; `rest_size` is the length of spans next to a rest, mm.
     pub fn begin(&mut self, at: [Coord; N], tie: Tie, leg: Leg<S>, rest_size: S) {
         self.chain.begin(at, leg);
@@ -384,7 +391,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         // Every turn hands on a cell, lays a knot, or makes spans ready.
         for _ in 0..4 * window::CONTROLS {
             if self.handed < self.ready {
-                return Some(self.hand(last, rested));
+                return self.hand(last, rested);
             }
             if self.extend() {
                 continue;
@@ -411,13 +418,13 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     }
 
     /// Hands on a cell.
-    fn hand(&mut self, last: &Node<S, N>, rested: bool) -> Emitted<S, N> {
+    fn hand(&mut self, last: &Node<S, N>, rested: bool) -> Option<Emitted<S, N>> {
         let (span, part) = (self.handed, self.part);
         let curve = self.window.curve(span);
         let ends = (&self.window.start(span), &self.window.finish(span));
         let from = if rested { Node { at: last.at, ..curve.node(part, ends) } } else { *last };
         let node = curve.node(part + 1, ends);
-        let order = self.window.legs[span].order;
+        let order = self.window.legs.get(span)?.order;
         let cell = curve.cell(part, &from, &node, order);
         self.part += 1;
         if self.part == curve.parts() {
@@ -429,7 +436,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             State::Broken => at_end,
             _ => at_end && self.end == Some(Tie::Rest),
         };
-        Emitted { from, cell, node, rest }
+        Some(Emitted { from, cell, node, rest })
     }
 }
 

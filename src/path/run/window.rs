@@ -14,6 +14,7 @@
 
 use super::chain::{Chain, Leg, Vertex};
 use super::curve::Curve;
+use crate::number::list::some;
 use crate::number::vector::{Vector, dot, norm, sub, zero};
 use crate::number::{Coord, Scalar};
 use crate::path::segment::raw_to_mm;
@@ -177,7 +178,8 @@ impl<S: Scalar, const N: usize> Window<S, N> {
         (first..known + more.len().cast_signed() - 3).all(|span| {
             let ways: [i64; 6] = from_fn(|i| {
                 let j = span - 2 + i.cast_signed();
-                if j < known { self.knot(j) } else { more[(j - known) as usize] }
+                let new = || more.get((j - known) as usize).copied().unwrap_or(0);
+                if j < known { self.knot(j) } else { new() }
             });
             ways[3] <= ways[2] || Self::draft(chain, &ways).is_some()
         })
@@ -247,17 +249,14 @@ impl<S: Scalar, const N: usize> Window<S, N> {
         let (from, to) = (ways[2], ways[3]);
         let leg = chain.lines(from, to).map(|(_, end)| end.leg).reduce(|a, b| a.with(&b))?;
         let radius = leg.tolerance * S::of(SHARE) - leg.error;
-        let controls: [[Coord; N]; 4] =
+        let [origin, others @ ..]: [[Coord; N]; 4] =
             from_fn(|j| chain.point(third(ways[j], ways[j + 1], ways[j + 2])));
+        let from_origin = |at: &[Coord; N]| -> Vector<S, N> { from_fn(|i| at[i].minus(origin[i])) };
+        let [b, c, d] = others.each_ref().map(from_origin);
         let place = |way: i64, at: &[Coord; N], line: Option<(&Vertex<S, N>, &Vertex<S, N>)>| {
             let basis = local.values(raw_to_mm(way - from));
-            let off = from_fn(|i| {
-                let mut sum = S::ZERO;
-                for (part, control) in basis.iter().zip(&controls) {
-                    sum += *part * control[i].minus::<S>(at[i]);
-                }
-                sum
-            });
+            let there = from_origin(at);
+            let off = from_fn(|i| basis[1] * b[i] + basis[2] * c[i] + basis[3] * d[i] - there[i]);
             let mut place = Place {
                 basis,
                 off,
@@ -314,8 +313,7 @@ impl<S: Scalar, const N: usize> Window<S, N> {
             }
         }
         let gap: S = raw_to_mm(widest);
-        let edges: [Vector<S, N>; 3] =
-            from_fn(|j| from_fn(|i| controls[j + 1][i].minus(controls[j][i])));
+        let edges = [b, sub(&c, &b), sub(&d, &c)];
         let rest = local.step() * local.step() * S::of(REST_SHARE);
         let span = Span::new(&local, gap * gap * S::of(0.125) + rest);
         let sag = span.slack(&edges);
@@ -349,9 +347,12 @@ impl<S: Scalar, const N: usize> Window<S, N> {
 
     /// The curve of a span.
     pub fn curve(&self, span: usize) -> Curve<S, N> {
-        let first = self.spans[span].first(&edges(&self.poles, span, |pole| pole.shift));
-        let still = self.poles[span..span + 4].iter().all(|pole| pole.shift == [S::ZERO; N]);
-        Curve::new(first, self.spans[span].step, still)
+        let edges = edges(&self.poles, span, |pole| pole.shift);
+        let moved = |pole: &Pole<S, N>| pole.shift != [S::ZERO; N];
+        let still = !some::<_, 4>(&self.poles, span).is_some_and(|poles| poles.iter().any(moved));
+        let (first, step) =
+            self.spans.get(span).map_or((edges, S::ONE), |s| (s.first(&edges), s.step));
+        Curve::new(first, step, still)
     }
 
     /// The point at the start of a span.
@@ -369,8 +370,11 @@ impl<S: Scalar, const N: usize> Window<S, N> {
 
     /// The sum of three control points from `first` on; the factors add up to one.
     fn point(&self, first: usize, before: S, after: S) -> [Coord; N] {
-        let c: [&Control<N>; 3] = from_fn(|j| &self.controls[first + j]);
-        let p: [&Pole<S, N>; 3] = from_fn(|j| &self.poles[first + j]);
+        let (Some(c), Some(p)) =
+            (some::<_, 3>(&self.controls, first), some::<_, 3>(&self.poles, first))
+        else {
+            return [Coord::ZERO; N];
+        };
         from_fn(|i| {
             // The base in f64: the control points may be far apart.
             let (b0, b2): (f64, f64) =

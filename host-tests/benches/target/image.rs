@@ -1,0 +1,178 @@
+//! Firmware images: built, looked into, run.
+
+use super::replay::Outcome;
+use super::stack::Stacks;
+use anyhow::{Context, Result, bail, ensure};
+use std::collections::HashMap;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// A tool that is not there.
+#[derive(Debug)]
+pub struct Missing(String);
+
+impl fmt::Display for Missing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Missing {}
+
+fn missing<T>(what: &str) -> Result<T> {
+    Err(Missing(what.to_owned()).into())
+}
+
+/// Standard output of a command.
+fn output(command: &mut Command) -> Result<String> {
+    let name = command.get_program().to_string_lossy().into_owned();
+    let Ok(output) = command.output() else { return missing(&format!("{name} is not there")) };
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    ensure!(
+        output.status.success(),
+        "{name} failed: {text}{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    Ok(text)
+}
+
+/// Bytes of an image by origin.
+pub struct Size {
+    pub own: u64,
+    pub libm: u64,
+    pub other: u64,
+    pub link: u64,
+    pub planner: u64,
+}
+
+/// What a run in the emulator came to; counts are instructions.
+pub struct Answer {
+    pub outcome: Outcome,
+    pub planning: u64,
+    pub planning_worst: u64,
+    pub tick: u64,
+    pub tick_worst: u64,
+}
+
+pub struct Image {
+    file: PathBuf,
+}
+
+impl Image {
+    /// Builds `src/bin/NAME`.
+    pub fn build(name: &str) -> Result<Self> {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        // Cargo's own variables would point the inner cargo to the outer one's toolchain.
+        let mut command = Command::new("sh");
+        let inner =
+            ["CARGO_HOME", "RUSTUP_HOME", "RUSTUP_TOOLCHAIN", "CARGO_PROFILE_FIRMWARE_OPT_LEVEL"];
+        for (key, _) in std::env::vars() {
+            if (key.starts_with("CARGO") || key.starts_with("RUST"))
+                && !inner.contains(&key.as_str())
+            {
+                command.env_remove(key);
+            }
+        }
+        let status = command
+            .arg(".ci/thumb.sh")
+            .args(["build", "--quiet", "--locked", "--profile", "firmware"])
+            .args(["--bin", name, "--features", name])
+            .current_dir(&root)
+            .status()?;
+        if status.code() == Some(77) {
+            return missing("there is no toolchain for thumbv7em-none-eabihf");
+        }
+        ensure!(status.success(), "the image {name} does not build: a panic can be reached?");
+        let file = root.join("target/thumb/thumbv7em-none-eabihf/firmware").join(name);
+        Ok(Self { file })
+    }
+
+    /// No symbol of a panic or of an allocator.
+    pub fn check_symbols(&self) -> Result<()> {
+        let names = output(Command::new("arm-none-eabi-nm").arg("-C").arg(&self.file))?;
+        for name in ["core::panicking", "__rust_alloc", "alloc::"] {
+            ensure!(!names.contains(name), "the image refers to {name}");
+        }
+        Ok(())
+    }
+
+    pub fn size(&self) -> Result<Size> {
+        let text = output(Command::new("arm-none-eabi-nm").args(["-C", "-S"]).arg(&self.file))?;
+        let mut size = Size { own: 0, libm: 0, other: 0, link: 0, planner: 0 };
+        for line in text.lines() {
+            let mut words = line.splitn(4, ' ');
+            let (Some(_), Some(bytes), Some(kind), Some(name)) =
+                (words.next(), words.next(), words.next(), words.next())
+            else {
+                continue;
+            };
+            let Ok(bytes) = u64::from_str_radix(bytes, 16) else { continue };
+            if name.contains("LINK_3") {
+                size.link = bytes;
+            } else if name.contains("PLANNER_3") {
+                size.planner = bytes;
+            }
+            let six = ["6>", "6,", "_6"].iter().any(|six| name.contains(six));
+            if !"tTrR".contains(kind) || six {
+                continue;
+            }
+            let part = if name.contains("libm::") {
+                &mut size.libm
+            } else if name.contains("splineway::") || name.ends_with("_3") {
+                &mut size.own
+            } else {
+                &mut size.other
+            };
+            *part += bytes;
+        }
+        Ok(size)
+    }
+
+    /// Most stack that entry points need, bytes.
+    pub fn stacks(&self, entries: &[&'static str]) -> Result<Vec<(&'static str, u32)>> {
+        let mut command = Command::new("arm-none-eabi-objdump");
+        let text = output(command.args(["-d", "-C", "--no-show-raw-insn"]).arg(&self.file))?;
+        let stacks = Stacks::read(&text)?;
+        entries.iter().map(|&entry| Ok((entry, stacks.worst(entry)?))).collect()
+    }
+
+    /// Runs the image on a file in QEMU.
+    pub fn run(&self, file: &Path) -> Result<Answer> {
+        let arguments = format!(
+            "enable=on,target=native,arg=emulator,arg={}",
+            file.to_str().context("the name of a temporary file")?
+        );
+        let text = output(
+            Command::new("qemu-system-arm")
+                .args(["-M", "netduinoplus2", "-nographic", "-monitor", "none", "-serial", "none"])
+                .args(["-icount", "shift=6,sleep=off,align=off"])
+                .args(["-semihosting-config", &arguments, "-kernel"])
+                .arg(&self.file),
+        )?;
+        let values: HashMap<&str, u64> = text
+            .split_whitespace()
+            .filter_map(|word| word.split_once('='))
+            .filter_map(|(name, value)| Some((name, value.parse().ok()?)))
+            .collect();
+        let get = |name: &str| {
+            values.get(name).copied().with_context(|| format!("no {name} in what it says: {text}"))
+        };
+        let outcome = Outcome {
+            blocks: get("blocks")? as u32,
+            cycles: get("cycles")? as u32,
+            digest: get("digest")? as u32,
+            complete: get("complete")? == 1,
+        };
+        if outcome.cycles == 0 {
+            bail!("it did nothing: {text}");
+        }
+        Ok(Answer {
+            outcome,
+            planning: get("planning")?,
+            planning_worst: get("planning_worst")?,
+            tick: get("tick")?,
+            tick_worst: get("tick_worst")?,
+        })
+    }
+}

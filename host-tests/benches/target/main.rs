@@ -1,0 +1,206 @@
+//! What holds on the target, measured on the target's own code (thumbv7em-none-eabihf).
+//!
+//! `cargo bench -p splineway-host --bench target [-- FOLDER]` builds two images, and
+//! - links one whose panic handler cannot be linked: so no panic can be reached, and nothing allocates;
+//! - measures on it the size of the code and the stack that `tick`, `push` and `poll` need at most;
+//! - runs the paths of `host-tests/examples` and those in FOLDER through the other in QEMU and here, compares the
+//!   digests of all setpoints, and prints instructions per tick and per block.
+//!
+//! Without a toolchain for the target, GNU binutils for it, or QEMU it says so and ends; with
+//! `SPLINEWAY_REQUIRE_TARGET` set it fails.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod image;
+#[path = "../../../src/bin/emulator/replay.rs"]
+mod replay;
+mod stack;
+
+use anyhow::{Context, Result, bail, ensure};
+use image::Image;
+use replay::{Meter, Outcome, Part, Setup};
+use splineway::Link;
+use splineway::wire::{self, FRAME, Inlet, Item, Move, Request};
+use splineway_host::program::{self, Course, Point, Program, ReadOptions};
+use splineway_host::run;
+use std::path::{Path, PathBuf};
+
+/// Goals, as the README states them.
+const TICK: [(u8, u64); 2] = [(3, 600), (6, 1100)];
+const TICK_STACK: u32 = 1024;
+
+struct Free;
+
+impl Meter for Free {
+    fn begin(&mut self) {}
+    fn end(&mut self, _: Part) {}
+}
+
+/// The same path in twice as many axes: the second three do as the first.
+fn doubled(program: &Program) -> Program {
+    let twice = |point: &Point| {
+        let mut point = *point;
+        point.copy_within(0..3, 3);
+        point
+    };
+    let mut out = program.clone();
+    out.start = twice(&out.start);
+    out.uses = std::array::from_fn(|axis| axis < 6);
+    for step in &mut out.moves {
+        match &mut step.path {
+            Course::Line { to } | Course::Arc { to, .. } => *to = twice(to),
+            Course::Cubic { controls: [first, second], to } => {
+                (*first, *second, *to) = (twice(first), twice(second), twice(to));
+            }
+            Course::Dwell { .. } => {}
+        }
+    }
+    out
+}
+
+fn frame(bytes: &mut Vec<u8>, message: &impl serde::Serialize) -> Result<()> {
+    let mut out = [0; FRAME];
+    let length = wire::encode(message, &mut out).context("a message is too long")?;
+    bytes.extend_from_slice(&out[..length]);
+    Ok(())
+}
+
+/// A program as the frames of a session, after its setup.
+fn frames<const N: usize>(program: &Program, setup: &Setup) -> Result<Vec<u8>> {
+    let axes = program.axes();
+    let mut items = Vec::new();
+    for step in program.with_approach().moves {
+        let block = run::block::<f64, N>(&step, &axes)?;
+        items.push(Item::Move(Move::from(&block)));
+    }
+    items.push(Item::End);
+    let mut bytes = Vec::new();
+    frame(&mut bytes, setup)?;
+    frame(&mut bytes, &Request::Open { session: 1 })?;
+    for (item, number) in items.into_iter().zip(0..) {
+        frame(&mut bytes, &Request::Item { session: 1, number, item })?;
+    }
+    Ok(bytes)
+}
+
+fn on_host<const N: usize, const BLOCKS: usize, const NODES: usize>(
+    bytes: &[u8],
+) -> Result<Outcome> {
+    let mut bytes = bytes.iter().copied();
+    let mut inlet = Inlet::new();
+    let setup: Setup = bytes.find_map(|byte| inlet.push(byte)).context("no setup")?;
+    let mut link = Box::new(Link::<f32, N, NODES>::new());
+    Ok(replay::run::<f32, N, BLOCKS, NODES>(&mut link, &setup, &mut || bytes.next(), &mut Free)?)
+}
+
+fn compare(emulator: &Image, path: &Path, six: bool) -> Result<()> {
+    let program = program::read(path, ReadOptions { feed: 100.0, segments: 500 })?;
+    let program = if six { doubled(&program) } else { program };
+    let axes = if six { 6 } else { 3 };
+    ensure!(program.axes().len() == axes, "{}: it has more than 3 axes", path.display());
+    let header = program.header;
+    let limit = |value: Option<f64>, else_: f64| value.unwrap_or(else_) as f32;
+    let setup = Setup {
+        axes: axes as u8,
+        limits: [
+            limit(header.map(|h| h.velocity), 200.0),
+            limit(header.map(|h| h.acceleration), 2000.0),
+            limit(header.map(|h| h.jerk), 50_000.0),
+        ],
+        tolerance: limit(header.map(|h| h.tolerance), 0.01),
+        cycle: limit(header.map(|h| h.cycle), 0.001),
+    };
+    let (bytes, host) = if six {
+        let bytes = frames::<6>(&program, &setup)?;
+        let outcome = on_host::<6, 8, 56>(&bytes)?;
+        (bytes, outcome)
+    } else {
+        let bytes = frames::<3>(&program, &setup)?;
+        let outcome = on_host::<3, 16, 64>(&bytes)?;
+        (bytes, outcome)
+    };
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let file = std::env::temp_dir().join(format!("splineway-{}-{name}.frames", std::process::id()));
+    std::fs::write(&file, &bytes)?;
+    let answer = emulator.run(&file);
+    std::fs::remove_file(&file)?;
+    let target = answer?;
+    let label = format!("{name}, {axes} axes");
+    let blocks = target.outcome.blocks.max(1);
+    let cycles = target.outcome.cycles.max(1);
+    println!(
+        "{label:<24} {:>7} {:>8} {:>9.0} {:>6} {:>9.0} {:>9}  {:08x} {}",
+        blocks,
+        cycles,
+        target.tick as f64 / f64::from(cycles),
+        target.tick_worst,
+        target.planning as f64 / f64::from(blocks),
+        target.planning_worst,
+        target.outcome.digest,
+        if target.outcome == host { "= host" } else { "NOT the host's" },
+    );
+    ensure!(host.complete, "{label}: the host did not reach the end");
+    ensure!(target.outcome == host, "{label}: host {host:?}, target {:?}", target.outcome);
+    for (axes, most) in TICK {
+        if axes == setup.axes && target.tick_worst > most {
+            bail!("{label}: a tick took {} instructions; {most} is the goal", target.tick_worst);
+        }
+    }
+    Ok(())
+}
+
+fn examples() -> Vec<PathBuf> {
+    ["butterfly.json", "noisy.txt"]
+        .map(|name| Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name))
+        .to_vec()
+}
+
+fn report() -> Result<()> {
+    let emulator = Image::build("emulator")?;
+    println!(
+        "{:<24} {:>7} {:>8} {:>16} {:>19}  digest",
+        "path", "blocks", "cycles", "tick: mean worst", "block: mean, poll worst"
+    );
+    let mut paths = examples();
+    paths.extend(common::paths());
+    for path in &paths {
+        compare(&emulator, path, false)?;
+    }
+    for path in examples() {
+        compare(&emulator, &path, true)?;
+    }
+
+    let proof = Image::build("proof")?;
+    println!("no panic can be reached: the image links without one");
+    proof.check_symbols()?;
+    let size = proof.size()?;
+    println!(
+        "code and constants, bytes (f32, 3 axes, 16 blocks, 64 nodes): {} of splineway, {} of libm, {} of core and compiler",
+        size.own, size.libm, size.other
+    );
+    println!(
+        "RAM, bytes (f32, 16 blocks, 64 nodes): link {} + planner {}",
+        size.link, size.planner
+    );
+    for (entry, bytes) in proof.stacks(&["tick_3", "tick_6", "push_3", "poll_3"])? {
+        println!("stack of {entry}, bytes at most: {bytes}");
+        ensure!(
+            !entry.starts_with("tick") || bytes <= TICK_STACK,
+            "{entry} needs {bytes} bytes of stack; {TICK_STACK} is the goal"
+        );
+    }
+    Ok(())
+}
+
+fn main() -> Result<()> {
+    match report() {
+        Err(error)
+            if error.is::<image::Missing>()
+                && std::env::var_os("SPLINEWAY_REQUIRE_TARGET").is_none() =>
+        {
+            println!("skipped: {error:#}");
+            Ok(())
+        }
+        outcome => outcome,
+    }
+}

@@ -1,0 +1,134 @@
+//! Proof by the linker: this image calls everything a controller calls, and its panic handler needs a
+//! function that does not exist. It links only if no panic can be reached.
+//!
+//! What is linked is also what sizes and stacks are measured on: `cargo bench -p splineway-host --bench
+//! target`.
+#![no_std]
+#![no_main]
+// Names for the linker.
+#![allow(unsafe_code)]
+
+use core::hint::black_box;
+use core::panic::PanicInfo;
+use core::sync::atomic::AtomicU8;
+use cortex_m_rt::entry;
+use splineway::{
+    Activity, AxisLimits, Block, Config, Controls, Coord, Feed, Interpolator, Limits, Link, Motion,
+    Planner, Progress, PushError, Setpoint, Turn,
+};
+
+unsafe extern "C" {
+    /// Defined nowhere.
+    fn a_panic_can_be_reached() -> !;
+}
+
+#[panic_handler]
+fn panic(_: &PanicInfo<'_>) -> ! {
+    // SAFETY: never linked, so never called.
+    unsafe { a_panic_can_be_reached() }
+}
+
+const BLOCKS: usize = 16;
+const NODES: usize = 64;
+
+/// The entry points of a machine with a number of axes, under names that the measurement knows.
+macro_rules! machine {
+    ($axes:literal, $link:ident, $planner:ident, $tick:ident, $poll:ident, $push:ident, $run:ident) => {
+        static mut $link: Link<f32, $axes, NODES> = Link::new();
+
+        /// As large as a planner.
+        #[used]
+        static $planner: [AtomicU8; size_of::<Planner<'_, f32, $axes, BLOCKS, NODES>>()] =
+            [const { AtomicU8::new(0) }; _];
+
+        #[inline(never)]
+        #[unsafe(no_mangle)]
+        fn $tick(interpolator: &mut Interpolator<'_, f32, $axes>) -> Setpoint<f32, $axes> {
+            interpolator.tick()
+        }
+
+        #[inline(never)]
+        #[unsafe(no_mangle)]
+        fn $poll(planner: &mut Planner<'_, f32, $axes, BLOCKS, NODES>) -> Progress {
+            planner.poll()
+        }
+
+        #[inline(never)]
+        #[unsafe(no_mangle)]
+        fn $push(
+            planner: &mut Planner<'_, f32, $axes, BLOCKS, NODES>,
+            block: &Block<f32, $axes>,
+        ) -> Result<(), PushError> {
+            planner.push(block)
+        }
+
+        fn $run() -> Option<()> {
+            let axis = AxisLimits {
+                velocity: black_box(200.0),
+                acceleration: black_box(2000.0),
+                jerk: black_box(50_000.0),
+                rotary: black_box(false),
+            };
+            let mut config = black_box(Config::new(Limits::new([axis; $axes]).ok()?));
+            config.tolerance = black_box(0.01);
+            // SAFETY: called once, and nothing else knows the link.
+            let link = unsafe { &mut *(&raw mut $link) };
+            let start = black_box([Coord::ZERO; $axes]);
+            let (mut planner, mut interpolator) = link.handles::<BLOCKS>(config, start).ok()?;
+            let to = black_box([Coord::from_nm(black_box(1000))?; $axes]);
+            let (plane, centre) = (black_box((0, 1)), black_box((to[0], to[1])));
+            let turn = black_box(Turn::Clockwise);
+            let extra_turns = black_box(0);
+            let motion = match black_box(0) {
+                0 => Motion::Line { to },
+                1 => Motion::Arc { to, plane, centre, turn, extra_turns },
+                2 => Motion::Cubic { controls: black_box([to, to]), to },
+                _ => Motion::Dwell { seconds: black_box(1.0) },
+            };
+            let block = black_box(Block {
+                motion,
+                feed: black_box(Feed::Rapid),
+                tolerance: black_box(None),
+                exact_stop: black_box(false),
+                tag: black_box(0),
+            });
+            black_box($push(&mut planner, &block)).ok()?;
+            planner.finish();
+            operate(planner.controls());
+            loop {
+                black_box($poll(&mut planner));
+                let setpoint = black_box($tick(&mut interpolator));
+                black_box((planner.counters(), planner.end(), planner.nodes_ahead()));
+                black_box((planner.is_full(), planner.blocks_waiting()));
+                let axis = black_box(0);
+                black_box((setpoint.position_nm(axis), setpoint.position_mm(axis)));
+                black_box(setpoint.path_mm());
+                if setpoint.activity == Activity::Idle {
+                    return Some(());
+                }
+            }
+        }
+    };
+}
+
+machine!(3, LINK_3, PLANNER_3, tick_3, poll_3, push_3, run_3);
+machine!(6, LINK_6, PLANNER_6, tick_6, poll_6, push_6, run_6);
+
+/// Every command of an operator.
+fn operate(controls: Controls<'_>) {
+    controls.hold();
+    controls.resume();
+    controls.stop();
+    controls.abort();
+    controls.feed_override(black_box(50));
+    controls.rapid_override(black_box(50));
+    controls.single_block(black_box(true));
+}
+
+#[entry]
+fn main() -> ! {
+    black_box((run_3(), run_6()));
+    loop {
+        black_box(());
+    }
+}
