@@ -8,4 +8,5 @@ pub mod program;
 pub mod reference;
 pub mod run;
 pub mod smoothing;
+pub mod stream;
 pub mod view;

@@ -1,9 +1,12 @@
 //! The `splineway` program.
 
 use clap::{Parser, Subcommand};
+#[cfg(unix)]
+use splineway_host::commands::controller::ControllerCommand;
 use splineway_host::commands::corners::Corners;
 use splineway_host::commands::simulate::Simulate;
 use splineway_host::commands::smooth::Smooth;
+use splineway_host::commands::stream::Stream;
 use splineway_host::commands::thesis::Thesis;
 use std::process::ExitCode;
 
@@ -19,6 +22,9 @@ struct Arguments {
 enum Command {
     Simulate(Simulate),
     Smooth(Smooth),
+    Stream(Stream),
+    #[cfg(unix)]
+    Controller(ControllerCommand),
     Corners(Corners),
     Thesis(Thesis),
 }
@@ -27,6 +33,9 @@ fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Simulate(simulate) => simulate.execute(),
         Command::Smooth(smooth) => smooth.execute(),
+        Command::Stream(stream) => stream.execute(),
+        #[cfg(unix)]
+        Command::Controller(controller) => controller.execute(),
         Command::Corners(corners) => corners.execute(),
         Command::Thesis(thesis) => thesis.execute(),
     };

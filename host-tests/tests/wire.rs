@@ -112,7 +112,9 @@ fn stream(items: &[Item], mut lines: [Line; 2], commands: &[(u64, Command)], hea
         Outcome { positions: Vec::new(), commands: Vec::new(), refused: None, done: false };
     let mut commands = commands.iter().peekable();
     for now in 0..60_000 {
-        lines.iter_mut().for_each(|line| line.healed = now >= heal);
+        for line in &mut lines {
+            line.healed = now >= heal;
+        }
         // The host.
         for byte in lines[1].receive() {
             if let Some(reply) = inlet.push::<Reply>(byte) {

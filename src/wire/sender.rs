@@ -73,6 +73,11 @@ impl Sender {
         }
     }
 
+    /// Sets the number of items, for a caller who must know the controller's axes first.
+    pub fn set_items(&mut self, items: u32) {
+        self.items = items;
+    }
+
     /// Axes of the controller, and the version of its protocol, once the session is open.
     pub fn controller(&self) -> Option<(u8, u8)> {
         self.taken.map(|_| (self.axes, self.version))

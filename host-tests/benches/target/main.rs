@@ -20,9 +20,9 @@ use anyhow::{Context, Result, bail, ensure};
 use image::Image;
 use replay::{Meter, Outcome, Part, Setup};
 use splineway::Link;
-use splineway::wire::{self, FRAME, Inlet, Item, Move, Request};
+use splineway::wire::{self, FRAME, Inlet, Request};
 use splineway_host::program::{self, Course, Point, Program, ReadOptions};
-use splineway_host::run;
+use splineway_host::stream;
 use std::path::{Path, PathBuf};
 
 /// Goals, as the README states them.
@@ -66,17 +66,11 @@ fn frame(bytes: &mut Vec<u8>, message: &impl serde::Serialize) -> Result<()> {
 }
 
 /// A program as the frames of a session, after its setup.
-fn frames<const N: usize>(program: &Program, setup: &Setup) -> Result<Vec<u8>> {
-    let axes = program.axes();
-    let mut items = Vec::new();
-    for step in program.with_approach().moves {
-        let block = run::block::<f64, N>(&step, &axes)?;
-        items.push(Item::Move(Move::from(&block)));
-    }
-    items.push(Item::End);
+fn frames(program: &Program, setup: &Setup) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     frame(&mut bytes, setup)?;
     frame(&mut bytes, &Request::Open { session: 1 })?;
+    let items = stream::items(&program.with_approach(), usize::from(setup.axes))?;
     for (item, number) in items.into_iter().zip(0..) {
         frame(&mut bytes, &Request::Item { session: 1, number, item })?;
     }
@@ -110,15 +104,8 @@ fn compare(emulator: &Image, path: &Path, six: bool) -> Result<()> {
         tolerance: limit(header.map(|h| h.tolerance), 0.01),
         cycle: limit(header.map(|h| h.cycle), 0.001),
     };
-    let (bytes, host) = if six {
-        let bytes = frames::<6>(&program, &setup)?;
-        let outcome = on_host::<6, 8, 56>(&bytes)?;
-        (bytes, outcome)
-    } else {
-        let bytes = frames::<3>(&program, &setup)?;
-        let outcome = on_host::<3, 16, 64>(&bytes)?;
-        (bytes, outcome)
-    };
+    let bytes = frames(&program, &setup)?;
+    let host = if six { on_host::<6, 8, 56>(&bytes) } else { on_host::<3, 16, 64>(&bytes) }?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     let file = std::env::temp_dir().join(format!("splineway-{}-{name}.frames", std::process::id()));
     std::fs::write(&file, &bytes)?;

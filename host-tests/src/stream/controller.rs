@@ -1,0 +1,193 @@
+//! A controller as the firmware is one, with the core and the same end of the line, but no machine.
+
+use crate::machine::Machine;
+use anyhow::{Context, Result, bail};
+use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+use splineway::wire::{FRAME, Situation, State, Station};
+use splineway::{Activity, Coord, Link, Planner, Progress, Setpoint};
+use std::fs::File;
+use std::io::{Read, Write};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+
+const BLOCKS: usize = 16;
+const NODES: usize = 64;
+/// Items that wait for the planner.
+const QUEUE: usize = 16;
+/// Most servo cycles that are made up for in one go.
+const MOST_CYCLES: u64 = 1000;
+
+/// Silence after which a controller that is done with leaves.
+const SILENCE: Duration = Duration::from_millis(500);
+
+/// What a bad line does, for trials.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Faults {
+    /// Share of the bytes that are lost, garbled or doubled, in either direction.
+    pub share: f64,
+}
+
+impl Faults {
+    fn pass(self, bytes: &[u8]) -> Vec<u8> {
+        let mut out = Vec::with_capacity(bytes.len());
+        for &byte in bytes {
+            if self.share <= 0.0 || fastrand::f64() >= self.share {
+                out.push(byte);
+                continue;
+            }
+            match fastrand::u8(..3) {
+                0 => {}
+                1 => out.push(byte ^ fastrand::u8(1..)),
+                _ => out.extend([byte, byte]),
+            }
+        }
+        out
+    }
+}
+
+/// A controller on a pseudo-terminal.
+#[derive(Debug)]
+pub struct Controller {
+    terminal: File,
+    /// Kept open, so that reading does not fail while nobody else has it.
+    _other_end: File,
+    name: String,
+}
+
+impl Controller {
+    /// Opens a pseudo-terminal.
+    ///
+    /// # Errors
+    /// The system has none left.
+    pub fn open() -> Result<Self> {
+        let terminal = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY)?;
+        grantpt(&terminal)?;
+        unlockpt(&terminal)?;
+        let name = ptsname(&terminal, Vec::new())?.into_string().context("name of the terminal")?;
+        let other_end = File::options().read(true).write(true).open(&name)?;
+        // Bytes as they are: no echo, no line ends.
+        let mut settings = rustix::termios::tcgetattr(&other_end)?;
+        settings.make_raw();
+        rustix::termios::tcsetattr(&other_end, rustix::termios::OptionalActions::Now, &settings)?;
+        Ok(Self { terminal: File::from(terminal), _other_end: other_end, name })
+    }
+
+    /// Name of the port that a host opens.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Runs what comes, `speed` times as fast as the clock, until `done` says so after a program: it is
+    /// told the end points of the axes, nm.
+    ///
+    /// # Errors
+    /// The machine cannot be used; the terminal fails.
+    pub fn run(
+        self,
+        machine: &Machine,
+        axes: usize,
+        speed: f64,
+        faults: Faults,
+        done: impl FnMut(&[i64]) -> bool,
+    ) -> Result<()> {
+        match axes {
+            3 => self.run_axes::<3>(machine, speed, faults, done),
+            6 => self.run_axes::<6>(machine, speed, faults, done),
+            9 => self.run_axes::<9>(machine, speed, faults, done),
+            _ => bail!("axes is {axes}; this controller has 3, 6 or 9"),
+        }
+    }
+
+    /// A thread that listens, so that the controller never waits.
+    fn listen(&self) -> Result<Receiver<Vec<u8>>> {
+        let mut terminal = self.terminal.try_clone()?;
+        let (sender, receiver) = channel();
+        std::thread::spawn(move || {
+            let mut bytes = [0; 4096];
+            while let Ok(count) = terminal.read(&mut bytes) {
+                if sender.send(bytes[..count].to_vec()).is_err() {
+                    return;
+                }
+            }
+        });
+        Ok(receiver)
+    }
+
+    fn run_axes<const N: usize>(
+        mut self,
+        machine: &Machine,
+        speed: f64,
+        faults: Faults,
+        mut done: impl FnMut(&[i64]) -> bool,
+    ) -> Result<()> {
+        let all: Vec<usize> = (0..N).collect();
+        let config = machine.config::<f32, N>(&all)?;
+        let mut link = Box::new(Link::<f32, N, NODES>::new());
+        let (mut planner, mut interpolator): (Planner<'_, f32, N, BLOCKS, NODES>, _) =
+            link.handles(config, [Coord::ZERO; N])?;
+        let mut station = Station::<f32, N, QUEUE>::new();
+        let bytes = self.listen()?;
+        let mut frame = [0; FRAME];
+        let mut setpoint = interpolator.tick();
+        let (began, mut cycles) = (Instant::now(), 0);
+        let (mut ran, mut leaves, mut heard) = (false, false, began);
+        let mut progress = Progress::NeedsBlocks;
+        loop {
+            // A short wait stands for the time the processor has nothing to do.
+            let first = bytes.recv_timeout(Duration::from_micros(500)).unwrap_or_default();
+            for chunk in std::iter::once(first).chain(bytes.try_iter()) {
+                if !chunk.is_empty() {
+                    heard = Instant::now();
+                }
+                for byte in faults.pass(&chunk) {
+                    if let Some(command) = station.receive(byte) {
+                        command.send(planner.controls());
+                    }
+                }
+            }
+            let target = (began.elapsed().as_secs_f64() * speed / machine.cycle) as u64;
+            for _ in 0..(target.saturating_sub(cycles)).min(MOST_CYCLES) {
+                station.feed(&mut planner);
+                progress = planner.poll();
+                setpoint = interpolator.tick();
+            }
+            cycles = target;
+            let rests = setpoint.activity == Activity::Idle;
+            let state = match progress {
+                Progress::Held => State::Held,
+                Progress::NeedsBlocks | Progress::Done if rests && !station.is_waiting() => {
+                    State::Idle
+                }
+                _ => State::Running,
+            };
+            let situation = || situation(&setpoint, state, planner.counters().starved);
+            loop {
+                let length = station.reply(situation, &mut frame);
+                if length == 0 {
+                    break;
+                }
+                self.terminal.write_all(&faults.pass(&frame[..length]))?;
+            }
+            ran |= !rests;
+            if ran && progress == Progress::Done && rests && !station.is_waiting() {
+                ran = false;
+                let ends: Vec<i64> = (0..N).map(|axis| setpoint.position_nm(axis)).collect();
+                leaves |= done(&ends);
+            }
+            // Only when the host has nothing more to ask.
+            if leaves && heard.elapsed() > SILENCE {
+                return Ok(());
+            }
+        }
+    }
+}
+
+fn situation<const N: usize>(setpoint: &Setpoint<f32, N>, state: State, starved: u32) -> Situation {
+    Situation {
+        state,
+        position: (0..N).map(|axis| setpoint.position_nm(axis)).collect(),
+        speed: setpoint.path_speed,
+        tag: setpoint.tag,
+        starved,
+    }
+}
