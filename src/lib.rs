@@ -83,6 +83,7 @@ extern crate std;
 pub mod block;
 pub mod machine;
 pub mod number;
+pub mod output;
 mod path;
 mod planner;
 mod profile;

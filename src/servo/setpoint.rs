@@ -64,12 +64,17 @@ impl<S: Scalar, const N: usize> Setpoint<S, N> {
         }
     }
 
+    /// Position of an axis in fixed point; zero for an axis that does not exist.
+    pub fn position(&self, axis: usize) -> Coord {
+        match (self.origin.get(axis), self.offset.get(axis)) {
+            (Some(origin), Some(offset)) => origin.plus(*offset),
+            _ => Coord::ZERO,
+        }
+    }
+
     /// Position of an axis in nanometres, rounded; 0 for an axis that does not exist.
     pub fn position_nm(&self, axis: usize) -> i64 {
-        match (self.origin.get(axis), self.offset.get(axis)) {
-            (Some(origin), Some(offset)) => origin.plus(*offset).to_nm(),
-            _ => 0,
-        }
+        self.position(axis).to_nm()
     }
 
     /// Arc length since the start, mm.
