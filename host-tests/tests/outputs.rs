@@ -182,16 +182,10 @@ impl Drive<f32, 3> for Steppers {
             if left > 0 {
                 return Err(left);
             }
-            let wanted = bench.scale_of(setpoint.position(axis));
+            let wanted = Scale::new(400, 1_000_000).unwrap().steps(setpoint.position(axis));
             assert_eq!(bench.axis.steps(), wanted);
         }
         Ok(())
-    }
-}
-
-impl Bench {
-    fn scale_of(&self, at: Coord) -> i64 {
-        Scale::new(400, 1_000_000).unwrap().steps(at)
     }
 }
 

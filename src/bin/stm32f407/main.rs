@@ -1,0 +1,274 @@
+//! A complete controller of three axes on an STM32F407: blocks over a serial line, step and direction
+//! out, a duty cycle in proportion to the speed along the path, emergency stop and limit switches.
+//!
+//! Four contexts, the lower ones interrupted by the higher:
+//!
+//! | priority | task | what it does |
+//! |---|---|---|
+//! | 4 | `steps`, timer interrupt at [`board::STEP_HZ`] | one tick of every axis; every servo cycle begins here |
+//! | 3 | `servo`, started by it | [`Interpolator::tick`](splineway::Interpolator::tick), the next targets |
+//! | 2 | `receive`, `emergency`, `limit` | a byte from the line; inputs |
+//! | 0 | `idle` | the line, planning, the watchdog |
+//!
+//! Wiring and rates are in [`board`]; the README's chapter "On your board" says more.
+#![no_std]
+#![no_main]
+// The frameworks' macros.
+#![allow(unsafe_code, missing_docs)]
+
+mod board;
+
+use defmt_rtt as _;
+use panic_probe as _;
+
+#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
+mod app {
+    use super::board::{self, Board, Laser, Output, Stepper};
+    use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
+    use heapless::spsc::{Consumer, Producer, Queue};
+    use splineway::wire::{FRAME, Refusal, Situation, State, Station};
+    use splineway::{Activity, Controls, Coord, Interpolator, Link, Planner, Progress, Setpoint};
+    use stm32f4xx_hal::gpio::{ErasedPin, Input};
+    use stm32f4xx_hal::pac::{Interrupt, TIM3, USART2};
+    use stm32f4xx_hal::prelude::*;
+    use stm32f4xx_hal::serial::{Rx, Tx};
+    use stm32f4xx_hal::timer::{CounterHz, Flag};
+    use stm32f4xx_hal::watchdog::IndependentWatchdog;
+
+    const AXES: usize = board::AXES;
+    const BLOCKS: usize = 16;
+    const NODES: usize = 64;
+    /// Items that wait for the planner: the host's window.
+    const WINDOW: usize = 16;
+    /// Bytes that may arrive while the planner works: more than a window of the longest frames.
+    const BYTES: usize = 4096;
+
+    /// The emergency stop has been hit; stays so until reset.
+    static EMERGENCY: AtomicBool = AtomicBool::new(false);
+    /// A limit switch has been hit and the host has not been told.
+    static LIMIT: AtomicBool = AtomicBool::new(false);
+    /// An axis did not make all steps of a cycle.
+    static LAGGED: AtomicBool = AtomicBool::new(false);
+    /// Bytes lost because there was no room.
+    static LOST: AtomicU32 = AtomicU32::new(0);
+
+    #[shared]
+    struct Shared {
+        /// Where the axes are to be at the end of the next servo cycle.
+        targets: [Coord; AXES],
+        /// The last setpoint, for reports.
+        setpoint: Setpoint<f32, AXES>,
+        /// Enables the drives.
+        enable: Output,
+    }
+
+    #[local]
+    struct Local {
+        steppers: [Stepper; AXES],
+        step_timer: CounterHz<TIM3>,
+        interpolator: Interpolator<'static, f32, AXES>,
+        laser: Laser,
+        rx: Rx<USART2>,
+        bytes_in: Producer<'static, u8>,
+        bytes_out: Consumer<'static, u8>,
+        tx: Tx<USART2>,
+        planner: Planner<'static, f32, AXES, BLOCKS, NODES>,
+        station: Station<f32, AXES, WINDOW>,
+        stop_button: ErasedPin<Input>,
+        switches: [ErasedPin<Input>; AXES],
+        stop_controls: Controls<'static>,
+        limit_controls: Controls<'static>,
+        watchdog: IndependentWatchdog,
+        led: Output,
+    }
+
+    #[init(local = [
+        link: Link<f32, AXES, NODES> = Link::new(),
+        bytes: Queue<u8, BYTES> = Queue::new(),
+    ])]
+    fn init(context: init::Context) -> (Shared, Local) {
+        let board = Board::new(context.device);
+        // An input that is open already gives no edge.
+        EMERGENCY.store(board.stop_button.is_high(), Relaxed);
+        let start = [Coord::ZERO; AXES];
+        let made = context.local.link.handles::<BLOCKS>(board::config(), start);
+        let (planner, mut interpolator) = defmt::unwrap!(made, "the settings cannot be used");
+        let (bytes_in, bytes_out) = context.local.bytes.split();
+        let setpoint = interpolator.tick();
+        let controls = planner.controls();
+        defmt::info!("splineway {}: {} axes", env!("CARGO_PKG_VERSION"), AXES);
+        (
+            Shared { targets: start, setpoint, enable: board.enable },
+            Local {
+                steppers: board.steppers,
+                step_timer: board.step_timer,
+                interpolator,
+                laser: board.laser,
+                rx: board.rx,
+                bytes_in,
+                bytes_out,
+                tx: board.tx,
+                planner,
+                station: Station::new(),
+                stop_button: board.stop_button,
+                switches: board.switches,
+                stop_controls: controls,
+                limit_controls: controls,
+                watchdog: board.watchdog,
+                led: board.led,
+            },
+        )
+    }
+
+    /// One tick of every axis. At the beginning of a servo cycle the axes take the targets that the servo
+    /// task has left, and it is started for the next: so steps never wait for it.
+    #[task(binds = TIM3, priority = 4, local = [steppers, step_timer, tick: u32 = 0], shared = [targets])]
+    fn steps(mut context: steps::Context) {
+        context.local.step_timer.clear_flags(Flag::Update);
+        let tick = context.local.tick;
+        if *tick == 0 {
+            let targets = context.shared.targets.lock(|targets| *targets);
+            for (stepper, target) in context.local.steppers.iter_mut().zip(targets) {
+                if stepper.begin(target) > 0 {
+                    LAGGED.store(true, Relaxed);
+                }
+            }
+            rtic::pend(Interrupt::SPI3);
+        }
+        *tick = if *tick + 1 < board::TICKS { *tick + 1 } else { 0 };
+        for stepper in context.local.steppers.iter_mut() {
+            // Pins of this chip cannot fail.
+            let _ = stepper.tick();
+        }
+    }
+
+    /// The servo cycle. SPI3 is not used: its interrupt stands for this task.
+    #[task(binds = SPI3, priority = 3, local = [interpolator, laser], shared = [targets, setpoint])]
+    fn servo(mut context: servo::Context) {
+        let setpoint = context.local.interpolator.tick();
+        let targets = core::array::from_fn(|axis| setpoint.position(axis));
+        context.shared.targets.lock(|shared| *shared = targets);
+        context.shared.setpoint.lock(|shared| *shared = setpoint);
+        let power = if EMERGENCY.load(Relaxed) { 0.0 } else { setpoint.path_speed };
+        let _ = context.local.laser.set(power);
+    }
+
+    /// A byte from the line.
+    #[task(binds = USART2, priority = 2, local = [rx, bytes_in])]
+    fn receive(context: receive::Context) {
+        // A noise or framing error costs this byte; the frame's CRC tells.
+        if let Ok(byte) = context.local.rx.read()
+            && context.local.bytes_in.enqueue(byte).is_err()
+        {
+            LOST.store(LOST.load(Relaxed).wrapping_add(1), Relaxed);
+        }
+    }
+
+    /// The emergency stop: the drives lose their enable at once, and with it the position; only a reset
+    /// brings the machine back.
+    #[task(binds = EXTI4, priority = 2, local = [stop_button, stop_controls], shared = [enable])]
+    fn emergency(mut context: emergency::Context) {
+        context.local.stop_button.clear_interrupt_pending_bit();
+        context.shared.enable.lock(|enable| enable.set_low());
+        EMERGENCY.store(true, Relaxed);
+        context.local.stop_controls.abort();
+    }
+
+    /// A limit switch: the machine brakes within its limits and drops the rest of the program.
+    #[task(binds = EXTI9_5, priority = 2, local = [switches, limit_controls])]
+    fn limit(context: limit::Context) {
+        for switch in context.local.switches.iter_mut() {
+            switch.clear_interrupt_pending_bit();
+        }
+        LIMIT.store(true, Relaxed);
+        context.local.limit_controls.abort();
+    }
+
+    #[idle(
+        local = [bytes_out, tx, planner, station, watchdog, led, frame: [u8; FRAME] = [0; FRAME]],
+        shared = [setpoint, enable]
+    )]
+    fn idle(mut context: idle::Context) -> ! {
+        let idle::LocalResources { bytes_out, tx, planner, station, watchdog, led, frame, .. } =
+            context.local;
+        let (mut next, mut length) = (0, 0);
+        let mut progress = Progress::NeedsBlocks;
+        watchdog.start(board::WATCHDOG_MS.millis());
+        // Unless the emergency stop was open at the start.
+        if !EMERGENCY.load(Relaxed) {
+            context.shared.enable.lock(|enable| enable.set_high());
+        }
+        let mut lost = 0;
+        loop {
+            watchdog.feed();
+            // Everything that has come; commands are passed on as soon as they are complete.
+            while let Some(byte) = bytes_out.dequeue() {
+                if let Some(command) = station.receive(byte) {
+                    defmt::debug!("command {}", command);
+                    command.send(planner.controls());
+                }
+            }
+            if lost != LOST.load(Relaxed) {
+                lost = LOST.load(Relaxed);
+                defmt::warn!("{} bytes came faster than they could be read", lost);
+            }
+            let emergency = EMERGENCY.load(Relaxed);
+            if emergency || LIMIT.swap(false, Relaxed) {
+                station.close(Refusal::Alarm);
+            }
+            if LAGGED.swap(false, Relaxed) {
+                defmt::error!("an axis did not make all its steps in time");
+                planner.controls().abort();
+                station.close(Refusal::Alarm);
+            }
+            station.feed(planner);
+            let now = planner.poll();
+            if now != progress {
+                defmt::trace!("{}", now);
+                progress = now;
+            }
+            // One reply at a time; bytes go out as the line takes them.
+            if next == length {
+                let setpoint = context.shared.setpoint.lock(|setpoint| *setpoint);
+                next = 0;
+                length = station.reply(
+                    || situation(&setpoint, state(progress, &setpoint, emergency), planner),
+                    frame,
+                );
+            }
+            while let Some(&byte) = frame.get(next)
+                && next < length
+                && tx.write(byte).is_ok()
+            {
+                next += 1;
+            }
+            if progress == Progress::Planned {
+                led.toggle();
+            }
+        }
+    }
+
+    fn state(progress: Progress, setpoint: &Setpoint<f32, AXES>, emergency: bool) -> State {
+        let rests = setpoint.activity == Activity::Idle;
+        match progress {
+            _ if emergency => State::Alarm,
+            Progress::Held => State::Held,
+            Progress::Done | Progress::NeedsBlocks | Progress::Aborted if rests => State::Idle,
+            _ => State::Running,
+        }
+    }
+
+    fn situation(
+        setpoint: &Setpoint<f32, AXES>,
+        state: State,
+        planner: &Planner<'static, f32, AXES, BLOCKS, NODES>,
+    ) -> Situation {
+        Situation {
+            state,
+            position: (0..AXES).map(|axis| setpoint.position_nm(axis)).collect(),
+            speed: setpoint.path_speed,
+            tag: setpoint.tag,
+            starved: planner.counters().starved,
+        }
+    }
+}
