@@ -81,6 +81,8 @@
 extern crate std;
 
 pub mod block;
+#[cfg(feature = "c")]
+pub mod c;
 pub mod machine;
 pub mod number;
 pub mod output;

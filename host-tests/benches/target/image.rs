@@ -55,6 +55,34 @@ pub struct Answer {
     pub tick_worst: u64,
 }
 
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// Cargo for the target.
+fn thumb(verb: &str, arguments: &[&str], failed: &str) -> Result<()> {
+    let mut command = Command::new("sh");
+    // Cargo's own variables would point the inner cargo to the outer one's toolchain.
+    let inner =
+        ["CARGO_HOME", "RUSTUP_HOME", "RUSTUP_TOOLCHAIN", "CARGO_PROFILE_FIRMWARE_OPT_LEVEL"];
+    for (key, _) in std::env::vars() {
+        if (key.starts_with("CARGO") || key.starts_with("RUST")) && !inner.contains(&key.as_str()) {
+            command.env_remove(key);
+        }
+    }
+    let status = command
+        .args([".ci/thumb.sh", verb, "--quiet", "--locked", "--profile", "firmware"])
+        .args(["--package", "splineway"])
+        .args(arguments)
+        .current_dir(root())
+        .status()?;
+    if status.code() == Some(77) {
+        return missing("there is no toolchain for thumbv7em-none-eabihf");
+    }
+    ensure!(status.success(), "{failed}");
+    Ok(())
+}
+
 pub struct Image {
     file: PathBuf,
 }
@@ -62,29 +90,43 @@ pub struct Image {
 impl Image {
     /// Builds `src/bin/NAME`.
     pub fn build(name: &str) -> Result<Self> {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-        // Cargo's own variables would point the inner cargo to the outer one's toolchain.
-        let mut command = Command::new("sh");
-        let inner =
-            ["CARGO_HOME", "RUSTUP_HOME", "RUSTUP_TOOLCHAIN", "CARGO_PROFILE_FIRMWARE_OPT_LEVEL"];
-        for (key, _) in std::env::vars() {
-            if (key.starts_with("CARGO") || key.starts_with("RUST"))
-                && !inner.contains(&key.as_str())
-            {
-                command.env_remove(key);
-            }
-        }
-        let status = command
-            .arg(".ci/thumb.sh")
-            .args(["build", "--quiet", "--locked", "--profile", "firmware"])
-            .args(["--bin", name, "--features", name])
-            .current_dir(&root)
-            .status()?;
-        if status.code() == Some(77) {
-            return missing("there is no toolchain for thumbv7em-none-eabihf");
-        }
-        ensure!(status.success(), "the image {name} does not build: a panic can be reached?");
-        let file = root.join("target/thumb/thumbv7em-none-eabihf/firmware").join(name);
+        thumb(
+            "build",
+            &["--bin", name, "--features", name],
+            &format!("the image {name} does not build: a panic can be reached?"),
+        )?;
+        let file = root().join("target/thumb/thumbv7em-none-eabihf/firmware").join(name);
+        Ok(Self { file })
+    }
+
+    /// The example in C with the library for C, both for the target, linked to one image.
+    pub fn build_c() -> Result<Self> {
+        let root = root();
+        thumb(
+            "rustc",
+            &["--lib", "--features", "c-lib", "--crate-type", "staticlib"],
+            "the library for C does not build",
+        )?;
+        let folder = root.join("target/thumb/thumbv7em-none-eabihf/firmware");
+        let (object, file) = (folder.join("example.o"), folder.join("example"));
+        output(
+            Command::new("arm-none-eabi-gcc")
+                .args(["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"])
+                .args(["-ffreestanding", "-std=c11", "-Wall", "-Wextra", "-Werror", "-O2", "-c"])
+                .arg(root.join("host-tests/c/example.c"))
+                .arg("-I")
+                .arg(root.join("src/c"))
+                .arg("-o")
+                .arg(&object),
+        )?;
+        output(
+            Command::new("arm-none-eabi-ld")
+                .args(["--entry", "example_run", "--gc-sections", "-z", "noexecstack"])
+                .arg(&object)
+                .arg(folder.join("libsplineway.a"))
+                .arg("-o")
+                .arg(&file),
+        )?;
         Ok(Self { file })
     }
 

@@ -2,11 +2,12 @@
 //!
 //! `cargo bench -p splineway-host --bench target [-- FOLDER]` builds two images, and
 //! - links one whose panic handler cannot be linked: so no panic can be reached, and nothing allocates;
-//! - measures on it the size of the code and the stack that `tick`, `push` and `poll` need at most;
+//! - links the example in C with the library for C;
+//! - measures the size of the code and the stack that is needed at most;
 //! - runs the paths of `host-tests/examples` and those in FOLDER through the other in QEMU and here, compares the
 //!   digests of all setpoints, and prints instructions per tick and per block.
 //!
-//! Without a toolchain for the target, GNU binutils for it, or QEMU it says so and ends; with
+//! Without a toolchain for the target, GNU binutils and a C compiler for it, or QEMU it says so and ends; with
 //! `SPLINEWAY_REQUIRE_TARGET` set it fails.
 
 #[path = "../common/mod.rs"]
@@ -175,6 +176,13 @@ fn report() -> Result<()> {
             !entry.starts_with("tick") || bytes <= TICK_STACK,
             "{entry} needs {bytes} bytes of stack; {TICK_STACK} is the goal"
         );
+    }
+    let c = Image::build_c()?;
+    c.check_symbols()?;
+    println!("C: the example links for the target without a panic");
+    let entries = ["splineway_init", "splineway_tick", "splineway_push_line", "splineway_poll"];
+    for (entry, bytes) in c.stacks(&entries)? {
+        println!("stack of {entry}, bytes at most: {bytes}");
     }
     Ok(())
 }

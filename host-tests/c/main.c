@@ -1,0 +1,70 @@
+/*
+ * The example on a host: prints the last setpoint, and checks every one, and what the library answers to
+ * wrong calls.
+ */
+#include "example.h"
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+static int cycles, broken;
+static splineway_setpoint last;
+
+static void drive(const splineway_setpoint *setpoint)
+{
+    int axis;
+    for (axis = 0; axis < SPLINEWAY_AXES; ++axis) {
+        const double moved = (double)(setpoint->position[axis] - last.position[axis]) * 1e-6;
+        broken += moved > 0.2001 || moved < -0.2001;
+        broken += setpoint->velocity[axis] > 200.0f || setpoint->velocity[axis] < -200.0f;
+        broken += setpoint->acceleration[axis] > 2000.0f || setpoint->acceleration[axis] < -2000.0f;
+    }
+    last = *setpoint;
+    ++cycles;
+}
+
+static int wrong_calls(void)
+{
+    static splineway_core core;
+    static const int64_t start[SPLINEWAY_AXES] = {0};
+    static const int64_t far[SPLINEWAY_AXES] = {INT64_MAX};
+    static const splineway_arc nowhere = {{0, 99}, {0, 0}, true, 0};
+    const splineway_block options = {50.0f, 0.0f, -1.0f, false, 1};
+    const splineway_block backwards = {-50.0f, 0.0f, -1.0f, false, 1};
+    splineway_config config;
+    splineway_report report;
+    int failures = 0;
+
+    failures += splineway_poll(&core) != SPLINEWAY_PROGRESS_NOT_READY;
+    failures += splineway_push_line(&core, start, &options) != SPLINEWAY_RESULT_NOT_READY;
+    failures += splineway_hold(NULL) != SPLINEWAY_RESULT_NOT_READY;
+    failures += splineway_config_init(&config, 200.0f, 2000.0f, 50000.0f) != SPLINEWAY_RESULT_OK;
+    failures += splineway_init(&core, 100, &config, start) != SPLINEWAY_RESULT_STORAGE;
+    failures += splineway_init(&core, sizeof core, &config, NULL) != SPLINEWAY_RESULT_NULL;
+    config.axis_count = SPLINEWAY_AXES + 1;
+    failures += splineway_init(&core, sizeof core, &config, start) != SPLINEWAY_RESULT_AXES;
+    config.axis_count = SPLINEWAY_AXES;
+    config.cycle = -1.0f;
+    failures += splineway_init(&core, sizeof core, &config, start) != SPLINEWAY_RESULT_CONFIG;
+    config.cycle = 0.001f;
+    failures += splineway_init(&core, sizeof core, &config, start) != SPLINEWAY_RESULT_OK;
+    failures += splineway_push_line(&core, far, &options) != SPLINEWAY_RESULT_COORDINATE;
+    failures += splineway_push_line(&core, start, &backwards) != SPLINEWAY_RESULT_OUT_OF_RANGE;
+    failures += splineway_push_arc(&core, start, &nowhere, &options) != SPLINEWAY_RESULT_PLANE;
+    failures += splineway_push_dwell(&core, -1.0f, 1) != SPLINEWAY_RESULT_OUT_OF_RANGE;
+    failures += splineway_feed_override(&core, 50) != SPLINEWAY_RESULT_OK;
+    failures += splineway_status(&core, &report) != SPLINEWAY_RESULT_OK || report.blocks_waiting != 0;
+    failures += strcmp(splineway_result_text(SPLINEWAY_RESULT_OK), "done") != 0;
+    failures += strcmp(splineway_result_text(-7), "no result of splineway") != 0;
+    return failures;
+}
+
+int main(void)
+{
+    const int result = example_run(drive);
+    const int failures = wrong_calls();
+    printf("result %d (%s), %d cycles, %d setpoints beyond a limit, %d wrong answers\n", result,
+           splineway_result_text(result), cycles, broken, failures);
+    printf("at X%" PRId64 " Y%" PRId64 " nm, block %" PRIu32 "\n", last.position[0], last.position[1], last.tag);
+    return result != 0 || broken != 0 || failures != 0;
+}

@@ -1,0 +1,61 @@
+//! From C's plain data to the core's.
+
+use super::types::{SPLINEWAY_AXES, splineway_block, splineway_config, splineway_result};
+use crate::block::{BlockError, Feed, PushError};
+use crate::machine::{AxisLimits, Config, Limits};
+use crate::number::Coord;
+
+pub fn coord(nm: i64) -> Option<Coord> {
+    Coord::from_nm(nm)
+}
+
+/// A point of `SPLINEWAY_AXES` numbers, nm.
+///
+/// # Safety
+/// They can be read.
+pub unsafe fn coords(nm: *const i64) -> Option<[Coord; SPLINEWAY_AXES]> {
+    let mut point = [Coord::ZERO; SPLINEWAY_AXES];
+    for (axis, slot) in point.iter_mut().enumerate() {
+        // SAFETY: as the caller says.
+        *slot = coord(unsafe { nm.add(axis).read() })?;
+    }
+    Some(point)
+}
+
+pub fn feed(options: &splineway_block) -> Feed<f32> {
+    if options.duration != 0.0 {
+        Feed::Duration(options.duration)
+    } else if options.feed == 0.0 {
+        Feed::Rapid
+    } else {
+        Feed::PerSecond(options.feed)
+    }
+}
+
+pub fn config(c: &splineway_config) -> Result<Config<f32, SPLINEWAY_AXES>, splineway_result> {
+    let axes = c.axes.map(|axis| AxisLimits {
+        velocity: axis.velocity,
+        acceleration: axis.acceleration,
+        jerk: axis.jerk,
+        rotary: axis.rotary,
+    });
+    let mut config = Config::new(Limits::new(axes).map_err(|_| splineway_result::CONFIG)?);
+    config.cycle = c.cycle;
+    config.tolerance = c.tolerance;
+    config.lead = c.lead;
+    config.start_delay = c.start_delay;
+    config.iterations = c.iterations;
+    config.sweeps = c.sweeps;
+    Ok(config)
+}
+
+pub fn refusal(error: &PushError) -> splineway_result {
+    let PushError::Rejected { reason, .. } = error else { return splineway_result::FULL };
+    match reason {
+        BlockError::OutOfRange { .. } => splineway_result::OUT_OF_RANGE,
+        BlockError::Coordinate { .. } => splineway_result::COORDINATE,
+        BlockError::Plane { .. } => splineway_result::PLANE,
+        BlockError::ArcRadius { .. } | BlockError::ArcUnreachable { .. } => splineway_result::ARC,
+        BlockError::TooLong { .. } => splineway_result::TOO_LONG,
+    }
+}

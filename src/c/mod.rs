@@ -1,0 +1,370 @@
+//! The core for C (feature `c`); the header is `src/c/splineway.h`, and `host-tests/c/example.c` an example.
+//!
+//! `cargo rustc --release --lib --features c-lib --crate-type staticlib` makes the library. It is built
+//! for one machine: the environment variables `SPLINEWAY_AXES`, `SPLINEWAY_BLOCKS` and `SPLINEWAY_NODES` set
+//! its size (3, 16 and 64 if they are not set), and C code that includes the header defines the same.
+//! The library knows what it was built for and refuses anything else.
+//!
+//! Nothing allocates and nothing panics. A core lives in storage that the caller provides and must not
+//! move. [`splineway_tick`] may interrupt any other function; of the others only one may run at a time,
+//! but for the commands of an operator, which may come from anywhere.
+#![allow(unsafe_code)]
+// The header is read by people who have no Rust.
+#![allow(clippy::missing_safety_doc, clippy::undocumented_unsafe_blocks)]
+
+mod convert;
+#[cfg(all(feature = "c-lib", not(test)))]
+mod runtime;
+mod types;
+
+pub use types::*;
+
+use crate::block::{Block, Motion, Turn};
+use crate::number::Coord;
+use crate::planner::Planner;
+use crate::servo::{Controls, Interpolator, Link};
+use convert::{config, coord, coords, feed, refusal};
+use core::mem::MaybeUninit;
+
+/// What stands in the storage.
+#[repr(C)]
+struct Core {
+    /// [`READY`] once everything else is set.
+    ready: u32,
+    link: MaybeUninit<Link<f32, SPLINEWAY_AXES, SPLINEWAY_NODES>>,
+    planner: MaybeUninit<CPlanner>,
+    interpolator: MaybeUninit<Interpolator<'static, f32, SPLINEWAY_AXES>>,
+    controls: MaybeUninit<Controls<'static>>,
+}
+
+type CPlanner = Planner<'static, f32, SPLINEWAY_AXES, SPLINEWAY_BLOCKS, SPLINEWAY_NODES>;
+
+const READY: u32 = 0x5350_4C31;
+
+const _: () = assert!(size_of::<Core>() <= SPLINEWAY_STORAGE_BYTES, "the storage is too small");
+const _: () = assert!(align_of::<Core>() <= align_of::<splineway_core>());
+
+/// The core in some storage, if it is ready.
+fn ready(storage: *mut splineway_core) -> Option<*mut Core> {
+    let core = storage.cast::<Core>();
+    // SAFETY: the caller gives storage that `splineway_init` has seen, or null.
+    let ready = !core.is_null() && unsafe { (&raw const (*core).ready).read() } == READY;
+    ready.then_some(core)
+}
+
+/// The planner, for one call; nothing of the interrupt's is touched.
+fn planner<'a>(storage: *mut splineway_core) -> Option<&'a mut CPlanner> {
+    // SAFETY: `ready` says it is set; the caller keeps to one background call at a time.
+    ready(storage).map(|core| unsafe { (*core).planner.assume_init_mut() })
+}
+
+fn controls(storage: *mut splineway_core) -> Option<Controls<'static>> {
+    // SAFETY: set, never changed, and made for any context.
+    ready(storage).map(|core| unsafe { (&raw const (*core).controls).read().assume_init() })
+}
+
+/// Fills in sensible settings: 1 ms servo cycle, 0.01 mm tolerance, and the same limits for every axis,
+/// mm/s, mm/s2 and mm/s3.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splineway_config_init(
+    config: *mut splineway_config,
+    velocity: f32,
+    acceleration: f32,
+    jerk: f32,
+) -> splineway_result {
+    if config.is_null() {
+        return splineway_result::NULL;
+    }
+    let axis = splineway_axis { velocity, acceleration, jerk, rotary: false };
+    // SAFETY: the caller gives a config to write to.
+    unsafe {
+        config.write(splineway_config {
+            axis_count: SPLINEWAY_AXES as u32,
+            axes: [axis; SPLINEWAY_AXES],
+            cycle: 0.001,
+            tolerance: 0.01,
+            lead: 0.01,
+            start_delay: 0.05,
+            iterations: 40,
+            sweeps: 8,
+        });
+    }
+    splineway_result::OK
+}
+
+/// Sets a core up in `storage` of `bytes` bytes, at rest at `start` (nm, one number per axis). What was there is
+/// forgotten. Not while an interrupt may call [`splineway_tick`] on the same storage.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splineway_init(
+    storage: *mut splineway_core,
+    bytes: usize,
+    config: *const splineway_config,
+    start: *const i64,
+) -> splineway_result {
+    if storage.is_null() || config.is_null() || start.is_null() {
+        return splineway_result::NULL;
+    }
+    if bytes < size_of::<Core>() {
+        return splineway_result::STORAGE;
+    }
+    let core = storage.cast::<Core>();
+    // SAFETY: the caller gives storage of that size, aligned by its type, that is not in use, and a config
+    // and a start to read.
+    unsafe {
+        (&raw mut (*core).ready).write(0);
+        let settings = &*config;
+        if settings.axis_count as usize != SPLINEWAY_AXES {
+            return splineway_result::AXES;
+        }
+        let settings = match self::config(settings) {
+            Ok(settings) => settings,
+            Err(result) => return result,
+        };
+        let Some(start) = coords(start) else { return splineway_result::COORDINATE };
+        // As `Link::new()`, which is all zeros, but without a copy on the stack.
+        (&raw mut (*core).link).write_bytes(0, 1);
+        let link = (*core).link.assume_init_mut();
+        let Ok((planner, interpolator)) = link.handles(settings, start) else {
+            return splineway_result::CONFIG;
+        };
+        (&raw mut (*core).controls).write(MaybeUninit::new(planner.controls()));
+        (&raw mut (*core).interpolator).write(MaybeUninit::new(interpolator));
+        (&raw mut (*core).planner).write(MaybeUninit::new(planner));
+        (&raw mut (*core).ready).write(READY);
+    }
+    splineway_result::OK
+}
+
+/// Adds a block; what its motion is comes from `motion`.
+fn push(
+    storage: *mut splineway_core,
+    options: *const splineway_block,
+    motion: impl FnOnce() -> Option<Motion<f32, SPLINEWAY_AXES>>,
+) -> splineway_result {
+    let Some(planner) = planner(storage) else { return splineway_result::NOT_READY };
+    if options.is_null() {
+        return splineway_result::NULL;
+    }
+    // SAFETY: the caller gives options to read.
+    let options = unsafe { &*options };
+    let Some(motion) = motion() else { return splineway_result::COORDINATE };
+    let tolerance = (options.tolerance >= 0.0).then_some(options.tolerance);
+    let block = Block {
+        motion,
+        feed: feed(options),
+        tolerance,
+        exact_stop: options.exact_stop,
+        tag: options.tag,
+    };
+    planner.push(&block).map_or_else(|error| refusal(&error), |()| splineway_result::OK)
+}
+
+/// Adds a straight line to `to` (nm).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splineway_push_line(
+    core: *mut splineway_core,
+    to: *const i64,
+    options: *const splineway_block,
+) -> splineway_result {
+    if to.is_null() {
+        return splineway_result::NULL;
+    }
+    push(core, options, || Some(Motion::Line { to: unsafe { coords(to) }? }))
+}
+
+/// Adds a circular arc or helix to `to` (nm) about a centre (nm) in the plane of two axes, in the order
+/// in which a quarter turn takes the first to the second: G17 is 0, 1. The same end as start in the plane is
+/// a full circle; `extra_turns` are added.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splineway_push_arc(
+    core: *mut splineway_core,
+    to: *const i64,
+    arc: *const splineway_arc,
+    options: *const splineway_block,
+) -> splineway_result {
+    if to.is_null() || arc.is_null() {
+        return splineway_result::NULL;
+    }
+    push(core, options, || {
+        // SAFETY: the caller gives an arc to read.
+        let arc = unsafe { &*arc };
+        Some(Motion::Arc {
+            to: unsafe { coords(to) }?,
+            plane: (arc.plane[0] as usize, arc.plane[1] as usize),
+            centre: (coord(arc.centre[0])?, coord(arc.centre[1])?),
+            turn: if arc.clockwise { Turn::Clockwise } else { Turn::CounterClockwise },
+            extra_turns: arc.extra_turns,
+        })
+    })
+}
+
+/// Adds a cubic curve (a span of a spline) to `to` by its two Bezier points between (nm).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splineway_push_cubic(
+    core: *mut splineway_core,
+    first: *const i64,
+    second: *const i64,
+    to: *const i64,
+    options: *const splineway_block,
+) -> splineway_result {
+    if first.is_null() || second.is_null() || to.is_null() {
+        return splineway_result::NULL;
+    }
+    push(core, options, || {
+        // SAFETY: the caller gives points to read.
+        let (controls, to) = unsafe { ([coords(first)?, coords(second)?], coords(to)?) };
+        Some(Motion::Cubic { controls, to })
+    })
+}
+
+/// Adds a standstill of some seconds.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splineway_push_dwell(
+    core: *mut splineway_core,
+    seconds: f32,
+    tag: u32,
+) -> splineway_result {
+    let Some(planner) = planner(core) else { return splineway_result::NOT_READY };
+    let block = Block::dwell(seconds, tag);
+    planner.push(&block).map_or_else(|error| refusal(&error), |()| splineway_result::OK)
+}
+
+/// Says that no more blocks come for now.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splineway_finish(core: *mut splineway_core) -> splineway_result {
+    let Some(planner) = planner(core) else { return splineway_result::NOT_READY };
+    planner.finish();
+    splineway_result::OK
+}
+
+/// Does what is to be done now: one planning step at most. To be called in the background, again and
+/// again.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splineway_poll(core: *mut splineway_core) -> splineway_progress {
+    planner(core).map_or(splineway_progress::NOT_READY, |planner| planner.poll().into())
+}
+
+/// One servo cycle: writes where the axes should be at its end. To be called by the servo interrupt.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splineway_tick(
+    core: *mut splineway_core,
+    setpoint: *mut splineway_setpoint,
+) -> splineway_result {
+    let Some(core) = ready(core) else { return splineway_result::NOT_READY };
+    if setpoint.is_null() {
+        return splineway_result::NULL;
+    }
+    // SAFETY: only this function uses the interpolator, and it does not interrupt itself; the caller gives
+    // a setpoint to write to.
+    unsafe {
+        let interpolator = (*core).interpolator.assume_init_mut();
+        setpoint.write(interpolator.tick().into());
+    }
+    splineway_result::OK
+}
+
+/// How things are.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splineway_status(
+    core: *mut splineway_core,
+    status: *mut splineway_report,
+) -> splineway_result {
+    let Some(planner) = planner(core) else { return splineway_result::NOT_READY };
+    if status.is_null() {
+        return splineway_result::NULL;
+    }
+    let counters = planner.counters();
+    // SAFETY: the caller gives a status to write to.
+    unsafe {
+        status.write(splineway_report {
+            end: planner.end().map(Coord::to_nm),
+            blocks_waiting: planner.blocks_waiting() as u32,
+            nodes_ahead: planner.nodes_ahead() as u32,
+            full: planner.is_full(),
+            plans: counters.plans,
+            late: counters.late,
+            starved: counters.starved,
+            stuck: counters.stuck,
+        });
+    }
+    splineway_result::OK
+}
+
+/// Passes an operator's command on.
+fn command(core: *mut splineway_core, send: impl FnOnce(Controls<'static>)) -> splineway_result {
+    let Some(controls) = controls(core) else { return splineway_result::NOT_READY };
+    send(controls);
+    splineway_result::OK
+}
+
+/// Feed hold: brake as hard as the limits allow, and rest on the path.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splineway_hold(core: *mut splineway_core) -> splineway_result {
+    command(core, Controls::hold)
+}
+
+/// Ends a hold or a stop; in single block mode, runs the next block.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splineway_resume(core: *mut splineway_core) -> splineway_result {
+    command(core, Controls::resume)
+}
+
+/// Finish the block under way, then rest until resumed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splineway_stop(core: *mut splineway_core) -> splineway_result {
+    command(core, Controls::stop)
+}
+
+/// Brake, and drop everything that has not been run.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splineway_abort(core: *mut splineway_core) -> splineway_result {
+    command(core, Controls::abort)
+}
+
+/// Feed override, 0 to 200 per cent.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splineway_feed_override(
+    core: *mut splineway_core,
+    percent: u16,
+) -> splineway_result {
+    command(core, |controls| controls.feed_override(percent))
+}
+
+/// Override of rapids, 0 to 100 per cent.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splineway_rapid_override(
+    core: *mut splineway_core,
+    percent: u16,
+) -> splineway_result {
+    command(core, |controls| controls.rapid_override(percent))
+}
+
+/// Single block mode: rest at the end of every block until resumed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splineway_single_block(
+    core: *mut splineway_core,
+    on: bool,
+) -> splineway_result {
+    command(core, |controls| controls.single_block(on))
+}
+
+/// What a result means, in words that stay valid. Any number may be given.
+#[unsafe(no_mangle)]
+pub extern "C" fn splineway_result_text(result: i32) -> *const core::ffi::c_char {
+    splineway_result::text(result).as_ptr()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What `splineway_init` relies on.
+    #[test]
+    fn an_empty_link_is_all_zeros() {
+        let link = std::boxed::Box::new(Link::<f32, SPLINEWAY_AXES, SPLINEWAY_NODES>::new());
+        // It is made of 32-bit atomics throughout, so it has no padding.
+        let words = size_of_val(&*link) / 4;
+        let first = (&raw const *link).cast::<u32>();
+        assert!((0..words).all(|k| unsafe { first.add(k).read() } == 0));
+    }
+}

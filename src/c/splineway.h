@@ -1,0 +1,451 @@
+#ifndef SPLINEWAY_H
+#define SPLINEWAY_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+/*
+ * splineway: motion interpolator core. Made from src/c by `UPDATE_HEADER=1 cargo test --test c_api`; not to
+ * be edited.
+ *
+ * The library is built for one size of machine; define the same here before this header is included, or
+ * on the compiler's command line. A library of another size refuses to work.
+ */
+#ifndef SPLINEWAY_AXES
+#define SPLINEWAY_AXES 3
+#endif
+#ifndef SPLINEWAY_BLOCKS
+#define SPLINEWAY_BLOCKS 16
+#endif
+#ifndef SPLINEWAY_NODES
+#define SPLINEWAY_NODES 64
+#endif
+
+
+/*
+ Bytes that a core takes at most; the build fails if it were more.
+ */
+#define SPLINEWAY_STORAGE_BYTES (((13200 + (3800 * SPLINEWAY_AXES)) + (SPLINEWAY_NODES * (200 + (80 * SPLINEWAY_AXES)))) + (SPLINEWAY_BLOCKS * (136 + (20 * SPLINEWAY_AXES))))
+
+/*
+ The same in words of 64 bits.
+ */
+#define SPLINEWAY_STORAGE_WORDS ((SPLINEWAY_STORAGE_BYTES / 8) + 1)
+
+/*
+ What came of a call.
+ */
+typedef enum {
+  /*
+   Done.
+   */
+  SPLINEWAY_RESULT_OK = 0,
+  /*
+   There is no room now: poll, and push the same block again.
+   */
+  SPLINEWAY_RESULT_FULL = 1,
+  /*
+   A pointer is null.
+   */
+  SPLINEWAY_RESULT_NULL = 2,
+  /*
+   The core is not set up.
+   */
+  SPLINEWAY_RESULT_NOT_READY = 3,
+  /*
+   The storage is smaller than this library needs: it was built for another size.
+   */
+  SPLINEWAY_RESULT_STORAGE = 4,
+  /*
+   The library was built for another number of axes.
+   */
+  SPLINEWAY_RESULT_AXES = 5,
+  /*
+   A limit or a setting is not finite or out of its range.
+   */
+  SPLINEWAY_RESULT_CONFIG = 6,
+  /*
+   A coordinate is beyond +-1e6 mm.
+   */
+  SPLINEWAY_RESULT_COORDINATE = 7,
+  /*
+   Feed, duration, tolerance or dwell is not finite or out of its range.
+   */
+  SPLINEWAY_RESULT_OUT_OF_RANGE = 8,
+  /*
+   The arc's plane names an axis that does not exist, or one twice.
+   */
+  SPLINEWAY_RESULT_PLANE = 9,
+  /*
+   Start and end of the arc are at different distances from its centre, or it has no radius.
+   */
+  SPLINEWAY_RESULT_ARC = 10,
+  /*
+   The block is too long.
+   */
+  SPLINEWAY_RESULT_TOO_LONG = 11,
+} splineway_result;
+
+/*
+ What a call of `splineway_poll` came to.
+ */
+typedef enum {
+  /*
+   A new plan was handed over.
+   */
+  SPLINEWAY_PROGRESS_PLANNED = 0,
+  /*
+   Nothing to do until the interpolator has moved on.
+   */
+  SPLINEWAY_PROGRESS_WAITING = 1,
+  /*
+   Nothing to do until more blocks come.
+   */
+  SPLINEWAY_PROGRESS_NEEDS_BLOCKS = 2,
+  /*
+   Everything that was pushed has been handed over.
+   */
+  SPLINEWAY_PROGRESS_DONE = 3,
+  /*
+   At rest because an operator asked for it.
+   */
+  SPLINEWAY_PROGRESS_HELD = 4,
+  /*
+   At rest after an abort, and everything that had been pushed is dropped. Said once.
+   */
+  SPLINEWAY_PROGRESS_ABORTED = 5,
+  /*
+   The core is not set up.
+   */
+  SPLINEWAY_PROGRESS_NOT_READY = 6,
+} splineway_progress;
+
+/*
+ What the interpolator is doing.
+ */
+typedef enum {
+  /*
+   At rest: nothing to run.
+   */
+  SPLINEWAY_ACTIVITY_IDLE = 0,
+  /*
+   In motion.
+   */
+  SPLINEWAY_ACTIVITY_RUNNING = 1,
+  /*
+   In a dwell.
+   */
+  SPLINEWAY_ACTIVITY_DWELLING = 2,
+} splineway_activity;
+
+/*
+ Limits of an axis.
+ */
+typedef struct {
+  /*
+   mm/s (degrees/s on a rotary axis).
+   */
+  float velocity;
+  /*
+   mm/s2.
+   */
+  float acceleration;
+  /*
+   mm/s3.
+   */
+  float jerk;
+  /*
+   Whether it turns: its feed does not count as way.
+   */
+  bool rotary;
+} splineway_axis;
+
+/*
+ A machine.
+ */
+typedef struct {
+  /*
+   `SPLINEWAY_AXES` of the header.
+   */
+  uint32_t axis_count;
+  /*
+   Limits of the axes.
+   */
+  splineway_axis axes[SPLINEWAY_AXES];
+  /*
+   Servo cycle, s.
+   */
+  float cycle;
+  /*
+   Tolerance of blocks that name none, mm.
+   */
+  float tolerance;
+  /*
+   Time by which a plan is handed over before it takes effect, s: longer than a planning step takes.
+   */
+  float lead;
+  /*
+   How long a start from rest waits for the look-ahead to fill, s.
+   */
+  float start_delay;
+  /*
+   Most improvement steps of one planning step.
+   */
+  uint16_t iterations;
+  /*
+   Sweeps in which runs of short lines are smoothed.
+   */
+  uint16_t sweeps;
+} splineway_config;
+
+/*
+ Storage of a core: opaque, and not to be moved once it is set up.
+ */
+typedef struct {
+  /*
+   Not to be touched.
+   */
+  uint64_t words[SPLINEWAY_STORAGE_WORDS];
+} splineway_core;
+
+/*
+ How a block is run.
+ */
+typedef struct {
+  /*
+   mm/s; with `duration` above 0 it does not count; 0 is a rapid: as fast as the axes can.
+   */
+  float feed;
+  /*
+   Seconds the block takes (inverse time); 0 if `feed` counts.
+   */
+  float duration;
+  /*
+   Greatest distance from the programmed path, mm; below 0: the machine's.
+   */
+  float tolerance;
+  /*
+   Whether to come to rest exactly on the end point.
+   */
+  bool exact_stop;
+  /*
+   The caller's mark; it comes back with the setpoints.
+   */
+  uint32_t tag;
+} splineway_block;
+
+/*
+ A circle or helix.
+ */
+typedef struct {
+  /*
+   The plane's two axes.
+   */
+  uint32_t plane[2];
+  /*
+   Centre in these axes, nm.
+   */
+  int64_t centre[2];
+  /*
+   G2.
+   */
+  bool clockwise;
+  /*
+   Full turns beyond the first arrival.
+   */
+  uint16_t extra_turns;
+} splineway_arc;
+
+/*
+ Where the axes should be at the end of a servo cycle.
+ */
+typedef struct {
+  /*
+   nm (1e-6 degrees on a rotary axis).
+   */
+  int64_t position[SPLINEWAY_AXES];
+  /*
+   mm/s.
+   */
+  float velocity[SPLINEWAY_AXES];
+  /*
+   mm/s2.
+   */
+  float acceleration[SPLINEWAY_AXES];
+  /*
+   Speed along the path, mm/s.
+   */
+  float path_speed;
+  /*
+   Tag of the block under way.
+   */
+  uint32_t tag;
+  /*
+   What the interpolator is doing.
+   */
+  splineway_activity activity;
+} splineway_setpoint;
+
+/*
+ How the planner is.
+ */
+typedef struct {
+  /*
+   End point of the last block taken, nm; after an abort, where the machine stands.
+   */
+  int64_t end[SPLINEWAY_AXES];
+  /*
+   Blocks that have not been cut into cells yet.
+   */
+  uint32_t blocks_waiting;
+  /*
+   Nodes of the window that lie ahead of the motion.
+   */
+  uint32_t nodes_ahead;
+  /*
+   Whether there is no room for another block.
+   */
+  bool full;
+  /*
+   Plans handed over.
+   */
+  uint32_t plans;
+  /*
+   Plans that came too late; the one before went on.
+   */
+  uint32_t late;
+  /*
+   Stops because blocks did not come in time.
+   */
+  uint32_t starved;
+  /*
+   Stretches for which no motion was found at once.
+   */
+  uint32_t stuck;
+} splineway_report;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+/*
+ Fills in sensible settings: 1 ms servo cycle, 0.01 mm tolerance, and the same limits for every axis,
+ mm/s, mm/s2 and mm/s3.
+ */
+splineway_result splineway_config_init(splineway_config *config,
+                                       float velocity,
+                                       float acceleration,
+                                       float jerk);
+
+/*
+ Sets a core up in `storage` of `bytes` bytes, at rest at `start` (nm, one number per axis). What was there is
+ forgotten. Not while an interrupt may call [`splineway_tick`] on the same storage.
+ */
+splineway_result splineway_init(splineway_core *storage,
+                                size_t bytes,
+                                const splineway_config *config,
+                                const int64_t *start);
+
+/*
+ Adds a straight line to `to` (nm).
+ */
+splineway_result splineway_push_line(splineway_core *core,
+                                     const int64_t *to,
+                                     const splineway_block *options);
+
+/*
+ Adds a circular arc or helix to `to` (nm) about a centre (nm) in the plane of two axes, in the order
+ in which a quarter turn takes the first to the second: G17 is 0, 1. The same end as start in the plane is
+ a full circle; `extra_turns` are added.
+ */
+splineway_result splineway_push_arc(splineway_core *core,
+                                    const int64_t *to,
+                                    const splineway_arc *arc,
+                                    const splineway_block *options);
+
+/*
+ Adds a cubic curve (a span of a spline) to `to` by its two Bezier points between (nm).
+ */
+splineway_result splineway_push_cubic(splineway_core *core,
+                                      const int64_t *first,
+                                      const int64_t *second,
+                                      const int64_t *to,
+                                      const splineway_block *options);
+
+/*
+ Adds a standstill of some seconds.
+ */
+splineway_result splineway_push_dwell(splineway_core *core, float seconds, uint32_t tag);
+
+/*
+ Says that no more blocks come for now.
+ */
+splineway_result splineway_finish(splineway_core *core);
+
+/*
+ Does what is to be done now: one planning step at most. To be called in the background, again and
+ again.
+ */
+splineway_progress splineway_poll(splineway_core *core);
+
+/*
+ One servo cycle: writes where the axes should be at its end. To be called by the servo interrupt.
+ */
+splineway_result splineway_tick(splineway_core *core, splineway_setpoint *setpoint);
+
+/*
+ How things are.
+ */
+splineway_result splineway_status(splineway_core *core, splineway_report *status);
+
+/*
+ Feed hold: brake as hard as the limits allow, and rest on the path.
+ */
+splineway_result splineway_hold(splineway_core *core);
+
+/*
+ Ends a hold or a stop; in single block mode, runs the next block.
+ */
+splineway_result splineway_resume(splineway_core *core);
+
+/*
+ Finish the block under way, then rest until resumed.
+ */
+splineway_result splineway_stop(splineway_core *core);
+
+/*
+ Brake, and drop everything that has not been run.
+ */
+splineway_result splineway_abort(splineway_core *core);
+
+/*
+ Feed override, 0 to 200 per cent.
+ */
+splineway_result splineway_feed_override(splineway_core *core, uint16_t percent);
+
+/*
+ Override of rapids, 0 to 100 per cent.
+ */
+splineway_result splineway_rapid_override(splineway_core *core, uint16_t percent);
+
+/*
+ Single block mode: rest at the end of every block until resumed.
+ */
+splineway_result splineway_single_block(splineway_core *core, bool on);
+
+/*
+ What a result means, in words that stay valid. Any number may be given.
+ */
+const char *splineway_result_text(int32_t result);
+
+/*
+ Hosts come with a compiler runtime that is built for unwinding and asks for this by name. Nothing
+ unwinds here, so nothing calls it.
+ */
+void rust_eh_personality(void);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* SPLINEWAY_H */
