@@ -43,7 +43,7 @@ else
     [ -n "$lld" ] || { echo "thumb.sh: no linker for $T" >&2; exit 77; }
   fi
   if [ -n "$lld" ]; then export ${V}_LINKER="$lld"; fi
-  flags="-C target-cpu=cortex-m4"
+  flags="-C target-cpu=${THUMB_CPU:-cortex-m4}"
   if [ -n "$flavour" ]; then flags="-C linker-flavor=$flavour $flags"; fi
   export ${V}_RUSTFLAGS="$flags"
 fi

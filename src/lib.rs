@@ -1,7 +1,7 @@
 //! **splineway** takes tool paths - thousands of short lines, arcs, curves and dwells - and gives one
 //! position setpoint per servo cycle for every axis: inside the tolerance band, within every axis's
 //! velocity, acceleration and jerk at every instant, and always able to stop. It is `no_std`, never
-//! allocates, has no `unsafe`, and runs the same code in `f32` on a Cortex-M4F and in `f64` on a PC.
+//! allocates, cannot panic (the linker proves it), and runs the same code in `f32` on a Cortex-M4F and in `f64` on a PC.
 //!
 //! # The way of a block
 //!
@@ -31,6 +31,8 @@
 //!   turn ([`Link`]), each from a place still ahead of the motion to a stop; the [`Interpolator`]
 //!   changes over where they branch off. If nothing arrives it comes to rest on the
 //!   path, and goes on from there when something does.
+//! - [`output`]: step and direction, duty cycles, and a trait for other drives, over embedded-hal.
+//! - `wire` and `c`, features: blocks over a serial line, and the interface for C.
 //! - [`machine`]: limits and settings, checked once. [`number`]: the [`Scalar`], and fixed-point
 //!   [`Coord`]inates that never drift.
 //!

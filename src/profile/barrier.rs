@@ -112,17 +112,21 @@ pub struct Model<S> {
     pub hessian: [S; 10],
 }
 
+/// Upper triangle of `weight` g g^T, row by row.
+#[inline]
+fn outer<S: Scalar>(weight: S, g: &Gradient<S>) -> [S; 10] {
+    let [g0, g1, g2, g3] = *g;
+    let [r0, r1, r2, r3] = g.map(|x| weight * x);
+    [r0 * g0, r0 * g1, r0 * g2, r0 * g3, r1 * g1, r1 * g2, r1 * g3, r2 * g2, r2 * g3, r3 * g3]
+}
+
 impl<S: Scalar> Model<S> {
     #[inline]
     fn add(&mut self, slope: S, curvature: S, g: &Gradient<S>) {
         for (sum, gi) in self.gradient.iter_mut().zip(g) {
             *sum += slope * *gi;
         }
-        let [g0, g1, g2, g3] = *g;
-        let [r0, r1, r2, r3] = g.map(|gi| curvature * gi);
-        let (row0, row1) = ([r0 * g0, r0 * g1, r0 * g2, r0 * g3], [r1 * g1, r1 * g2, r1 * g3]);
-        let rows = row0.into_iter().chain(row1).chain([r2 * g2, r2 * g3, r3 * g3]);
-        for (sum, part) in self.hessian.iter_mut().zip(rows) {
+        for (sum, part) in self.hessian.iter_mut().zip(outer(curvature, g)) {
             *sum += part;
         }
     }
@@ -321,12 +325,8 @@ pub fn by_square<S: Scalar>(
     }
     let gradient = from_fn(|k| model.gradient[k] * factor[k]);
     let mut hessian = model.hessian;
-    let mut n = 0;
-    for i in 0..4 {
-        for fj in &factor[i..] {
-            hessian[n] = hessian[n] * (factor[i] * *fj);
-            n += 1;
-        }
+    for (x, product) in hessian.iter_mut().zip(outer(S::ONE, &factor)) {
+        *x = *x * product;
     }
     (gradient, hessian)
 }
@@ -381,11 +381,7 @@ pub fn add_time_curvature<S: Scalar>(
         g[2] = S::of(0.5);
         g[3] = -quarter;
     }
-    let mut n = 0;
-    for i in 0..4 {
-        for gj in &g[i..] {
-            hessian[n] += weight * g[i] * *gj;
-            n += 1;
-        }
+    for (x, product) in hessian.iter_mut().zip(outer(weight, &g)) {
+        *x += product;
     }
 }

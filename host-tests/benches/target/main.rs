@@ -17,7 +17,7 @@ mod image;
 mod replay;
 mod stack;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use image::Image;
 use replay::{Meter, Outcome, Part, Setup};
 use splineway::Link;
@@ -88,7 +88,8 @@ fn on_host<const N: usize, const BLOCKS: usize, const NODES: usize>(
     Ok(replay::run::<f32, N, BLOCKS, NODES>(&mut link, &setup, &mut || bytes.next(), &mut Free)?)
 }
 
-fn compare(emulator: &Image, path: &Path, six: bool) -> Result<()> {
+/// Runs a path on host and target; gives a goal that was missed.
+fn compare(emulator: &Image, path: &Path, six: bool) -> Result<Option<String>> {
     let program = program::read(path, ReadOptions { feed: 100.0, segments: 500 })?;
     let program = if six { doubled(&program) } else { program };
     let axes = if six { 6 } else { 3 };
@@ -129,12 +130,10 @@ fn compare(emulator: &Image, path: &Path, six: bool) -> Result<()> {
     );
     ensure!(host.complete, "{label}: the host did not reach the end");
     ensure!(target.outcome == host, "{label}: host {host:?}, target {:?}", target.outcome);
-    for (axes, most) in TICK {
-        if axes == setup.axes && target.tick_worst > most {
-            bail!("{label}: a tick took {} instructions; {most} is the goal", target.tick_worst);
-        }
-    }
-    Ok(())
+    let too_long = TICK.iter().find(|(a, most)| *a == setup.axes && target.tick_worst > *most);
+    Ok(too_long.map(|(_, most)| {
+        format!("{label}: a tick took {} instructions; {most} is the goal", target.tick_worst)
+    }))
 }
 
 fn examples() -> Vec<PathBuf> {
@@ -151,11 +150,12 @@ fn report() -> Result<()> {
     );
     let mut paths = examples();
     paths.extend(common::paths());
+    let mut missed = Vec::new();
     for path in &paths {
-        compare(&emulator, path, false)?;
+        missed.extend(compare(&emulator, path, false)?);
     }
     for path in examples() {
-        compare(&emulator, &path, true)?;
+        missed.extend(compare(&emulator, &path, true)?);
     }
 
     let proof = Image::build("proof")?;
@@ -172,10 +172,9 @@ fn report() -> Result<()> {
     );
     for (entry, bytes) in proof.stacks(&["tick_3", "tick_6", "push_3", "poll_3"])? {
         println!("stack of {entry}, bytes at most: {bytes}");
-        ensure!(
-            !entry.starts_with("tick") || bytes <= TICK_STACK,
-            "{entry} needs {bytes} bytes of stack; {TICK_STACK} is the goal"
-        );
+        if entry.starts_with("tick") && bytes > TICK_STACK {
+            missed.push(format!("{entry} needs {bytes} bytes of stack; {TICK_STACK} is the goal"));
+        }
     }
     let c = Image::build_c()?;
     c.check_symbols()?;
@@ -184,6 +183,7 @@ fn report() -> Result<()> {
     for (entry, bytes) in c.stacks(&entries)? {
         println!("stack of {entry}, bytes at most: {bytes}");
     }
+    ensure!(missed.is_empty(), "{}", missed.join("\n"));
     Ok(())
 }
 
