@@ -9,4 +9,5 @@ pub mod reference;
 pub mod run;
 pub mod smoothing;
 pub mod stream;
+pub mod trial;
 pub mod view;

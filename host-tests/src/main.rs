@@ -6,6 +6,7 @@ use splineway_host::commands::controller::ControllerCommand;
 use splineway_host::commands::corners::Corners;
 use splineway_host::commands::simulate::Simulate;
 use splineway_host::commands::smooth::Smooth;
+use splineway_host::commands::soak::Soak;
 use splineway_host::commands::stream::Stream;
 use splineway_host::commands::thesis::Thesis;
 use std::process::ExitCode;
@@ -23,6 +24,7 @@ enum Command {
     Simulate(Simulate),
     Smooth(Smooth),
     Stream(Stream),
+    Soak(Soak),
     #[cfg(unix)]
     Controller(ControllerCommand),
     Corners(Corners),
@@ -34,6 +36,7 @@ fn main() -> ExitCode {
         Command::Simulate(simulate) => simulate.execute(),
         Command::Smooth(smooth) => smooth.execute(),
         Command::Stream(stream) => stream.execute(),
+        Command::Soak(soak) => soak.execute(),
         #[cfg(unix)]
         Command::Controller(controller) => controller.execute(),
         Command::Corners(corners) => corners.execute(),

@@ -11,39 +11,11 @@ use splineway::{
 use splineway_host::machine::Machine;
 use splineway_host::program::Program;
 use splineway_host::run::{Action, Event, Events, Precision, run_with};
+use splineway_host::trial::events;
 
 /// One random command: when (as a share of the time), which, how much.
 fn commands() -> impl Strategy<Value = Vec<(f64, u8, u16)>> {
     prop::collection::vec((0.0f64..1.0, 0u8..16, 0u16..=200), 1..12)
-}
-
-/// Commands at random times, and at last everything that lets the program run to its end.
-fn events(commands: &[(f64, u8, u16)], time: f64) -> Events {
-    let mut list: Vec<Event> = commands
-        .iter()
-        .map(|&(when, kind, percent)| {
-            let action = match kind {
-                0..=3 => Action::Hold,
-                4..=6 => Action::Resume,
-                7 => Action::Stop,
-                8 => Action::Single(true),
-                9 => Action::Single(false),
-                10 => Action::Rapid(percent.min(100)),
-                11 => Action::Starve(f64::from(percent) * 1.0e-3),
-                12 if percent < 40 => Action::Abort,
-                _ => Action::Feed(percent),
-            };
-            Event { time: when * time, action }
-        })
-        .collect();
-    let end = time + 0.3;
-    list.push(Event { time: end, action: Action::Single(false) });
-    list.push(Event { time: end, action: Action::Feed(150) });
-    list.push(Event { time: end, action: Action::Rapid(100) });
-    list.push(Event { time: end, action: Action::Resume });
-    // A stop that was asked for may only have come to its block's end now.
-    list.push(Event { time: end + 3.0, action: Action::Resume });
-    Events::new(list)
 }
 
 fn check(

@@ -64,10 +64,11 @@ fn along(tangent: &[f64], limits: &[Axis], of: fn(&Axis) -> f64) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-fn pieces(program: &Program, limits: &[Axis]) -> Vec<Piece> {
+/// The moves, and the standstill before the first, s.
+fn pieces(program: &Program, limits: &[Axis]) -> (Vec<Piece>, f64) {
     let axes = program.axes();
     let mut here = program.start;
-    let mut list: Vec<Piece> = Vec::new();
+    let (mut list, mut before) = (Vec::<Piece>::new(), 0.0);
     for step in &program.flattened(CURVE_CHORDS).moves {
         let (to, length, tangents, radius) = match &step.path {
             Course::Cubic { .. } => continue,
@@ -75,6 +76,8 @@ fn pieces(program: &Program, limits: &[Axis]) -> Vec<Piece> {
                 if let Some(last) = list.last_mut() {
                     last.dwell += seconds;
                     last.stop = true;
+                } else {
+                    before += seconds;
                 }
                 continue;
             }
@@ -139,7 +142,7 @@ fn pieces(program: &Program, limits: &[Axis]) -> Vec<Piece> {
             dwell: 0.0,
         });
     }
-    list
+    (list, before)
 }
 
 /// Speed at the corner between two moves by the rule of junction deviation.
@@ -159,7 +162,7 @@ fn junction(before: &Piece, after: &Piece, deviation: f64) -> f64 {
 
 /// Runs a program with a speed law; `tolerance` in mm is the junction deviation.
 pub fn run(program: &Program, limits: &[Axis], tolerance: f64, law: Law) -> Outcome {
-    let list = pieces(program, limits);
+    let (list, before) = pieces(program, limits);
     let n = list.len();
     let limit = |piece: &Piece| match law {
         Law::Trapezoid => Limit { jerk: f64::INFINITY, ..piece.limit },
@@ -180,7 +183,7 @@ pub fn run(program: &Program, limits: &[Axis], tolerance: f64, law: Law) -> Outc
         let most = speeds[k + 1];
         speeds[k + 1] = reachable(speeds[k], list[k].length, most, limit(&list[k])).min(most);
     }
-    let mut outcome = Outcome { time: 0.0, jump: 0.0, curve: Vec::new() };
+    let mut outcome = Outcome { time: before, jump: 0.0, curve: Vec::new() };
     let mut way = 0.0;
     for (k, piece) in list.iter().enumerate() {
         let leg = Leg::new(speeds[k], speeds[k + 1], piece.length, piece.feed, limit(piece));

@@ -5,5 +5,6 @@ pub mod controller;
 pub mod corners;
 pub mod simulate;
 pub mod smooth;
+pub mod soak;
 pub mod stream;
 pub mod thesis;
