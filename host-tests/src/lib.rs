@@ -3,6 +3,8 @@
 pub mod baseline;
 pub mod commands;
 pub mod corners;
+pub mod figures;
+pub mod lint;
 pub mod machine;
 pub mod program;
 pub mod reference;

@@ -1,6 +1,9 @@
 //! The `splineway` program.
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
+use clap_complete::Shell;
+use splineway_host::commands::bench::Bench;
+use splineway_host::commands::check::Check;
 #[cfg(unix)]
 use splineway_host::commands::controller::ControllerCommand;
 use splineway_host::commands::corners::Corners;
@@ -11,7 +14,7 @@ use splineway_host::commands::stream::Stream;
 use splineway_host::commands::thesis::Thesis;
 use std::process::ExitCode;
 
-/// Motion interpolator core: simulation of servo cycles on a PC.
+/// Motion interpolator core: simulation of servo cycles on a PC, and programs for a controller.
 #[derive(Debug, Parser)]
 #[command(version, arg_required_else_help = true)]
 struct Arguments {
@@ -22,25 +25,41 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Simulate(Simulate),
-    Smooth(Smooth),
+    Check(Check),
     Stream(Stream),
-    Soak(Soak),
     #[cfg(unix)]
     Controller(ControllerCommand),
+    Smooth(Smooth),
+    Bench(Bench),
+    Soak(Soak),
     Corners(Corners),
     Thesis(Thesis),
+    /// Prints a script that completes this program's arguments in a shell.
+    Completions {
+        /// The shell.
+        shell: Shell,
+    },
 }
 
 fn main() -> ExitCode {
+    // `splineway ... | head` ends quietly.
+    sigpipe::reset();
     let outcome = match Arguments::parse().command {
         Command::Simulate(simulate) => simulate.execute(),
-        Command::Smooth(smooth) => smooth.execute(),
+        Command::Check(check) => check.execute(),
         Command::Stream(stream) => stream.execute(),
-        Command::Soak(soak) => soak.execute(),
         #[cfg(unix)]
         Command::Controller(controller) => controller.execute(),
+        Command::Smooth(smooth) => smooth.execute(),
+        Command::Bench(bench) => bench.execute(),
+        Command::Soak(soak) => soak.execute(),
         Command::Corners(corners) => corners.execute(),
         Command::Thesis(thesis) => thesis.execute(),
+        Command::Completions { shell } => {
+            let mut out = std::io::stdout();
+            clap_complete::generate(shell, &mut Arguments::command(), "splineway", &mut out);
+            Ok(())
+        }
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -208,3 +208,80 @@ fn smooth_writes_spline_report_and_plot() {
     assert!(text.contains("tolerance radius is -1"), "{text}");
     std::fs::remove_dir_all(&folder).unwrap();
 }
+
+fn text_of(arguments: &[&str]) -> String {
+    let output = splineway(arguments);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{errors}");
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+#[test]
+fn check_tells_what_will_happen_and_where_time_goes() {
+    let part =
+        file("check.ngc", "G1 X10 F6000\nG61\nG1 Y10\nG1 X0\nG1 Y0\nG1 Y0\nG1 X5 F99999\nM2\n");
+    let name = part.display().to_string();
+    let text = text_of(&["check", &name, "--places", "6"]);
+    for part in ["6 lines", "length    45.000 mm", "X       0.000 to 10.000", "G1 Y10"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    assert!(!text.contains('\u{1b}'), "colour in a file");
+    let report: serde_json::Value =
+        serde_json::from_str(&text_of(&["check", &name, "--json"])).unwrap();
+    assert_eq!(report["moves"][0], 6);
+    let advice = report["advice"].as_array().unwrap();
+    for part in ["have no length", "more feed than the axes allow", "G61 for G64"] {
+        assert!(advice.iter().any(|text| text.as_str().unwrap().contains(part)), "{advice:?}");
+    }
+    assert!(error_of(&["check", "nowhere.ngc"], 1).contains("cannot read nowhere.ngc"));
+}
+
+#[test]
+fn figures_come_as_text_and_as_json() {
+    let text = text_of(&["bench", &example()]);
+    assert!(
+        text.contains("planner") && text.contains("butterfly") && text.contains("cores"),
+        "{text}"
+    );
+    let json: serde_json::Value =
+        serde_json::from_str(&text_of(&["bench", &example(), "--json"])).unwrap();
+    let path = &json["paths"][0];
+    assert!(path["seconds_f64"].as_f64() < path["seconds_stops"].as_f64());
+    assert!(path["broken"].as_array().unwrap().is_empty());
+    let report: serde_json::Value =
+        serde_json::from_str(&text_of(&["simulate", &example(), "--json"])).unwrap();
+    assert!(report["time_s"].as_f64().unwrap() > 1.0);
+}
+
+#[test]
+fn a_short_soak_finds_nothing_and_is_repeatable() {
+    let run = || text_of(&["soak", "--blocks", "3000", "--seed", "7", "--threads", "1"]);
+    let text = run();
+    assert!(text.contains(" 0 findings"), "{text}");
+    assert_eq!(text, run());
+    assert!(text_of(&["soak", "--case", "7"]).contains("1 cases"));
+}
+
+#[test]
+fn shells_can_complete_the_arguments() {
+    for shell in ["bash", "zsh", "fish", "powershell"] {
+        assert!(text_of(&["completions", shell]).contains("splineway"));
+    }
+}
+
+/// `splineway ... | head` is no error.
+#[cfg(unix)]
+#[test]
+fn a_reader_who_leaves_early_gets_no_panic() {
+    use std::process::Stdio;
+    let mut child = Command::new(env!("CARGO_BIN_EXE_splineway"))
+        .arg("thesis")
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(!errors.contains("panicked"), "{errors}");
+}

@@ -1,5 +1,7 @@
 //! The commands of the `splineway` program.
 
+pub mod bench;
+pub mod check;
 #[cfg(unix)]
 pub mod controller;
 pub mod corners;

@@ -69,8 +69,11 @@ pub struct Simulate {
     /// speeds along the way.
     #[arg(long)]
     pub compare: bool,
+    /// Print the figures of the run as JSON.
+    #[arg(long, conflicts_with = "compare")]
+    pub json: bool,
     /// Print nothing but errors.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
 
@@ -141,7 +144,7 @@ impl Simulate {
             .fold(machine.tolerance, f64::max);
         let mut judge = Judge::new(&track, &limits, machine.cycle, widest);
         let mut trace = Trace::new(machine.cycle);
-        let mut progress = Progress::new(track.length(), self.quiet);
+        let mut progress = Progress::new(track.length(), self.quiet || self.json);
         let mut csv = match &self.setpoints {
             Some(path) => Some(CsvOut::new(path, &letters)?),
             None => None,
@@ -189,7 +192,9 @@ impl Simulate {
                 plot(path, &scene)?;
             }
         }
-        if !self.quiet {
+        if self.json {
+            println!("{}", serde_json::to_string_pretty(&report)?);
+        } else if !self.quiet {
             print_summary(&report);
             if stats.aborted {
                 println!("aborted         the rest of the program was dropped");

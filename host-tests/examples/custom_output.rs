@@ -1,0 +1,92 @@
+//! Setpoints to drives: three axes of step and direction whose pins only count, behind the trait that
+//! stands for any output.
+//!
+//! `cargo run --release -p splineway-host --example custom_output`
+
+use embedded_hal::digital::{ErrorType, OutputPin};
+use splineway::output::{Drive, Scale, StepDir, StepTiming};
+use splineway::{Activity, AxisLimits, Block, Config, Coord, Limits, Link, Progress, Setpoint};
+use std::convert::Infallible;
+
+/// A pin that counts its rising edges.
+#[derive(Default)]
+struct Pin {
+    high: bool,
+    edges: u32,
+}
+
+impl ErrorType for Pin {
+    type Error = Infallible;
+}
+
+impl OutputPin for Pin {
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        self.high = false;
+        Ok(())
+    }
+
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        self.edges += u32::from(!self.high);
+        self.high = true;
+        Ok(())
+    }
+}
+
+/// The machine's drives.
+struct Steppers {
+    axes: [StepDir<Pin, Pin>; 3],
+    ticks: u32,
+}
+
+impl Drive<f32, 3> for Steppers {
+    type Error = u32;
+
+    /// A servo cycle: on a controller a step timer makes the ticks.
+    fn drive(&mut self, setpoint: &Setpoint<f32, 3>) -> Result<(), u32> {
+        for (number, axis) in self.axes.iter_mut().enumerate() {
+            match axis.begin(setpoint.position(number)) {
+                0 => {}
+                left => return Err(left),
+            }
+            for _ in 0..self.ticks {
+                let Ok(()) = axis.tick();
+            }
+        }
+        Ok(())
+    }
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let axis = AxisLimits { velocity: 100.0, acceleration: 1000.0, jerk: 20_000.0, rotary: false };
+    let mut link = Link::<f32, 3, 64>::new();
+    let config = Config::new(Limits::new([axis; 3])?);
+    let (mut planner, mut interpolator) = link.handles::<16>(config, [Coord::ZERO; 3])?;
+
+    // 400 steps/mm, a step timer of 100 kHz, 1 ms servo cycle: at most 40 steps per cycle.
+    let scale = Scale::new(400, 1_000_000)?;
+    let timing = StepTiming::from_ns(100_000, 1000, [2500, 2500, 5000, 5000]);
+    let stepper = || StepDir::new(Pin::default(), Pin::default(), scale, timing, (Coord::ZERO, 42));
+    let mut drives = Steppers { axes: [stepper()?, stepper()?, stepper()?], ticks: timing.ticks };
+
+    for (to, tag) in [[30, 10, 0], [0, 20, 5], [10, 0, 0]].into_iter().zip(1..) {
+        let to = to.map(|mm: i64| Coord::from_nm(mm * 1_000_000).unwrap_or(Coord::ZERO));
+        planner.push(&Block::line(to, 80.0, tag))?;
+    }
+    planner.finish();
+    loop {
+        let progress = planner.poll();
+        let setpoint = interpolator.tick();
+        if let Err(left) = drives.drive(&setpoint) {
+            return Err(format!("{left} steps were not made in time").into());
+        }
+        if progress == Progress::Done && setpoint.activity == Activity::Idle {
+            break;
+        }
+    }
+    for (letter, axis) in ["X", "Y", "Z"].into_iter().zip(drives.axes) {
+        let at = axis.steps();
+        let (step, dir) = axis.release();
+        println!("{letter}: at step {at}; {} steps, {} times back", step.edges, dir.edges);
+    }
+    Ok(())
+}

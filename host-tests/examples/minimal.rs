@@ -1,0 +1,41 @@
+//! The smallest loop: blocks in, one setpoint per servo cycle out.
+//!
+//! `cargo run --release -p splineway-host --example minimal`
+
+use splineway::{Activity, AxisLimits, Block, Config, Coord, Limits, Link, Progress};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let axis = AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false };
+    let mut config = Config::new(Limits::new([axis; 2])?);
+    config.tolerance = 0.05; // mm
+    // `f32`, two axes, a look-ahead of 16 blocks, a window of 64 nodes.
+    let mut link = Link::<f32, 2, 64>::new();
+    let (mut planner, mut interpolator) = link.handles::<16>(config, [Coord::ZERO; 2])?;
+
+    // A square at 100 mm/s; each block is marked with its number.
+    let corners = [(20.0, 0.0), (20.0, 20.0), (0.0, 20.0), (0.0, 0.0)];
+    for ((x, y), number) in corners.into_iter().zip(1..) {
+        let to = [Coord::from_mm(x), Coord::from_mm(y)].map(|coord| coord.unwrap_or(Coord::ZERO));
+        planner.push(&Block::line(to, 100.0, number))?;
+    }
+    planner.finish();
+
+    for cycle in 1.. {
+        let progress = planner.poll(); // the background
+        let setpoint = interpolator.tick(); // the servo interrupt
+        if cycle % 50 == 0 {
+            println!(
+                "{cycle:>4} ms  block {}  X {:>8.4}  Y {:>8.4}  {:>6.1} mm/s",
+                setpoint.tag,
+                setpoint.position_mm(0),
+                setpoint.position_mm(1),
+                setpoint.path_speed
+            );
+        }
+        if progress == Progress::Done && setpoint.activity == Activity::Idle {
+            println!("done in {cycle} cycles");
+            break;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,59 @@
+//! A spline smoothed inside a tube and run as curves: its Bezier spans are blocks.
+//!
+//! `cargo run --release -p splineway-host --example nurbs`
+
+use splineway::{Activity, AxisLimits, Block, Config, Coord, Limits, Link, Progress, PushError};
+use splineway_host::program::{self, Course, ReadOptions};
+use std::path::Path;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    // A NURBS curve from a file, as cubic spans.
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/butterfly.json");
+    let program = program::read(&file, ReadOptions { feed: 100.0, segments: 400 })?;
+    let axis = AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false };
+    let config = Config::new(Limits::new([axis; 2])?);
+    let coord = |mm: f64| Coord::from_mm(mm).unwrap_or(Coord::ZERO);
+    let start = [coord(program.start[0]), coord(program.start[1])];
+    let mut link = Box::new(Link::<f64, 2, 192>::new());
+    let (mut planner, mut interpolator) = link.handles::<64>(config, start)?;
+
+    let mut blocks = program
+        .moves
+        .iter()
+        .filter_map(|step| {
+            let point = |at: &program::Point| [coord(at[0]), coord(at[1])];
+            match &step.path {
+                Course::Line { to } => Some(Block::line(point(to), 100.0, step.line)),
+                Course::Cubic { controls: [a, b], to } => {
+                    Some(Block::cubic([point(a), point(b)], point(to), 100.0, step.line))
+                }
+                _ => None,
+            }
+        })
+        .peekable();
+    let (mut cycles, mut fastest) = (0, 0.0f64);
+    loop {
+        while let Some(block) = blocks.peek() {
+            match planner.push(block) {
+                Ok(()) => drop(blocks.next()),
+                Err(PushError::Full) => break,
+                Err(error) => return Err(error.into()),
+            }
+        }
+        if blocks.peek().is_none() {
+            planner.finish();
+        }
+        let progress = planner.poll();
+        let setpoint = interpolator.tick();
+        cycles += 1;
+        fastest = fastest.max(setpoint.path_speed);
+        if progress == Progress::Done && setpoint.activity == Activity::Idle {
+            println!(
+                "{:.3} mm in {:.3} s, at most {fastest:.1} mm/s",
+                setpoint.path_mm(),
+                f64::from(cycles) * 0.001
+            );
+            return Ok(());
+        }
+    }
+}

@@ -1,0 +1,17 @@
+//! Any text as a spline file: it is read or refused.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use splineway_host::program::{ReadOptions, curve};
+use splineway_host::smoothing::SplineFile;
+
+fuzz_target!(|data: &[u8]| {
+    let text = String::from_utf8_lossy(data);
+    let options = ReadOptions { feed: 50.0, segments: 8 };
+    for ending in ["txt", "toml"] {
+        if let Ok(file) = SplineFile::parse(&text, ending) {
+            let _ = curve::parse_spline(&file, options);
+        }
+    }
+    let _ = curve::parse_json(&text, options);
+});

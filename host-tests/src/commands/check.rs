@@ -1,0 +1,104 @@
+//! `splineway check`: a program before it is run.
+
+use crate::lint::{Findings, look};
+use crate::machine::Machine;
+use crate::program::{self, ReadOptions};
+use anyhow::Result;
+use std::io::IsTerminal;
+use std::path::PathBuf;
+
+/// Says what the core will do with a program: what was noticed while reading it, how long it takes, where
+/// the time goes, and the places that lose most of it.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Check {
+    /// G-code (.ngc .nc .gcode .tap .cnc), poly-line (.txt), spline (.toml) or curve (.json).
+    pub file: PathBuf,
+    /// Machine description (TOML); a small milling machine if left out.
+    #[arg(long, value_name = "TOML")]
+    pub machine: Option<PathBuf>,
+    /// Greatest distance from the programmed path, mm.
+    #[arg(long, value_name = "MM")]
+    pub tolerance: Option<f64>,
+    /// Feed of moves before any F word, mm/s.
+    #[arg(long, value_name = "MM_PER_S", default_value_t = 50.0)]
+    pub feed: f64,
+    /// How many slow places are shown.
+    #[arg(long, default_value_t = 10)]
+    pub places: usize,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but warnings and errors.
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
+}
+
+impl Check {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// The file cannot be read, or not be run on this machine.
+    pub fn execute(&self) -> Result<()> {
+        let program = program::read(&self.file, ReadOptions { feed: self.feed, segments: 80 })?;
+        let mut machine = match &self.machine {
+            Some(path) => Machine::read(path)?,
+            None => Machine::default(),
+        };
+        if let (Some(header), None) = (&program.header, &self.machine) {
+            machine.apply(header);
+        }
+        machine.tolerance = self.tolerance.unwrap_or(machine.tolerance);
+        let findings = look(&program, &machine, self.places)?;
+        for warning in program.warnings.iter().chain(&findings.advice) {
+            eprintln!("{}: {warning}", paint("warning", "33", std::io::stderr().is_terminal()));
+        }
+        if self.json {
+            println!("{}", serde_json::to_string_pretty(&findings)?);
+        } else if !self.quiet {
+            // Lines are shown as the file has them; of a curve they say nothing.
+            let ending = self.file.extension().and_then(|ending| ending.to_str()).unwrap_or("");
+            let is_curve = matches!(ending, "json" | "toml");
+            let text = if is_curve { Vec::new() } else { std::fs::read(&self.file)? };
+            let text = String::from_utf8_lossy(&text);
+            print(&findings, &text.lines().collect::<Vec<_>>());
+        }
+        Ok(())
+    }
+}
+
+/// Colour, on a terminal only.
+fn paint(text: &str, code: &str, colour: bool) -> String {
+    if colour { format!("\u{1b}[{code}m{text}\u{1b}[0m") } else { text.to_owned() }
+}
+
+fn print(findings: &Findings, source: &[&str]) {
+    let bold = |text: &str| paint(text, "1", std::io::stdout().is_terminal());
+    let [lines, arcs, curves, dwells] = findings.moves;
+    println!(
+        "moves     {lines} lines, {arcs} arcs, {curves} curves, {dwells} dwells; {} exact stops",
+        findings.stops
+    );
+    println!("length    {:.3} mm", findings.length);
+    for (letter, least, greatest) in &findings.extent {
+        println!("  {letter}       {least:.3} to {greatest:.3}");
+    }
+    let [at_feed, slow, resting] = findings.shares.map(|share| share * 100.0);
+    println!(
+        "time      {} ({at_feed:.1} % at the feed, {slow:.1} % below it, {resting:.1} % at rest)",
+        bold(&format!("{:.3} s", findings.time))
+    );
+    if findings.slowest.is_empty() {
+        println!("no place loses time");
+        return;
+    }
+    println!("{}", bold("  line   lost, s   time, s  slowest / feed, mm/s"));
+    // Lines that run on as one count under the last of them.
+    for place in &findings.slowest {
+        let text = (place.line as usize).checked_sub(1).and_then(|n| source.get(n)).unwrap_or(&"");
+        let text: String = text.trim().chars().take(48).collect();
+        println!(
+            "{:>6} {:>9.3} {:>9.3}  {:>8.2} / {:<8.2} {text}",
+            place.line, place.lost, place.time, place.slowest, place.feed
+        );
+    }
+}

@@ -1,0 +1,226 @@
+//! What the core will do with a program, before a machine does it.
+
+use crate::machine::Machine;
+use crate::program::{Course, Point, Program, Speed};
+use crate::run::{Observer, Precision, Sample, run};
+use anyhow::Result;
+use serde::Serialize;
+use splineway::Activity;
+use std::collections::BTreeMap;
+
+/// A move counts as run at its feed from this share of it on.
+const AT_FEED: f64 = 0.98;
+/// Lines shorter than this, mm, are left out by the core.
+const NOTHING: f64 = 0.5e-6;
+
+/// What a line of the file costs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Place {
+    /// Line of the file.
+    pub line: u32,
+    /// Length of its moves, mm.
+    pub length: f64,
+    /// Its feed, mm/s; of a rapid, what the axes allow.
+    pub feed: f64,
+    /// Time, s.
+    pub time: f64,
+    /// Time beyond what its feed would take, s.
+    pub lost: f64,
+    /// Least speed, mm/s.
+    pub slowest: f64,
+}
+
+/// What was found.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Findings {
+    /// Moves by kind: lines, arcs, curves, dwells.
+    pub moves: [usize; 4],
+    /// Length, mm.
+    pub length: f64,
+    /// Least and greatest coordinate of every axis in use, mm or degrees.
+    pub extent: Vec<(char, f64, f64)>,
+    /// Machining time, s.
+    pub time: f64,
+    /// Share of it at the feed asked for, at less, and at rest.
+    pub shares: [f64; 3],
+    /// Stops at the end of a move.
+    pub stops: usize,
+    /// The places that lose most time.
+    pub slowest: Vec<Place>,
+    /// What might be done about it.
+    pub advice: Vec<String>,
+}
+
+/// Time per line.
+#[derive(Default)]
+struct Clock {
+    cycle: f64,
+    time: BTreeMap<u32, (f64, f64)>,
+    at_feed: f64,
+    resting: f64,
+    total: f64,
+    feeds: BTreeMap<u32, f64>,
+}
+
+impl Observer for Clock {
+    fn setpoint(&mut self, sample: &Sample<'_>) -> Result<()> {
+        if sample.time == 0.0 {
+            return Ok(());
+        }
+        self.total += self.cycle;
+        if sample.activity != Activity::Running {
+            self.resting += self.cycle;
+        }
+        let feed = self.feeds.get(&sample.tag).copied().unwrap_or(f64::INFINITY);
+        if sample.speed >= AT_FEED * feed {
+            self.at_feed += self.cycle;
+        }
+        let entry = self.time.entry(sample.tag).or_insert((0.0, f64::INFINITY));
+        entry.0 += self.cycle;
+        entry.1 = entry.1.min(sample.speed);
+        Ok(())
+    }
+}
+
+fn distance(a: &Point, b: &Point, axes: &[usize]) -> f64 {
+    axes.iter().map(|&axis| (b[axis] - a[axis]).powi(2)).sum::<f64>().sqrt()
+}
+
+/// Length of a move, mm; of a curve, of its chords.
+fn length(here: &Point, course: &Course, axes: &[usize]) -> f64 {
+    match course {
+        Course::Line { to } => distance(here, to, axes),
+        Course::Dwell { .. } => 0.0,
+        Course::Cubic { controls, to } => {
+            let mut before = *here;
+            (1..=16u32)
+                .map(|k| {
+                    let at = crate::program::on_cubic(here, controls, to, f64::from(k) / 16.0);
+                    distance(&std::mem::replace(&mut before, at), &at, axes)
+                })
+                .sum()
+        }
+        Course::Arc { to, plane: (p, q), centre, clockwise, extra_turns } => {
+            let (sx, sy) = (here[*p] - centre.0, here[*q] - centre.1);
+            let (ex, ey) = (to[*p] - centre.0, to[*q] - centre.1);
+            let sign = if *clockwise { -1.0 } else { 1.0 };
+            let mut sweep = sign * (ey.atan2(ex) - sy.atan2(sx));
+            if sweep <= 1e-9 {
+                sweep += std::f64::consts::TAU;
+            }
+            sweep += std::f64::consts::TAU * f64::from(*extra_turns);
+            let rest: Vec<usize> =
+                axes.iter().copied().filter(|axis| axis != p && axis != q).collect();
+            (sx.hypot(sy) * sweep).hypot(distance(here, to, &rest))
+        }
+    }
+}
+
+/// Looks at a program and runs it.
+///
+/// # Errors
+/// It cannot be run on this machine.
+pub fn look(program: &Program, machine: &Machine, places: usize) -> Result<Findings> {
+    let axes = program.axes();
+    let limits = machine.axes_of(program)?;
+    let fastest = |way: f64, from: &Point, to: &Point| {
+        let per_axis = axes
+            .iter()
+            .zip(&limits)
+            .map(|(&axis, limit)| limit.velocity * way / (to[axis] - from[axis]).abs().max(1e-12));
+        per_axis.fold(f64::INFINITY, f64::min)
+    };
+    let mut findings = Findings::default();
+    let mut lines: BTreeMap<u32, Place> = BTreeMap::new();
+    let mut here = program.start;
+    let mut extent: Vec<(f64, f64)> = axes.iter().map(|&axis| (here[axis], here[axis])).collect();
+    let (mut nothing, mut beyond) = (0, 0);
+    for step in &program.moves {
+        let way = length(&here, &step.path, &axes);
+        let (kind, to) = match &step.path {
+            Course::Line { to } => (0, to),
+            Course::Arc { to, .. } => (1, to),
+            Course::Cubic { to, .. } => (2, to),
+            Course::Dwell { .. } => (3, &here),
+        };
+        findings.moves[kind] += 1;
+        findings.stops += usize::from(step.exact_stop);
+        nothing += usize::from(kind == 0 && way < NOTHING);
+        let most = if kind == 0 { fastest(way, &here, to) } else { f64::INFINITY };
+        let wanted = match step.speed {
+            Speed::PerSecond(feed) => feed,
+            Speed::Duration(seconds) => way / seconds,
+            Speed::Rapid => most,
+        };
+        beyond += usize::from(step.speed != Speed::Rapid && wanted > most * 1.001);
+        let place = lines.entry(step.line).or_default();
+        place.line = step.line;
+        place.length += way;
+        place.feed = wanted.min(most);
+        findings.length += way;
+        for ((least, greatest), &axis) in extent.iter_mut().zip(&axes) {
+            (*least, *greatest) = (least.min(to[axis]), greatest.max(to[axis]));
+        }
+        here = *to;
+    }
+    findings.extent = axes
+        .iter()
+        .zip(extent)
+        .map(|(&axis, (least, greatest))| (crate::program::LETTERS[axis], least, greatest))
+        .collect();
+    let feeds = lines.values().map(|place| (place.line, place.feed)).collect();
+    let mut clock = Clock { cycle: machine.cycle, feeds, ..Clock::default() };
+    run(program, machine, Precision::F64, &mut [&mut clock])?;
+    findings.time = clock.total;
+    let total = clock.total.max(machine.cycle);
+    let slow = (total - clock.at_feed - clock.resting).max(0.0);
+    findings.shares = [clock.at_feed / total, slow / total, clock.resting / total];
+    for (line, (time, slowest)) in clock.time {
+        let place = lines.entry(line).or_default();
+        (place.line, place.time, place.slowest) = (line, time, slowest);
+        let at_feed = if place.feed > 0.0 { place.length / place.feed } else { 0.0 };
+        place.lost = time - at_feed;
+    }
+    let mut slowest: Vec<Place> = lines.into_values().collect();
+    slowest.sort_by(|a, b| b.lost.total_cmp(&a.lost));
+    slowest.retain(|place| place.lost > 2.0 * machine.cycle);
+    slowest.truncate(places);
+    findings.slowest = slowest;
+    findings.advice = advice(&findings, machine, (nothing, beyond));
+    Ok(findings)
+}
+
+fn advice(
+    findings: &Findings,
+    machine: &Machine,
+    (nothing, beyond): (usize, usize),
+) -> Vec<String> {
+    let mut advice = Vec::new();
+    let moves: usize = findings.moves.iter().sum();
+    if machine.tolerance == 0.0 && moves > 1 {
+        advice.push("the tolerance is 0, so every corner is an exact stop: give one (G64 P0.01, or --tolerance 0.01)".to_owned());
+    }
+    if findings.stops * 5 > moves && moves > 5 {
+        advice.push(format!(
+            "{} of {moves} moves end in an exact stop: if that is not meant, leave G61 for G64",
+            findings.stops
+        ));
+    }
+    if nothing > 0 {
+        advice.push(format!(
+            "{nothing} lines have no length and do nothing: the post-processor could leave them out"
+        ));
+    }
+    if beyond > 0 {
+        advice.push(format!(
+            "{beyond} moves ask for more feed than the axes allow: they run as fast as those do"
+        ));
+    }
+    if findings.shares[1] > 0.5 && machine.tolerance > 0.0 {
+        advice.push(format!(
+            "more than half of the time is spent below the feed: a tolerance wider than {} mm, or more acceleration and jerk, would tell",
+            machine.tolerance
+        ));
+    }
+    advice
+}
