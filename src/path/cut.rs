@@ -41,6 +41,10 @@ pub fn standstill<S: Scalar, const N: usize>(
     }
 }
 
+/// Shortest first cell from rest, mm: at feeds below 0.05 mm/s speed is reached within less, and knots would
+/// fall together.
+const LEAST_REST: f64 = 2.5e-7;
+
 /// Length of the first cell from rest, mm: what constant jerk covers in half the time in which
 /// acceleration builds up.
 pub fn rest_cell<S: Scalar, const N: usize>(
@@ -56,7 +60,7 @@ pub fn rest_cell<S: Scalar, const N: usize>(
         }
     }
     let time = limits.time_scale().least((feed / jerk).sqrt()) * S::of(0.5);
-    jerk * time * time * time / S::of(6.0)
+    (jerk * time * time * time / S::of(6.0)).greatest(S::of(LEAST_REST))
 }
 
 /// Length of the next of the pieces that a length is cut into, mm: `done` lies behind, `left` ahead,
