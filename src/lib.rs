@@ -42,6 +42,9 @@
 //! Lower modules never import higher ones: `number`, `machine`, `block`, `spline`, `path`, `servo`, `profile`,
 //! and on top the [`Planner`].
 //!
+//! The [`guide`] says how to choose tolerance, jerk and sizes, how to read the plots, and what to do when
+//! something looks wrong.
+//!
 //! # In twenty lines
 //!
 //! ```
@@ -83,6 +86,9 @@
 extern crate std;
 
 pub mod block;
+#[cfg(doc)]
+#[doc = include_str!("guide.md")]
+pub mod guide {}
 #[cfg(feature = "c")]
 pub mod c;
 pub mod machine;
