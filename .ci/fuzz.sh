@@ -6,6 +6,8 @@ set -eu
 runs=${1:-20000}
 seed=${2:-1}
 cd "$(dirname "$0")/../host-tests/fuzz"
+# libFuzzer is C++.
+command -v c++ >/dev/null || { apt-get update -qq && apt-get install -y -qq --no-install-recommends g++ >/dev/null; }
 # Coverage as libFuzzer reads it; no sanitizer, for there is no unsafe code to sanitise.
 RUSTFLAGS="--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table -Cllvm-args=-sanitizer-coverage-trace-compares" \
   cargo build --release --locked --target x86_64-unknown-linux-gnu
