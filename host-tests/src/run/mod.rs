@@ -9,5 +9,5 @@ pub mod track;
 pub use events::{Action, Event, Events, FORMAT};
 pub use geometry::Geometry;
 pub use judge::{Judge, Verdict};
-pub use runner::{Observer, Precision, Sample, Stats, Timing, block, run, run_with};
+pub use runner::{Observer, Precision, Sample, Stats, Timing, run, run_with};
 pub use track::Track;

@@ -320,7 +320,7 @@ fn coords<const N: usize>(point: &[f64], axes: &[usize]) -> Result<[Coord; N]> {
 ///
 /// # Errors
 /// A coordinate out of range.
-pub fn block<S: Scalar, const N: usize>(step: &Move, axes: &[usize]) -> Result<Block<S, N>> {
+fn block<S: Scalar, const N: usize>(step: &Move, axes: &[usize]) -> Result<Block<S, N>> {
     let place = |axis: usize| axes.iter().position(|&used| used == axis).unwrap_or(N);
     let motion = match &step.path {
         Course::Line { to } => Motion::Line { to: coords(to, axes)? },
