@@ -139,3 +139,19 @@ fn the_feed_is_kept_on_a_circle() {
         assert!((feed.arc - feed.way).abs() < 2.0e-5 * feed.way, "{} {}", feed.arc, feed.way);
     }
 }
+
+/// A tiny line in a corner, in a band much wider than it is long: the sweeps wound the spline up, and it
+/// took half as long again as with stops. (Case 11371 of the soak.)
+#[test]
+fn a_wide_tube_does_not_wind_short_lines_up() {
+    let program = poly_line(&[
+        ([-3.696_684, -0.886_880, 2.952_774], 24.0),
+        ([-3.695_671, -0.887_651, 2.953_774], 0.863),
+        ([9.338_807, -10.595_932, 16.666_753], 238.0),
+    ]);
+    for tolerance in [0.01, 0.03, 0.1, 0.2, 0.38] {
+        let (verdict, _) =
+            check(&program, &machine(tolerance, (1.0, 1.0), 3), Precision::F64).unwrap();
+        assert!(verdict.time < 0.55, "{tolerance} mm: {} s", verdict.time);
+    }
+}

@@ -8,6 +8,7 @@ mod coord;
 pub(crate) mod list;
 mod root;
 mod scalar;
+pub(crate) use root::cube_root;
 pub(crate) mod shared;
 pub(crate) mod vector;
 

@@ -6,7 +6,7 @@ use super::rows::{Axis, View};
 use super::solver::{Solver, Stretch};
 use super::window::Window;
 use crate::machine::Limits;
-use crate::number::Scalar;
+use crate::number::{Scalar, cube_root};
 
 /// Share of an axis's acceleration that is used at constant speed.
 const STEADY_ACCELERATION: f64 = 0.9;
@@ -215,19 +215,4 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
             }
         }
     }
-}
-
-/// Cube root to about 1e-4, for a guess: libm's costs some thousand instructions where f64 is software.
-/// x^(1/4 + 1/16), and two steps of Halley's method for the rest of the exponent.
-fn cube_root<S: Scalar>(x: S) -> S {
-    let quarter = x.sqrt().sqrt();
-    let mut root = quarter * quarter.sqrt().sqrt();
-    for _ in 0..2 {
-        let cube = root * root * root;
-        let less = cube + cube + x;
-        if less > S::ZERO {
-            root = root * ((cube + x + x) / less);
-        }
-    }
-    root
 }
