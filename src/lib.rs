@@ -82,7 +82,7 @@
 #![no_std]
 #![deny(unsafe_code)]
 
-#[cfg(test)]
+#[cfg(any(test, feature = "interleave"))]
 extern crate std;
 
 pub mod block;

@@ -1,9 +1,7 @@
 //! What an operator asks for while the machine moves.
 
-use core::sync::atomic::{
-    AtomicBool, AtomicU32,
-    Ordering::{Acquire, Relaxed, Release},
-};
+use super::interleave::{AtomicBool, AtomicU32};
+use core::sync::atomic::Ordering::{Acquire, Relaxed, Release};
 
 /// Greatest feed override, per cent.
 pub const MOST_FEED: u16 = 200;

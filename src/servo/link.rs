@@ -14,6 +14,7 @@
 //! behaviour; on the targets they are plain loads and stores.
 
 use super::control::Requests;
+use super::interleave::{Fault, is_planted, point};
 use super::piece::{Piece, Slot};
 use crate::number::Scalar;
 use crate::number::shared::Shared;
@@ -114,7 +115,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Link<S, N, NODES> {
         let plans = [&self.plans[0][..], &self.plans[1][..]];
         let flags = &self.flags;
         (
-            PlanSide { plans, flags, offered: 0, taken: 0, spare: 1, written: 0 },
+            PlanSide { plans, shared: flags, offered: 0, taken: 0, spare: 1, written: 0 },
             ServoSide { plans, flags, plan: 0, active: 0, next: 0 },
             &self.requests,
         )
@@ -135,7 +136,8 @@ pub struct Timeline<S> {
 /// The planner's end.
 pub struct PlanSide<'a, S: Scalar, const N: usize> {
     plans: [&'a [Slot<S, N>]; 2],
-    flags: &'a Flags<S>,
+    /// Through [`PlanSide::flags`] only.
+    shared: &'a Flags<S>,
     /// Number of the last offer, and of the last one that was taken.
     offered: u32,
     taken: u32,
@@ -148,13 +150,19 @@ pub struct PlanSide<'a, S: Scalar, const N: usize> {
 const LOOKS: usize = 8;
 
 impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
+    /// What is shared; before every access another context may come in.
+    fn flags(&self) -> &Flags<S> {
+        point();
+        self.shared
+    }
+
     /// Whether the last plan was taken (`Some(true)`), refused, or is undecided (`None`). To be
     /// asked until it is decided, then no more.
     pub fn verdict(&mut self) -> Option<bool> {
-        let offer = self.flags.offer.load(Acquire);
+        let offer = self.flags().offer.load(Acquire);
         match offer & VERDICT {
             OPEN => None,
-            TAKEN => {
+            said if said == TAKEN || is_planted(Fault::RefusedIsTaken) => {
                 self.spare = 1 - self.spare;
                 self.taken = self.offered;
                 Some(true)
@@ -167,7 +175,7 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
     pub fn withdraw(&mut self) {
         let offer = self.offered << 2;
         // If this fails, the interpolator has been faster, and its verdict stands.
-        let _ = self.flags.offer.compare_exchange(offer | OPEN, offer | REFUSED, AcqRel, Acquire);
+        let _ = self.flags().offer.compare_exchange(offer | OPEN, offer | REFUSED, AcqRel, Acquire);
     }
 
     /// Adds a piece to the plan that will be offered next; only when the last is decided.
@@ -184,31 +192,35 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
             Branch::Node(serial) => (serial, 0),
             Branch::Cycle(cycle) => (cycle, 1),
         };
-        self.flags.branch.store(place, Relaxed);
-        self.flags.by_cycle.store(by_cycle, Relaxed);
-        self.flags.lengths[self.spare & 1].store(self.written as u32, Relaxed);
+        if is_planted(Fault::OfferFirst) {
+            self.flags().offer.store(self.offered.wrapping_add(1) << 2 | OPEN, Release);
+        }
+        self.flags().branch.store(place, Relaxed);
+        self.flags().by_cycle.store(by_cycle, Relaxed);
+        self.flags().lengths[self.spare & 1].store(self.written as u32, Relaxed);
         self.written = 0;
         self.offered = self.offered.wrapping_add(1) & (u32::MAX >> 2);
-        self.flags.offer.store(self.offered << 2 | OPEN, Release);
+        self.flags().offer.store(self.offered << 2 | OPEN, Release);
     }
 
     pub fn progress(&self) -> u32 {
-        self.flags.progress.load(Acquire)
+        self.flags().progress.load(Acquire)
     }
 
     /// When the piece under way began; `None` if it changed at every look, or if the interpolator
     /// has taken a plan and not yet begun on it.
     pub fn timeline(&self) -> Option<Timeline<S>> {
         for _ in 0..LOOKS {
-            let version = self.flags.version.load(Acquire);
+            let version = self.flags().version.load(Acquire);
             let timeline = Timeline {
-                serial: self.flags.progress.load(Relaxed),
-                began: self.flags.began.load(Relaxed),
-                lag: self.flags.lag.load(),
+                serial: self.flags().progress.load(Relaxed),
+                began: self.flags().began.load(Relaxed),
+                lag: self.flags().lag.load(),
             };
-            let plan = self.flags.plan.load(Relaxed);
+            let plan = self.flags().plan.load(Relaxed);
             fence(Acquire);
-            if version & 1 == 0 && self.flags.version.load(Relaxed) == version {
+            let torn = is_planted(Fault::TornTimeline);
+            if torn || (version & 1 == 0 && self.flags().version.load(Relaxed) == version) {
                 return (plan == self.taken).then_some(timeline);
             }
         }
@@ -217,11 +229,11 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
 
     /// Servo cycles so far.
     pub fn cycles(&self) -> u32 {
-        self.flags.cycles.load(Acquire)
+        self.flags().cycles.load(Acquire)
     }
 
     pub fn starved(&self) -> u32 {
-        self.flags.starved.load(Relaxed)
+        self.flags().starved.load(Relaxed)
     }
 }
 

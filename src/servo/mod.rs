@@ -5,6 +5,11 @@
 //! at rest, so that the interrupt can always come to a stop with what it has.
 
 pub(crate) mod control;
+#[cfg(not(feature = "interleave"))]
+pub(crate) mod interleave;
+#[cfg(feature = "interleave")]
+#[doc(hidden)]
+pub mod interleave;
 mod interpolator;
 pub(crate) mod link;
 pub(crate) mod piece;

@@ -1,5 +1,6 @@
 //! One piece of motion: a quintic per axis over a short time.
 
+use super::interleave::point;
 use super::setpoint::{Activity, Setpoint};
 use crate::number::shared::Shared;
 use crate::number::{Coord, Scalar};
@@ -72,11 +73,13 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
     };
 
     pub fn store(&self, piece: &Piece<S, N>) {
+        point();
         self.serial.store(piece.serial, Relaxed);
         self.tag.store(piece.tag, Relaxed);
         self.sequel.store(piece.sequel as u32, Relaxed);
         self.time.store(piece.time);
         for i in 0..N {
+            point();
             self.origin[i].store(piece.origin[i]);
             for (slot, value) in self.axes[i].iter().zip(piece.axes[i]) {
                 slot.store(value);
