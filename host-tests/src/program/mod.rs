@@ -1,5 +1,6 @@
 //! Tool paths as read from files, before they become blocks of the core.
 
+pub mod arc;
 pub mod curve;
 pub mod gcode;
 pub mod poly;
@@ -49,6 +50,16 @@ pub enum Course {
         /// Duration.
         seconds: f64,
     },
+}
+
+impl Course {
+    /// Where it ends; `None` if it goes nowhere.
+    pub fn end(&self) -> Option<&Point> {
+        match self {
+            Self::Line { to } | Self::Arc { to, .. } | Self::Cubic { to, .. } => Some(to),
+            Self::Dwell { .. } => None,
+        }
+    }
 }
 
 /// How fast a move runs.

@@ -1,11 +1,13 @@
 //! Running programs through the core, cycle by cycle, and judging what comes out.
 
+pub mod duration;
 pub mod events;
 pub mod geometry;
 pub mod judge;
 pub mod runner;
 pub mod track;
 
+pub use duration::{Overtime, Pace, Stops, Stopwatch};
 pub use events::{Action, Event, Events, FORMAT};
 pub use geometry::Geometry;
 pub use judge::{Judge, Verdict};
