@@ -32,7 +32,7 @@
 //!   changes over where they branch off. If nothing arrives it comes to rest on the
 //!   path, and goes on from there when something does.
 //! - [`output`]: step and direction, duty cycles, and a trait for other drives, over embedded-hal.
-//! - `wire` and `c`, features: blocks over a serial line, and the interface for C.
+//! - `gcode`, `wire` and `c`, features: programs as text, blocks over a serial line, and the interface for C.
 //! - [`machine`]: limits and settings, checked once. [`number`]: the [`Scalar`], and fixed-point
 //!   [`Coord`]inates that never drift.
 //!
@@ -91,6 +91,8 @@ pub mod block;
 pub mod guide {}
 #[cfg(feature = "c")]
 pub mod c;
+#[cfg(feature = "gcode")]
+pub mod gcode;
 pub mod machine;
 pub mod number;
 pub mod output;

@@ -11,6 +11,7 @@
 
 pub(crate) mod blend;
 pub(crate) mod builder;
+mod check;
 mod chords;
 pub(crate) mod corner;
 mod cut;

@@ -71,7 +71,7 @@ fn pieces(program: &Program, limits: &[Axis]) -> (Vec<Piece>, f64) {
     let (mut list, mut before) = (Vec::<Piece>::new(), 0.0);
     for step in &program.flattened(CURVE_CHORDS).moves {
         let (to, length, tangents, radius) = match &step.path {
-            Course::Cubic { .. } => continue,
+            Course::Cubic { .. } | Course::Event { .. } => continue,
             Course::Dwell { seconds } => {
                 if let Some(last) = list.last_mut() {
                     last.dwell += seconds;

@@ -115,8 +115,11 @@ impl Simulate {
         {
             bail!("--feed {feed}: it must be greater than 0");
         }
-        let options =
-            ReadOptions { feed: self.feed.unwrap_or(DEFAULT_FEED), segments: self.segments };
+        let options = ReadOptions {
+            feed: self.feed.unwrap_or(DEFAULT_FEED),
+            segments: self.segments,
+            ..ReadOptions::DEFAULT
+        };
         let mut program = program::read(&self.file, options)?;
         if let Some(feed) = self.feed {
             for step in &mut program.moves {

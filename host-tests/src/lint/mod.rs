@@ -90,7 +90,7 @@ fn distance(a: &Point, b: &Point, axes: &[usize]) -> f64 {
 fn length(here: &Point, course: &Course, axes: &[usize]) -> f64 {
     match course {
         Course::Line { to } => distance(here, to, axes),
-        Course::Dwell { .. } => 0.0,
+        Course::Dwell { .. } | Course::Event { .. } => 0.0,
         Course::Cubic { controls, to } => {
             let mut before = *here;
             (1..=16u32)
@@ -141,7 +141,7 @@ pub fn look(program: &Program, machine: &Machine, places: usize) -> Result<Findi
             Course::Line { to } => (0, to),
             Course::Arc { to, .. } => (1, to),
             Course::Cubic { to, .. } => (2, to),
-            Course::Dwell { .. } => (3, &here),
+            Course::Dwell { .. } | Course::Event { .. } => (3, &here),
         };
         findings.moves[kind] += 1;
         findings.stops += usize::from(step.exact_stop);

@@ -78,7 +78,7 @@ pub fn parse_json(text: &str, options: ReadOptions) -> Result<Program> {
 mod tests {
     use super::*;
 
-    const OPTIONS: ReadOptions = ReadOptions { feed: 10.0, segments: 8 };
+    const OPTIONS: ReadOptions = ReadOptions { feed: 10.0, segments: 8, ..ReadOptions::DEFAULT };
 
     /// The quarter circle as a rational quadratic: every point at distance 1.
     #[test]

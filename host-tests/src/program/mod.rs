@@ -2,11 +2,16 @@
 
 pub mod arc;
 pub mod curve;
+mod finding;
 pub mod gcode;
 pub mod poly;
 
+pub use finding::{Finding, SHOWN, Severity, refuse, validate};
+pub use splineway::gcode::Code;
+
 use crate::smoothing::{self, SplineFile};
 use anyhow::{Context, Result, bail};
+use splineway::block::BlockError;
 use std::path::Path;
 
 /// Letters of the axes in the order of their indices.
@@ -50,6 +55,15 @@ pub enum Course {
         /// Duration.
         seconds: f64,
     },
+    /// Something that the machine does at rest, in order with the motion: spindle, coolant, tool, stop.
+    Event {
+        /// Which.
+        code: Code,
+        /// Its number (`splineway::gcode::Event` says of which word).
+        value: Option<f64>,
+        /// Whether the machine waits there for the operator.
+        pause: bool,
+    },
 }
 
 impl Course {
@@ -57,7 +71,7 @@ impl Course {
     pub fn end(&self) -> Option<&Point> {
         match self {
             Self::Line { to } | Self::Arc { to, .. } | Self::Cubic { to, .. } => Some(to),
-            Self::Dwell { .. } => None,
+            Self::Dwell { .. } | Self::Event { .. } => None,
         }
     }
 }
@@ -156,7 +170,7 @@ impl Program {
                     continue;
                 }
                 Course::Line { to } | Course::Arc { to, .. } => here = *to,
-                Course::Dwell { .. } => {}
+                Course::Dwell { .. } | Course::Event { .. } => {}
             }
             out.moves.push(step.clone());
         }
@@ -171,6 +185,20 @@ pub struct ReadOptions {
     pub feed: f64,
     /// Chords a NURBS curve is cut into.
     pub segments: usize,
+    /// Where the machine stands when a G-code program begins, mm or degrees: relative programs go on from
+    /// there, and axes that are never named stay there.
+    pub start: Point,
+}
+
+impl ReadOptions {
+    /// 50 mm/s, 80 chords, a machine in its origin.
+    pub const DEFAULT: Self = Self { feed: 50.0, segments: 80, start: [0.0; AXES] };
+}
+
+impl Default for ReadOptions {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
 }
 
 /// Reads a tool path; the kind of file is told by its ending.
@@ -188,7 +216,7 @@ pub fn read(path: &Path, options: ReadOptions) -> Result<Program> {
         "txt" => poly::parse(&text),
         "toml" => spline(&text, "toml", options),
         "json" => curve::parse_json(&text, options),
-        "ngc" | "nc" | "gcode" | "tap" | "cnc" => gcode::parse(&text, options.feed),
+        "ngc" | "nc" | "gcode" | "tap" | "cnc" => gcode::parse_with(&text, options),
         _ => bail!(
             "{name}: unknown kind of file \".{ending}\"; known are .ngc .nc .gcode .tap .cnc (G-code), \
              .txt (poly-line or spline), .toml (spline) and .json (spline or NURBS curve)"
@@ -199,6 +227,17 @@ pub fn read(path: &Path, options: ReadOptions) -> Result<Program> {
 
 fn spline(text: &str, ending: &str, options: ReadOptions) -> Result<Program> {
     curve::parse_spline(&SplineFile::parse(text, ending)?, options)
+}
+
+/// What the core says about a block, with the letters of the axes instead of their numbers.
+pub fn on_letters(error: &BlockError, axes: &[usize]) -> String {
+    match *error {
+        BlockError::Coordinate { axis, value } => {
+            let letter = axes.get(axis).map_or('?', |&axis| LETTERS[axis]);
+            format!("{letter} would go to {value} mm; coordinates must be within +-1e6")
+        }
+        ref other => other.to_string(),
+    }
 }
 
 /// Place on a cubic curve at a share of its parameter.

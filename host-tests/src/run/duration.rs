@@ -206,6 +206,7 @@ fn fed(way: &[f64], axes: &[usize]) -> f64 {
 fn duration(step: &Move, here: &Point, axes: &[usize], limits: &[Axis]) -> f64 {
     match &step.path {
         Course::Dwell { seconds } => *seconds,
+        Course::Event { .. } => 0.0,
         Course::Line { to } => {
             let way: Vec<f64> = axes.iter().map(|&axis| to[axis] - here[axis]).collect();
             let length = norm(way.iter().copied());

@@ -11,5 +11,5 @@ pub use duration::{Overtime, Pace, Stops, Stopwatch};
 pub use events::{Action, Event, Events, FORMAT};
 pub use geometry::Geometry;
 pub use judge::{Judge, Verdict};
-pub use runner::{Observer, Precision, Sample, Stats, Timing, run, run_with};
+pub use runner::{Observer, Precision, Sample, Stats, Timing, block, run, run_with};
 pub use track::Track;

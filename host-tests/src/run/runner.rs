@@ -320,7 +320,7 @@ fn coords<const N: usize>(point: &[f64], axes: &[usize]) -> Result<[Coord; N]> {
 ///
 /// # Errors
 /// A coordinate out of range.
-fn block<S: Scalar, const N: usize>(step: &Move, axes: &[usize]) -> Result<Block<S, N>> {
+pub fn block<S: Scalar, const N: usize>(step: &Move, axes: &[usize]) -> Result<Block<S, N>> {
     let place = |axis: usize| axes.iter().position(|&used| used == axis).unwrap_or(N);
     let motion = match &step.path {
         Course::Line { to } => Motion::Line { to: coords(to, axes)? },
@@ -336,6 +336,7 @@ fn block<S: Scalar, const N: usize>(step: &Move, axes: &[usize]) -> Result<Block
             to: coords(to, axes)?,
         },
         Course::Dwell { seconds } => Motion::Dwell { seconds: S::of(*seconds) },
+        Course::Event { .. } => Motion::Dwell { seconds: S::ZERO },
     };
     let feed = match step.speed {
         Speed::PerSecond(feed) => Feed::PerSecond(S::of(feed)),

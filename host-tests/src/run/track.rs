@@ -77,7 +77,7 @@ impl Track {
                     }
                     here = *to;
                 }
-                Course::Dwell { .. } => {}
+                Course::Dwell { .. } | Course::Event { .. } => {}
             }
         }
         track

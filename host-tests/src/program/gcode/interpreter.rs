@@ -1,6 +1,6 @@
 //! Modal state and moves.
 
-use super::super::{AXES, Course, LETTERS, Move, Point, Program, Speed};
+use super::super::{AXES, Course, LETTERS, Move, Point, Program, ReadOptions, Speed};
 use super::words::{Word, split};
 use crate::machine::is_rotary;
 use anyhow::{Context, Result, anyhow, bail};
@@ -14,7 +14,17 @@ use std::collections::BTreeSet;
 /// # Errors
 /// Names line, column and reason.
 pub fn parse(text: &str, feed: f64) -> Result<Program> {
-    let mut reader = Reader::new(feed);
+    parse_with(text, ReadOptions { feed, ..ReadOptions::DEFAULT })
+}
+
+/// Reads a G-code program for a machine that stands at `options.start`.
+///
+/// # Errors
+/// Names line, column and reason.
+pub fn parse_with(text: &str, options: ReadOptions) -> Result<Program> {
+    let mut reader = Reader::new(options.feed);
+    reader.position = options.start;
+    reader.program.start = options.start;
     for (index, line) in text.lines().enumerate() {
         let number = u32::try_from(index + 1)?;
         let words = split(line).with_context(|| format!("line {number}"))?;
@@ -480,7 +490,7 @@ mod tests {
                 Course::Line { to } | Course::Arc { to, .. } | Course::Cubic { to, .. } => {
                     (to[0], to[1], to[2])
                 }
-                Course::Dwell { .. } => (f64::NAN, 0.0, 0.0),
+                Course::Dwell { .. } | Course::Event { .. } => (f64::NAN, 0.0, 0.0),
             })
             .collect()
     }

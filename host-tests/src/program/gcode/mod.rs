@@ -8,4 +8,4 @@
 mod interpreter;
 mod words;
 
-pub use interpreter::parse;
+pub use interpreter::{parse, parse_with};
