@@ -29,8 +29,10 @@ const LONG: f64 = 30.0;
 
 /// Planner's time and least time of a path.
 fn compare(path: &Path) -> Result<(f64, f64)> {
-    let program =
-        program::read(path, ReadOptions { feed: 200.0, segments: 80, ..ReadOptions::DEFAULT })?;
+    let program = program::read(
+        path,
+        ReadOptions { feed: 200.0, segments: Some(80), ..ReadOptions::DEFAULT },
+    )?;
     let mut machine = Machine::default();
     if let Some(header) = &program.header {
         machine.apply(header);

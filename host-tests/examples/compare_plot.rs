@@ -12,8 +12,10 @@ use std::path::{Path, PathBuf};
 
 fn main() -> Result<()> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/butterfly.json");
-    let program =
-        program::read(&file, ReadOptions { feed: 200.0, segments: 80, ..ReadOptions::DEFAULT })?;
+    let program = program::read(
+        &file,
+        ReadOptions { feed: 200.0, segments: Some(80), ..ReadOptions::DEFAULT },
+    )?;
     let machine = Machine { tolerance: 0.05, ..Machine::default() };
     let mut trace = Trace::new(machine.cycle);
     run(&program, &machine, Precision::F64, &mut [&mut trace])?;

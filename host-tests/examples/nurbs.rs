@@ -9,8 +9,10 @@ use std::path::Path;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // A NURBS curve from a file, as cubic spans.
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/butterfly.json");
-    let program =
-        program::read(&file, ReadOptions { feed: 100.0, segments: 400, ..ReadOptions::DEFAULT })?;
+    let program = program::read(
+        &file,
+        ReadOptions { feed: 100.0, segments: Some(400), ..ReadOptions::DEFAULT },
+    )?;
     let axis = AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false };
     let config = Config::new(Limits::new([axis; 2])?);
     let coord = |mm: f64| Coord::from_mm(mm).unwrap_or(Coord::ZERO);

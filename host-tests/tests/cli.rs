@@ -80,7 +80,8 @@ fn the_example_writes_setpoints_report_and_plots() {
     assert_eq!(digits, 15);
     let report: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(json).unwrap()).unwrap();
-    assert_eq!(report["blocks"], 80);
+    // Cubic blocks, and a band around the curve itself: see `curves_are_run_and_judged_as_curves`.
+    assert!(report["blocks"].as_u64().unwrap() > 200);
     assert_eq!(report["cycles"].as_u64().unwrap() as usize, rows.count() + 1);
     assert!(report["max_deviation_mm"].as_f64().unwrap() <= 0.05);
     assert!(report["axes"]["X"]["jerk_every_fourth_cycle"]["ratio"].as_f64().unwrap() < 1.01);

@@ -42,7 +42,7 @@ fn run(
 
 fn example() -> Program {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/butterfly.json");
-    let options = ReadOptions { feed: 100.0, segments: 80, ..ReadOptions::DEFAULT };
+    let options = ReadOptions { feed: 100.0, ..ReadOptions::DEFAULT };
     program::read(&path, options).unwrap().with_approach()
 }
 

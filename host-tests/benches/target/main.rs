@@ -90,8 +90,10 @@ fn on_host<const N: usize, const BLOCKS: usize, const NODES: usize>(
 
 /// Runs a path on host and target; gives a goal that was missed.
 fn compare(emulator: &Image, path: &Path, six: bool) -> Result<Option<String>> {
-    let program =
-        program::read(path, ReadOptions { feed: 100.0, segments: 500, ..ReadOptions::DEFAULT })?;
+    let program = program::read(
+        path,
+        ReadOptions { feed: 100.0, segments: Some(500), ..ReadOptions::DEFAULT },
+    )?;
     let program = if six { doubled(&program) } else { program };
     let axes = if six { 6 } else { 3 };
     ensure!(program.axes().len() == axes, "{}: it has more than 3 axes", path.display());

@@ -7,7 +7,7 @@ use splineway_host::smoothing::SplineFile;
 
 fuzz_target!(|data: &[u8]| {
     let text = String::from_utf8_lossy(data);
-    let options = ReadOptions { feed: 50.0, segments: 8, ..ReadOptions::DEFAULT };
+    let options = ReadOptions { feed: 50.0, segments: Some(8), ..ReadOptions::DEFAULT };
     for ending in ["txt", "toml"] {
         if let Ok(file) = SplineFile::parse(&text, ending) {
             let _ = curve::parse_spline(&file, options);

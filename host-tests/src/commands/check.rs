@@ -39,10 +39,8 @@ impl Check {
     /// # Errors
     /// The file cannot be read, or not be run on this machine.
     pub fn execute(&self) -> Result<()> {
-        let program = program::read(
-            &self.file,
-            ReadOptions { feed: self.feed, segments: 80, ..ReadOptions::DEFAULT },
-        )?;
+        let program =
+            program::read(&self.file, ReadOptions { feed: self.feed, ..ReadOptions::DEFAULT })?;
         let mut machine = match &self.machine {
             Some(path) => Machine::read(path)?,
             None => Machine::default(),

@@ -49,9 +49,9 @@ pub struct Simulate {
     /// How corners are rounded.
     #[arg(long, value_enum)]
     pub mode: Option<Mode>,
-    /// Chords a NURBS curve is cut into.
-    #[arg(long, default_value_t = 80)]
-    pub segments: usize,
+    /// Runs a NURBS curve as so many chords of equal parameter steps, in place of the curve itself.
+    #[arg(long, value_name = "COUNT")]
+    pub segments: Option<usize>,
     /// Operator's commands: lines "time, action[, value]" with hold, resume, stop, abort, feed,
     /// rapid, single, starve.
     #[arg(long, value_name = "CSV")]

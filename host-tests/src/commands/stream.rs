@@ -47,7 +47,7 @@ impl Stream {
     /// # Errors
     /// What the file, the port or the controller has against it.
     pub fn execute(&self) -> Result<()> {
-        let options = ReadOptions { feed: self.feed, segments: 80, ..ReadOptions::DEFAULT };
+        let options = ReadOptions { feed: self.feed, ..ReadOptions::DEFAULT };
         let program = program::read(&self.file, options)?.with_approach();
         for warning in &program.warnings {
             eprintln!("warning: {warning}");

@@ -127,8 +127,7 @@ impl PathFigures {
     /// # Errors
     /// It cannot be read or run.
     pub fn of(path: &Path) -> Result<Self> {
-        let program =
-            program::read(path, ReadOptions { feed: 200.0, segments: 80, ..ReadOptions::DEFAULT })?;
+        let program = program::read(path, ReadOptions { feed: 200.0, ..ReadOptions::DEFAULT })?;
         let mut machine = Machine::default();
         if let Some(header) = &program.header {
             machine.apply(header);

@@ -5,10 +5,12 @@ pub mod curve;
 mod finding;
 pub mod gcode;
 pub mod poly;
+pub mod rational;
 
 pub use finding::{Finding, SHOWN, Severity, refuse, validate};
 pub use splineway::gcode::Code;
 
+use self::rational::Rational;
 use crate::smoothing::{self, SplineFile};
 use anyhow::{Context, Result, bail};
 use splineway::block::BlockError;
@@ -130,9 +132,17 @@ pub struct Program {
     pub header: Option<Header>,
     /// What was noticed while reading.
     pub warnings: Vec<String>,
+    /// Curves that the moves stand for, one for each; empty if the moves are the program themselves.
+    pub exact: Vec<Rational>,
 }
 
 impl Program {
+    /// Where it ends.
+    pub fn end(&self) -> Point {
+        let mut ends = self.moves.iter().rev().filter_map(|step| step.path.end());
+        *ends.next().unwrap_or(&self.start)
+    }
+
     /// Indices of the axes in use.
     pub fn axes(&self) -> Vec<usize> {
         (0..AXES).filter(|&axis| axis < 3 || self.uses[axis]).collect()
@@ -149,6 +159,7 @@ impl Program {
             let approach =
                 Move { path, speed: Speed::Rapid, tolerance: None, exact_stop: true, line: 0 };
             out.moves.insert(0, approach);
+            out.exact.clear();
             out.start = [0.0; AXES];
         }
         out
@@ -157,7 +168,7 @@ impl Program {
     /// The same with curves as chords, `chords` each.
     #[must_use]
     pub fn flattened(&self, chords: u32) -> Self {
-        let mut out = Self { moves: Vec::new(), ..self.clone() };
+        let mut out = Self { moves: Vec::new(), exact: Vec::new(), ..self.clone() };
         let mut here = self.start;
         for step in &self.moves {
             match &step.path {
@@ -183,16 +194,16 @@ impl Program {
 pub struct ReadOptions {
     /// Feed of moves before any F word, and of curves that bring none, mm/s.
     pub feed: f64,
-    /// Chords a NURBS curve is cut into.
-    pub segments: usize,
+    /// Chords of equal parameter steps that a NURBS curve is run as, in place of the curve itself.
+    pub segments: Option<usize>,
     /// Where the machine stands when a G-code program begins, mm or degrees: relative programs go on from
     /// there, and axes that are never named stay there.
     pub start: Point,
 }
 
 impl ReadOptions {
-    /// 50 mm/s, 80 chords, a machine in its origin.
-    pub const DEFAULT: Self = Self { feed: 50.0, segments: 80, start: [0.0; AXES] };
+    /// 50 mm/s, curves as they are, a machine in its origin.
+    pub const DEFAULT: Self = Self { feed: 50.0, segments: None, start: [0.0; AXES] };
 }
 
 impl Default for ReadOptions {

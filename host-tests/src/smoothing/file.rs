@@ -111,6 +111,21 @@ impl SplineFile {
         }
     }
 
+    /// The curve that it is if it is none of the cubic splines of this program: of another degree, or
+    /// rational.
+    ///
+    /// # Errors
+    /// Names the control point, knot or weight that is wrong.
+    pub fn nurbs(&self) -> Result<Option<Nurbs>> {
+        if self.degree.unwrap_or(3) == 3 && self.weights.is_none() {
+            return Ok(None);
+        }
+        ensure!(!self.closed, "a closed spline must be cubic and without weights");
+        let degree = self.degree.unwrap_or(3);
+        let (points, weights) = (self.control_points.clone(), self.weights.clone());
+        Ok(Some(Nurbs::new(degree, points, weights, self.knots.clone())?))
+    }
+
     /// The spline; curves of another degree, or rational ones, are converted.
     ///
     /// # Errors
@@ -123,14 +138,7 @@ impl SplineFile {
                 point.len()
             );
         }
-        if self.degree.unwrap_or(3) != 3 || self.weights.is_some() {
-            ensure!(!self.closed, "a closed spline must be cubic and without weights");
-            let curve = Nurbs::new(
-                self.degree.unwrap_or(3),
-                self.control_points.clone(),
-                self.weights.clone(),
-                self.knots.clone(),
-            )?;
+        if let Some(curve) = self.nurbs()? {
             return convert(&curve, CONVERSION_ERROR);
         }
         let points: Vec<[f64; 3]> = self

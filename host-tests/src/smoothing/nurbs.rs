@@ -1,5 +1,6 @@
 //! NURBS curves of any degree.
 
+use crate::program::rational::Rational;
 use anyhow::{Context, Result, ensure};
 use serde::Deserialize;
 
@@ -92,22 +93,26 @@ impl Nurbs {
         (self.knots[self.degree], self.knots[self.knots.len() - 1 - self.degree])
     }
 
-    /// The point at a parameter of the domain, by de Boor's algorithm on homogeneous points.
-    pub fn point(&self, u: f64) -> [f64; 3] {
-        let (p, knots) = (self.degree, &self.knots);
-        let n = self.control_points.len();
-        let span = knots[p + 1..n].partition_point(|&knot| knot <= u) + p;
-        let mut d: Vec<[f64; 4]> = (span - p..=span)
-            .map(|i| {
-                let w = self.weights.as_ref().map_or(1.0, |weights| weights[i]);
-                let mut h = [0.0, 0.0, 0.0, w];
-                for (slot, x) in h.iter_mut().zip(&self.control_points[i]) {
-                    *slot = x * w;
-                }
-                h
+    /// The curve between its knots, in order, by blossoms.
+    pub fn pieces(&self) -> Vec<Rational> {
+        let (p, n) = (self.degree, self.control_points.len());
+        let spans = (p..n).filter(|&span| self.knots[span] < self.knots[span + 1]);
+        spans
+            .map(|span| {
+                let (from, to) = (self.knots[span], self.knots[span + 1]);
+                let point =
+                    |k: usize| self.blossom(span, |level| if level > k { from } else { to });
+                Rational::new((0..=p).map(point).collect())
             })
-            .collect();
+            .collect()
+    }
+
+    /// The polar form of a span at parameters given for levels 1 to the degree, homogeneous.
+    fn blossom(&self, span: usize, parameter: impl Fn(usize) -> f64) -> [f64; 4] {
+        let (p, knots) = (self.degree, &self.knots);
+        let mut d: Vec<[f64; 4]> = (span - p..=span).map(|i| self.homogeneous(i)).collect();
         for r in 1..=p {
+            let u = parameter(r);
             for j in (r..=p).rev() {
                 let (a, b) = (knots[j + span - p], knots[j + 1 + span - r]);
                 let t = if b > a { (u - a) / (b - a) } else { 0.0 };
@@ -117,7 +122,24 @@ impl Nurbs {
                 }
             }
         }
-        let [x, y, z, w] = d[p];
+        d[p]
+    }
+
+    fn homogeneous(&self, i: usize) -> [f64; 4] {
+        let w = self.weights.as_ref().map_or(1.0, |weights| weights[i]);
+        let mut h = [0.0, 0.0, 0.0, w];
+        for (slot, x) in h.iter_mut().zip(&self.control_points[i]) {
+            *slot = x * w;
+        }
+        h
+    }
+
+    /// The point at a parameter of the domain, by de Boor's algorithm on homogeneous points.
+    pub fn point(&self, u: f64) -> [f64; 3] {
+        let (p, knots) = (self.degree, &self.knots);
+        let n = self.control_points.len();
+        let span = knots[p + 1..n].partition_point(|&knot| knot <= u) + p;
+        let [x, y, z, w] = self.blossom(span, |_| u);
         [x / w, y / w, z / w]
     }
 }
