@@ -3,14 +3,15 @@
 use super::{BlockError, Turn};
 use crate::number::Coord;
 
-/// Relative slack by which a radius may be too small for its chord, from rounding in the program.
-const SLACK: f64 = 1.0e-3;
+/// By how much a radius may be too small for half its chord, from rounding in the program: mm, and as a
+/// share of the radius.
+const SLACK: (f64, f64) = (0.005, 0.1);
 
 /// The centre of the arc of `radius` mm (negative: the long way round, more than half a circle)
 /// from `start` to `end`, both in the plane's two axes.
 ///
-/// A radius that is too small for the chord by no more than 0.1 % (rounding of the program) is
-/// taken as a half circle.
+/// A radius that is too small for half the chord by no more than 0.005 mm and a tenth of itself
+/// (rounding of the program) makes a half circle over the chord.
 ///
 /// # Errors
 /// [`BlockError::ArcUnreachable`] if the radius is not finite, zero or smaller than half the
@@ -30,10 +31,12 @@ pub fn centre_from_radius(
         return Err(unreachable);
     }
     let half = chord / 2.0;
-    if half > size * (1.0 + SLACK) {
+    let (slack, share) = SLACK;
+    if half > size + slack.min(share * size) {
         return Err(unreachable);
     }
-    let height = libm::sqrt((size * size - half * half).max(0.0));
+    // As a product: the difference of squares would lose the digits that a half circle depends on.
+    let height = libm::sqrt(((size - half) * (size + half)).max(0.0));
     // Left of the chord for a short counter-clockwise arc, right of it for a clockwise one.
     let side = if (turn == Turn::CounterClockwise) == (radius > 0.0) { 1.0 } else { -1.0 };
     let x = dx / 2.0 - side * height * dy / chord;
@@ -57,6 +60,27 @@ mod tests {
         assert!(short.0.to_mm().abs() < 1e-9 && short.1.to_mm().abs() < 1e-9);
         let long = centre_from_radius(start, end, -1.0, Turn::CounterClockwise).unwrap();
         assert!((long.0.to_mm() - 1.0).abs() < 1e-9 && (long.1.to_mm() - 1.0).abs() < 1e-9);
+    }
+
+    /// Too small by the rounding of a program: a half circle. By more: refused, at any size.
+    #[test]
+    fn radii_a_little_too_small_make_half_circles() {
+        let start = (coord(0.0), coord(0.0));
+        for (chord, radius, good) in [
+            (20.001, 10.0, true),
+            (20.009, 10.0, true),
+            (20.011, 10.0, false),
+            (200.02, 100.0, false),
+            (0.021, 0.01, true),
+            (0.023, 0.01, false),
+        ] {
+            let end = (coord(0.0), coord(chord));
+            let centre = centre_from_radius(start, end, radius, Turn::Clockwise);
+            assert_eq!(centre.is_ok(), good, "{chord} {radius}");
+            if let Ok((x, y)) = centre {
+                assert!(x.to_mm().abs() < 1e-12 && (y.to_mm() - chord / 2.0).abs() < 1e-12);
+            }
+        }
     }
 
     #[test]

@@ -55,7 +55,8 @@ pub enum BlockError {
         /// The two axes named.
         axes: (usize, usize),
     },
-    /// Start and end are at different distances from the centre.
+    /// Start and end are at different distances from the centre; by little, but on the same ray, where no turn
+    /// and a full one cannot be told apart.
     ArcRadius {
         /// Distance from the start to the centre, mm.
         start: f64,
@@ -69,8 +70,8 @@ pub enum BlockError {
         /// Greatest length accepted, mm.
         greatest: f64,
     },
-    /// The radius is too small for the distance between start and end, or zero, or the circle is
-    /// undetermined because start and end coincide.
+    /// The radius is too small for the distance between start and end, or less than 1.5 nm, or the
+    /// circle is undetermined because start and end coincide.
     ArcUnreachable {
         /// The radius given, mm.
         radius: f64,

@@ -11,6 +11,11 @@ pub use error::{BlockError, Field, PushError};
 
 use crate::number::{Coord, Scalar};
 
+/// Finest band that an arc is followed in, mm: a smaller tolerance, down to 0, counts as this for the way
+/// along an arc (its ends are exact at any tolerance). What is left of the tolerance to rounding in `f32` is
+/// less than a tenth of it.
+pub const FINEST_BAND: f64 = 1.0e-4;
+
 /// Sense of an arc, seen against the plane's normal (for XY: from above).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -31,8 +36,15 @@ pub enum Motion<S, const N: usize> {
         to: [Coord; N],
     },
     /// A circular arc in a plane, a helix if axes outside the plane move too.
+    ///
+    /// Its ends may be at distances from the centre that differ by 0.005 mm or a thousandth, and never more than
+    /// 0.5 mm: the radius then goes from the one to the other in proportion to the angle, and the
+    /// centre stays. It turns by the angle from start to end in its sense, however small or near a full turn. An
+    /// end on the ray of the start at another radius is refused ([`BlockError::ArcRadius`]): nobody can tell
+    /// whether that is no turn or a full one. It is followed within the tolerance, at the finest
+    /// within [`FINEST_BAND`].
     Arc {
-        /// End point, absolute. Equal to the start in the plane: one full circle.
+        /// End point, absolute. Equal to the start in the plane within a nanometre: one full circle.
         to: [Coord; N],
         /// The plane's two axes, in the order in which a quarter turn takes the first to the
         /// second: G17 is (0, 1), G18 is (2, 0), G19 is (1, 2).
@@ -82,7 +94,7 @@ pub struct Block<S, const N: usize> {
     /// How fast.
     pub feed: Feed<S>,
     /// Greatest distance from the programmed path, mm; `None` takes the machine's. 0 means exact
-    /// stops at corners.
+    /// stops at corners, and arcs within [`FINEST_BAND`].
     pub tolerance: Option<S>,
     /// Whether to come to rest exactly on the end point (G61, G61.1, G9).
     pub exact_stop: bool,

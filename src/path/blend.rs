@@ -9,9 +9,9 @@
 
 use super::hermite::Hermite;
 use super::node::{Cell, Node, Order};
-use super::segment::Segment;
+use super::segment::{Segment, mm_to_raw, raw_to_mm};
 use crate::number::Scalar;
-use crate::number::vector::{Vector, norm, shifted};
+use crate::number::vector::{Vector, norm};
 use core::array::from_fn;
 
 /// Share of the band that is used; the rest covers the distance between samples.
@@ -36,19 +36,13 @@ pub struct Blend<S, const N: usize> {
 impl<S: Scalar, const N: usize> Blend<S, N> {
     /// The blend that leaves `before` and reaches `after` `reach` mm away from their joint.
     pub fn new(before: &Segment<S, N>, after: &Segment<S, N>, reach: S) -> Self {
-        let joint = before.end;
-        let (frame_in, frame_out) = (before.end_frame(true), after.end_frame(false));
-        let back = before.walk((&frame_in.0, &frame_in.1), -reach);
-        let forth = after.walk((&frame_out.0, &frame_out.1), reach);
-        let a = before.frame_at(-reach);
-        let b = after.frame_at(reach);
-        let length = reach * S::of(2.0);
-        let bulge: Vector<S, N> = from_fn(|i| forth[i] - back[i] - a.0[i] * length);
-        Self {
-            start: Node { at: shifted::<S, N>(&joint, &back), tangent: a.0, curvature: a.1 },
-            end: Node { at: shifted(&joint, &forth), tangent: b.0, curvature: b.1 },
-            curve: Hermite::new((&a.0, &a.1), (&b.0, &b.1), length, &bulge),
-        }
+        let raw = mm_to_raw(reach);
+        let start = before.node(before.length_raw - raw);
+        let end = after.node(raw);
+        let length = raw_to_mm::<S>(raw + raw);
+        let bulge = start.bulge_to(&end.at, length);
+        let (a, b) = ((&start.tangent, &start.curvature), (&end.tangent, &end.curvature));
+        Self { curve: Hermite::new(a, b, length, &bulge), start, end }
     }
 
     /// Longest reach up to `most` that keeps within `tolerance`, mm.

@@ -372,7 +372,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         way: (i64, i64),
         until: i64,
     ) -> Emitted<S, N> {
-        let mut cell = segment.cell(entry, way, item.order());
+        let mut cell = segment.cell(way, item.order());
         let mut node = segment.node(way.1);
         let at_end = way.1 >= until;
         if at_end && item.joint == Joint::Through {

@@ -108,7 +108,11 @@ pub fn next_way<S: Scalar, const N: usize>(
         // From rest to rest there must be a node between.
         (_, Remainder::One) if !(way == item.taken && item.joint == Joint::Stop) => until,
         (_, Remainder::One | Remainder::Two) => way + (until - way + 1) / 2,
-        // At least a thousandth of what is left, so that the count of cells is bounded.
-        (step, Remainder::More) => way + mm_to_raw(step).max((until - way) / 1024).max(1),
+        (step, Remainder::More) => {
+            // At least a thousandth of what is left of a line, so that the count of cells is bounded. On
+            // an arc the band has the last word.
+            let least = if segment.is_line() { (until - way) / 1024 } else { 0 };
+            way + mm_to_raw(step).max(least).max(1)
+        }
     }
 }

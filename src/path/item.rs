@@ -103,7 +103,7 @@ impl<S: Scalar, const N: usize> Item<S, N> {
                 check_coordinates(&to)?;
                 check_coordinate(plane.0, centre.0)?;
                 check_coordinate(plane.1, centre.1)?;
-                Segment::arc(from, to, plane, centre, turn, extra_turns)?
+                Some(Segment::arc(from, to, plane, centre, turn, extra_turns)?)
             }
         };
         let Some(segment) = segment else { return Ok(None) };

@@ -2,7 +2,7 @@
 //!
 //! No file in here knows time: speeds appear only as the programmed feed that a cell carries on.
 //!
-//! The way of a block: [`segment`] makes it a checked line or arc with exact ends; [`builder`]
+//! The way of a block: [`segment`] makes it a checked line or arc ([`helix`]) with exact ends; [`builder`]
 //! holds it as an [`item`] (a curve as [`chords`]) until its neighbours are known; [`joint`] decides by
 //! geometry how they meet inside the band: as a [`corner`] (two long lines, Guo 2023), within a [`run`]
 //! (short lines, which become one smooth spline), or by a [`blend`] (wherever an arc takes part);
@@ -15,6 +15,7 @@ mod check;
 mod chords;
 pub(crate) mod corner;
 mod cut;
+mod helix;
 pub(crate) mod hermite;
 pub(crate) mod item;
 mod joint;
