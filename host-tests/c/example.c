@@ -49,6 +49,7 @@ int example_run(example_drive drive)
                 break;
             }
             if (result != SPLINEWAY_RESULT_OK) {
+                /* Refused, or ABORTED: the rest of the program must not be run from where the machine stands. */
                 return (int)result;
             }
             ++block;

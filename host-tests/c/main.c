@@ -52,6 +52,16 @@ static int wrong_calls(void)
     failures += splineway_push_line(&core, start, &backwards) != SPLINEWAY_RESULT_OUT_OF_RANGE;
     failures += splineway_push_arc(&core, start, &nowhere, &options) != SPLINEWAY_RESULT_PLANE;
     failures += splineway_push_dwell(&core, -1.0f, 1) != SPLINEWAY_RESULT_OUT_OF_RANGE;
+    failures += splineway_push_event(&core, true, 2) != SPLINEWAY_RESULT_OK;
+    /* After an abort nothing is taken until the caller says that it knows. */
+    failures += splineway_acknowledge_abort(&core);
+    failures += splineway_abort(&core) != SPLINEWAY_RESULT_OK;
+    failures += splineway_push_line(&core, start, &options) != SPLINEWAY_RESULT_ABORTED;
+    failures += splineway_acknowledge_abort(&core);
+    failures += splineway_poll(&core) != SPLINEWAY_PROGRESS_ABORTED;
+    failures += splineway_poll(&core) != SPLINEWAY_PROGRESS_ABORTED;
+    failures += !splineway_acknowledge_abort(&core);
+    failures += splineway_push_line(&core, start, &options) != SPLINEWAY_RESULT_OK;
     failures += splineway_feed_override(&core, 50) != SPLINEWAY_RESULT_OK;
     failures += splineway_status(&core, &report) != SPLINEWAY_RESULT_OK || report.blocks_waiting != 0;
     failures += strcmp(splineway_result_text(SPLINEWAY_RESULT_OK), "done") != 0;

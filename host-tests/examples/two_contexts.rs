@@ -32,7 +32,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     match planner.push(block) {
                         Ok(()) => drop(blocks.next()),
                         Err(PushError::Full) => break,
-                        Err(error) => return println!("{error}"),
+                        // The block is refused, or the operator has aborted: no more of this program.
+                        Err(error) => {
+                            println!("{error}");
+                            return done.store(true, Relaxed);
+                        }
                     }
                 }
                 if blocks.peek().is_none() {

@@ -271,7 +271,8 @@ fn an_abort_drops_the_queue_and_knows_the_position() {
     for cycle in 0.. {
         if cycle == 500 {
             controls.abort();
-            assert_eq!(planner.push(&Block::line(at(1.0, 1.0), 1.0, 99)), Err(PushError::Full));
+            assert_eq!(planner.push(&Block::line(at(1.0, 1.0), 1.0, 99)), Err(PushError::Aborted));
+            assert!(!planner.acknowledge_abort());
         }
         if planner.poll() == Progress::Aborted {
             break;
@@ -283,6 +284,7 @@ fn an_abort_drops_the_queue_and_knows_the_position() {
     for (axis, end) in planner.end().iter().enumerate() {
         assert!((end.to_nm() - setpoint.position_nm(axis)).abs() <= 1, "axis {axis}");
     }
+    assert!(planner.acknowledge_abort());
     planner.push(&Block::line(at(0.0, 0.0), 100.0, 100)).unwrap();
     planner.finish();
     loop {
@@ -439,4 +441,128 @@ fn three_contexts() {
     }
     let last = setpoints[setpoints.len() - 1];
     assert!((last[0] - 400.0).abs() < 1e-6 && last[1].abs() < 1e-6, "{last:?}");
+}
+
+/// A producer that pushes whatever happens, as long as the core takes blocks.
+struct Eager<'a> {
+    planner: splineway::Planner<'a, f64, 2, 8, 56>,
+    interpolator: splineway::Interpolator<'a, f64, 2>,
+    next: u32,
+}
+
+impl Eager<'_> {
+    fn cycle(&mut self) -> (Progress, Setpoint<f64, 2>) {
+        loop {
+            let (x, y) = (f64::from(self.next) * 5.0, f64::from(self.next % 2));
+            match self.planner.push(&Block::line(at(x, y), 100.0, self.next)) {
+                Ok(()) => self.next += 1,
+                Err(PushError::Full | PushError::Aborted) => break,
+                Err(error) => panic!("{error}"),
+            }
+        }
+        (self.planner.poll(), self.interpolator.tick())
+    }
+}
+
+/// However eager the producer is, nothing moves after an abort until it has said that it knows.
+#[test]
+fn an_abort_latches() {
+    let mut link = Box::new(Link::<f64, 2, 56>::new());
+    let (planner, interpolator) = link.handles::<8>(setting(), at(0.0, 0.0)).unwrap();
+    let controls = planner.controls();
+    let mut core = Eager { planner, interpolator, next: 1 };
+    for _ in 0..300 {
+        core.cycle();
+    }
+    controls.abort();
+    core.planner.finish();
+    assert!(core.planner.is_aborted() && !core.planner.acknowledge_abort());
+    let mut progress = Progress::Waiting;
+    for _ in 0..300 {
+        progress = core.cycle().0;
+    }
+    assert_eq!(progress, Progress::Aborted);
+    let (_, rest) = core.cycle();
+    for _ in 0..2000 {
+        let (progress, setpoint) = core.cycle();
+        assert_eq!((progress, setpoint.activity), (Progress::Aborted, Activity::Idle));
+        assert_eq!(setpoint.position_nm(0), rest.position_nm(0));
+    }
+    // Pressed once more: that one is complete at the next poll, and wants its own word.
+    controls.abort();
+    assert!(!core.planner.acknowledge_abort());
+    assert_eq!(core.planner.push(&Block::rapid(at(0.0, 0.0), 9)), Err(PushError::Aborted));
+    assert_eq!(core.planner.poll(), Progress::Aborted);
+    assert!(core.planner.acknowledge_abort() && !core.planner.acknowledge_abort());
+    assert!(!core.planner.is_aborted());
+    assert_eq!(core.planner.poll(), Progress::NeedsBlocks);
+    core.planner.push(&Block::rapid(at(0.0, 0.0), 1000)).unwrap();
+    core.planner.finish();
+    while core.planner.poll() != Progress::Done {
+        core.interpolator.tick();
+    }
+}
+
+/// A hold or a stop pressed after an abort is in force when that is over; one pressed before is not.
+#[test]
+fn what_is_pressed_after_an_abort_stays_in_force() {
+    let presses: [fn(Controls<'_>); 2] = [|controls| controls.hold(), |controls| controls.stop()];
+    for press in presses {
+        for (before, after) in [(true, false), (false, true), (true, true)] {
+            for when in [1, 5, 30, 60, 100, 300] {
+                let mut link = Box::new(Link::<f64, 2, 56>::new());
+                let (planner, interpolator) = link.handles::<8>(setting(), at(0.0, 0.0)).unwrap();
+                let controls = planner.controls();
+                let mut core = Eager { planner, interpolator, next: 1 };
+                for _ in 0..300 {
+                    core.cycle();
+                }
+                if before {
+                    press(controls);
+                }
+                controls.abort();
+                for cycle in 0..400 {
+                    if after && cycle == when {
+                        press(controls);
+                    }
+                    core.cycle();
+                }
+                assert!(core.planner.acknowledge_abort());
+                core.next = 1;
+                let states: Vec<_> = (0..100).map(|_| core.cycle()).collect();
+                let held = states.iter().any(|(progress, _)| *progress == Progress::Held);
+                let moved = states.iter().any(|(_, at)| at.activity == Activity::Running);
+                assert_eq!((held, moved), (after, !after), "{before} {after} {when}");
+                controls.resume();
+                assert!((0..100).any(|_| core.cycle().1.activity == Activity::Running));
+            }
+        }
+    }
+}
+
+/// However stop and resume fall about the rest at a block's end, the last of them counts.
+#[test]
+fn no_stop_is_lost() {
+    let blocks: Vec<_> =
+        (1..=4u32).map(|n| Block::line(at(f64::from(n) * 5.0, 0.0), 100.0, n)).collect();
+    for again in 0..160 {
+        let mut moved_after = false;
+        let mut held = 0;
+        drive(&blocks, |cycle, progress, setpoint, controls| {
+            if cycle == 20 {
+                controls.stop();
+            }
+            if cycle == 20 + again {
+                // Between two polls, as an interrupt would.
+                controls.resume();
+                controls.stop();
+            }
+            if cycle > 700 + again {
+                held += u32::from(progress == Progress::Held);
+                moved_after |= setpoint.activity == Activity::Running;
+            }
+            cycle < 900 + again
+        });
+        assert!(held > 190 && !moved_after, "{again}: held {held}, moved {moved_after}");
+    }
 }

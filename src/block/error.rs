@@ -114,6 +114,10 @@ impl core::error::Error for BlockError {}
 pub enum PushError {
     /// The look-ahead buffer is full: nothing is wrong, push the same block again later.
     Full,
+    /// An abort was asked for: nothing is taken, and what had been pushed is dropped, until
+    /// [`Planner::acknowledge_abort`](crate::Planner::acknowledge_abort). What comes then starts where
+    /// the machine stands.
+    Aborted,
     /// The block is not valid. Nothing of it was taken; what was accepted before is unchanged.
     Rejected {
         /// The block's tag.
@@ -127,6 +131,7 @@ impl fmt::Display for PushError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Full => f.write_str("look-ahead buffer is full"),
+            Self::Aborted => f.write_str("an abort has not been acknowledged"),
             Self::Rejected { tag, reason } => write!(f, "block {tag}: {reason}"),
         }
     }

@@ -70,6 +70,13 @@ pub enum Motion<S, const N: usize> {
         /// Duration, s.
         seconds: S,
     },
+    /// Rest exactly at the end of the block before, and say so: for one servo cycle the setpoint has
+    /// [`Activity::Event`](crate::Activity::Event) and this block's tag. There the machine switches
+    /// spindle, coolant or tool, in order with the motion. It takes two servo cycles.
+    Event {
+        /// Whether to rest there, as after a stop, until the operator resumes (M0, M1, M6).
+        pause: bool,
+    },
 }
 
 /// How fast a block runs.
@@ -133,12 +140,20 @@ impl<S: Scalar, const N: usize> Block<S, N> {
 
     /// A dwell, s.
     pub const fn dwell(seconds: S, tag: u32) -> Self {
-        Self {
-            motion: Motion::Dwell { seconds },
-            feed: Feed::Rapid,
-            tolerance: None,
-            exact_stop: true,
-            tag,
-        }
+        Self::standing(Motion::Dwell { seconds }, tag)
+    }
+
+    /// An event: see [`Motion::Event`].
+    pub const fn event(tag: u32) -> Self {
+        Self::standing(Motion::Event { pause: false }, tag)
+    }
+
+    /// An event after which the machine rests until it is resumed: see [`Motion::Event`].
+    pub const fn pause(tag: u32) -> Self {
+        Self::standing(Motion::Event { pause: true }, tag)
+    }
+
+    const fn standing(motion: Motion<S, N>, tag: u32) -> Self {
+        Self { motion, feed: Feed::Rapid, tolerance: None, exact_stop: true, tag }
     }
 }

@@ -50,7 +50,11 @@ pub fn config(c: &splineway_config) -> Result<Config<f32, SPLINEWAY_AXES>, splin
 }
 
 pub fn refusal(error: &PushError) -> splineway_result {
-    let PushError::Rejected { reason, .. } = error else { return splineway_result::FULL };
+    let reason = match error {
+        PushError::Full => return splineway_result::FULL,
+        PushError::Aborted => return splineway_result::ABORTED,
+        PushError::Rejected { reason, .. } => reason,
+    };
     match reason {
         BlockError::OutOfRange { .. } => splineway_result::OUT_OF_RANGE,
         BlockError::Coordinate { .. } => splineway_result::COORDINATE,

@@ -229,6 +229,19 @@ pub unsafe extern "C" fn splineway_push_dwell(
     planner.push(&block).map_or_else(|error| refusal(&error), |()| splineway_result::OK)
 }
 
+/// Adds an event: the motion comes to rest, and for one servo cycle the setpoint has the activity `EVENT` and
+/// this tag. With `pause` the machine then rests until `splineway_resume`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splineway_push_event(
+    core: *mut splineway_core,
+    pause: bool,
+    tag: u32,
+) -> splineway_result {
+    let Some(planner) = planner(core) else { return splineway_result::NOT_READY };
+    let block = if pause { Block::pause(tag) } else { Block::event(tag) };
+    planner.push(&block).map_or_else(|error| refusal(&error), |()| splineway_result::OK)
+}
+
 /// Says that no more blocks come for now.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splineway_finish(core: *mut splineway_core) -> splineway_result {
@@ -242,6 +255,14 @@ pub unsafe extern "C" fn splineway_finish(core: *mut splineway_core) -> splinewa
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splineway_poll(core: *mut splineway_core) -> splineway_progress {
     planner(core).map_or(splineway_progress::NOT_READY, |planner| planner.poll().into())
+}
+
+/// The caller knows that an abort has dropped everything. True: it is complete, and blocks are taken again,
+/// from where the machine stands (`end` of `splineway_status`). False, and nothing has changed: there is none,
+/// or `splineway_poll` has not said `ABORTED` since the last was asked for.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splineway_acknowledge_abort(core: *mut splineway_core) -> bool {
+    planner(core).is_some_and(Planner::acknowledge_abort)
 }
 
 /// One servo cycle: writes where the axes should be at its end. To be called by the servo interrupt.
@@ -315,7 +336,7 @@ pub unsafe extern "C" fn splineway_stop(core: *mut splineway_core) -> splineway_
     command(core, Controls::stop)
 }
 
-/// Brake, and drop everything that has not been run.
+/// Brake, and drop everything that has not been run. No block is taken until `splineway_acknowledge_abort`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splineway_abort(core: *mut splineway_core) -> splineway_result {
     command(core, Controls::abort)

@@ -84,6 +84,10 @@ typedef enum {
    The block is too long.
    */
   SPLINEWAY_RESULT_TOO_LONG = 11,
+  /*
+   An abort was asked for and has not been acknowledged: nothing is taken.
+   */
+  SPLINEWAY_RESULT_ABORTED = 12,
 } splineway_result;
 
 /*
@@ -111,7 +115,8 @@ typedef enum {
    */
   SPLINEWAY_PROGRESS_HELD = 4,
   /*
-   At rest after an abort, and everything that had been pushed is dropped. Said once.
+   At rest after an abort, and everything that had been pushed is dropped. Said until
+   `splineway_acknowledge_abort`.
    */
   SPLINEWAY_PROGRESS_ABORTED = 5,
   /*
@@ -136,6 +141,10 @@ typedef enum {
    In a dwell.
    */
   SPLINEWAY_ACTIVITY_DWELLING = 2,
+  /*
+   At an event of the program, whose tag the setpoint has: for one servo cycle.
+   */
+  SPLINEWAY_ACTIVITY_EVENT = 3,
 } splineway_activity;
 
 /*
@@ -378,6 +387,14 @@ splineway_result splineway_push_cubic(splineway_core *core,
 splineway_result splineway_push_dwell(splineway_core *core, float seconds, uint32_t tag);
 
 /*
+ Adds an event: the motion comes to rest, and for one servo cycle the setpoint has the activity `EVENT` and
+ this tag. With `pause` the machine then rests until `splineway_resume`.
+ */
+splineway_result splineway_push_event(splineway_core *core,
+                                      bool pause,
+                                      uint32_t tag);
+
+/*
  Says that no more blocks come for now.
  */
 splineway_result splineway_finish(splineway_core *core);
@@ -387,6 +404,13 @@ splineway_result splineway_finish(splineway_core *core);
  again.
  */
 splineway_progress splineway_poll(splineway_core *core);
+
+/*
+ The caller knows that an abort has dropped everything. True: it is complete, and blocks are taken again,
+ from where the machine stands (`end` of `splineway_status`). False, and nothing has changed: there is none,
+ or `splineway_poll` has not said `ABORTED` since the last was asked for.
+ */
+bool splineway_acknowledge_abort(splineway_core *core);
 
 /*
  One servo cycle: writes where the axes should be at its end. To be called by the servo interrupt.
@@ -414,7 +438,7 @@ splineway_result splineway_resume(splineway_core *core);
 splineway_result splineway_stop(splineway_core *core);
 
 /*
- Brake, and drop everything that has not been run.
+ Brake, and drop everything that has not been run. No block is taken until `splineway_acknowledge_abort`.
  */
 splineway_result splineway_abort(splineway_core *core);
 

@@ -68,6 +68,8 @@ pub enum splineway_result {
     ARC = 10,
     /// The block is too long.
     TOO_LONG = 11,
+    /// An abort was asked for and has not been acknowledged: nothing is taken.
+    ABORTED = 12,
 }
 
 impl splineway_result {
@@ -86,6 +88,7 @@ impl splineway_result {
             (Self::PLANE, c"the plane of the arc does not exist"),
             (Self::ARC, c"the arc's ends are not at the same distance from its centre"),
             (Self::TOO_LONG, c"the block is too long"),
+            (Self::ABORTED, c"an abort has not been acknowledged"),
         ];
         let known = all.into_iter().find(|(result, _)| *result as i32 == number);
         known.map_or(c"no result of splineway", |(_, text)| text)
@@ -168,6 +171,8 @@ pub enum splineway_activity {
     RUNNING = 1,
     /// In a dwell.
     DWELLING = 2,
+    /// At an event of the program, whose tag the setpoint has: for one servo cycle.
+    EVENT = 3,
 }
 
 /// Where the axes should be at the end of a servo cycle.
@@ -200,6 +205,7 @@ impl From<Setpoint<f32, SPLINEWAY_AXES>> for splineway_setpoint {
                 Activity::Idle => splineway_activity::IDLE,
                 Activity::Running => splineway_activity::RUNNING,
                 Activity::Dwelling => splineway_activity::DWELLING,
+                Activity::Event => splineway_activity::EVENT,
             },
         }
     }
@@ -219,7 +225,8 @@ pub enum splineway_progress {
     DONE = 3,
     /// At rest because an operator asked for it.
     HELD = 4,
-    /// At rest after an abort, and everything that had been pushed is dropped. Said once.
+    /// At rest after an abort, and everything that had been pushed is dropped. Said until
+    /// `splineway_acknowledge_abort`.
     ABORTED = 5,
     /// The core is not set up.
     NOT_READY = 6,

@@ -111,6 +111,7 @@ impl<S: Scalar, const N: usize> Blend<S, N> {
             bulge: self.curve.bulge(u0, u1, &from.tangent, length),
             order,
             dwell: S::ZERO,
+            event: None,
             straight: false,
         }
     }

@@ -22,7 +22,7 @@ pub struct Emitted<S, const N: usize> {
     pub rest: bool,
 }
 
-/// A cell without length, for a dwell.
+/// A cell without length, for a standstill.
 pub fn standstill<S: Scalar, const N: usize>(
     from: &Node<S, N>,
     item: &Item<S, N>,
@@ -34,6 +34,7 @@ pub fn standstill<S: Scalar, const N: usize>(
             bulge: zero(),
             order: item.order(),
             dwell: item.dwell,
+            event: item.event,
             straight: true,
         },
         node: *from,

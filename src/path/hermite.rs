@@ -161,6 +161,7 @@ mod tests {
             bulge: [radius * angle.sin() - length, radius * (1.0 - angle.cos())],
             order: Order { feed: 1.0, rapid: false, tag: 0 },
             dwell: 0.0,
+            event: None,
             straight: false,
         };
         let curve = Hermite::of_cell(&a, &cell, &b);

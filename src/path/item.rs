@@ -1,6 +1,6 @@
 //! Blocks that wait for their neighbours, checked and with their geometry.
 
-use super::node::Order;
+use super::node::{Event, Order};
 use super::run::Leg;
 use super::segment::Segment;
 use crate::block::{Block, BlockError, Feed, Field, Motion};
@@ -23,12 +23,17 @@ pub enum Joint {
     Run,
 }
 
+/// Servo cycles that an event takes: it is reported in the first that sees it, and whenever it begins
+/// within a cycle, one does.
+const EVENT_CYCLES: f64 = 1.5;
+
 /// A block that waits for its neighbours.
 #[derive(Clone, Copy, Debug)]
 pub struct Item<S, const N: usize> {
-    /// `None` for a dwell.
+    /// `None` for a standstill.
     pub segment: Option<Segment<S, N>>,
     pub dwell: S,
+    pub event: Option<Event>,
     pub feed: S,
     pub rapid: bool,
     pub tolerance: S,
@@ -76,6 +81,7 @@ impl<S: Scalar, const N: usize> Item<S, N> {
         let mut item = Self {
             segment: None,
             dwell: S::ZERO,
+            event: None,
             feed: S::ONE,
             rapid: block.feed == Feed::Rapid,
             tolerance,
@@ -93,6 +99,12 @@ impl<S: Scalar, const N: usize> Item<S, N> {
                 item.dwell = seconds;
                 item.stop_after = true;
                 return Ok((seconds > S::ZERO).then_some(item));
+            }
+            Motion::Event { pause } => {
+                item.dwell = config.cycle * S::of(EVENT_CYCLES);
+                item.event = Some(if pause { Event::Pause } else { Event::Pass });
+                item.stop_after = true;
+                return Ok(Some(item));
             }
             // A curve comes as chords; as a whole it is taken for the line to its end.
             Motion::Line { to } | Motion::Cubic { to, .. } => {

@@ -39,8 +39,19 @@ pub struct Cell<S, const N: usize> {
     pub order: Order<S>,
     /// Standstill at this place, s; such a cell has no length.
     pub dwell: S,
+    /// What is reported when the standstill begins.
+    pub event: Option<Event>,
     /// Whether the cell is a piece of a straight line.
     pub straight: bool,
+}
+
+/// A place in the program at which the machine does something else than move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// The motion goes on by itself.
+    Pass,
+    /// The motion goes on when it is resumed.
+    Pause,
 }
 
 /// What a block asks of the cells that are made of it.

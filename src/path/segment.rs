@@ -153,7 +153,7 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
                 (length, bulge, false)
             }
         };
-        Cell { length, bulge, order, dwell: S::ZERO, straight }
+        Cell { length, bulge, order, dwell: S::ZERO, event: None, straight }
     }
 
     /// Longest cell that follows the curve closely enough, mm, whatever the motion over it.

@@ -209,6 +209,7 @@ impl<S: Scalar, const N: usize> Transition<S, N> {
             bulge: from_fn(|i| (b[i] - a[i]) - from.tangent[i] * length),
             order,
             dwell: S::ZERO,
+            event: None,
             straight: false,
         }
     }

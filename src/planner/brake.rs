@@ -52,8 +52,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             let end = self.put_stop(i, &stop, stretch.last, &mut states);
             let held = Stretch { last: end.unwrap_or(i), ..stretch };
             if end.is_some() && self.solver.holds(&self.window, held, &self.config.limits) {
-                self.halt = Some(Halt::Hold);
-                self.publish(held, branch, self.overrides);
+                self.publish(held, branch, self.overrides, Some(Halt::Hold));
                 return true;
             }
             let pace = self.pace();
@@ -78,9 +77,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if next == self.planned_end {
             self.halt = Some(Halt::Hold);
         } else if rests && self.window.serial(i) == next {
-            self.halt = Some(Halt::Hold);
             let stretch = Stretch { first: i, last: i, open: false };
-            self.publish(stretch, Branch::Node(next), self.overrides);
+            self.publish(stretch, Branch::Node(next), self.overrides, Some(Halt::Hold));
             return true;
         }
         false

@@ -39,10 +39,16 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     pub(super) fn obey(&mut self, wish: &Wish, at: u32) -> Option<Progress> {
         let resumed = wish.resumes != self.resumes;
         self.resumes = wish.resumes;
+        let brakes = wish.holds() || wish.aborts != self.aborts;
+        let rests = at == self.planned_end;
+        if rests && (brakes || wish.stop || wish.overrides != self.overrides) {
+            // A start that has not been taken up.
+            self.revoke();
+        }
         if self.pending.is_none() && at == self.planned_end {
             return self.obey_at_rest(wish, resumed);
         }
-        if wish.holds() || wish.abort {
+        if brakes {
             if matches!(self.halt, Some(Halt::Hold)) {
                 return Some(Progress::Waiting);
             }
@@ -50,8 +56,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             // If it could not be done at once: the plan is not taken further, and ends at rest.
             return Some(if planned { Progress::Planned } else { Progress::Waiting });
         }
-        if resumed || (matches!(self.halt, Some(Halt::Hold)) && self.pending.is_none()) {
+        if self.pending.is_none() && self.halt.is_some_and(|halt| !halt.is_wanted(wish)) {
+            // On at once.
             self.halt = None;
+            self.checkpoint = at;
         }
         if wish.overrides != self.overrides && self.revoke() && self.retune(wish.overrides) {
             return Some(Progress::Planned);
@@ -75,18 +83,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// At rest: whether to go on.
     fn obey_at_rest(&mut self, wish: &Wish, resumed: bool) -> Option<Progress> {
-        if matches!(self.halt, Some(Halt::Block)) {
-            self.waits = true;
-        }
-        self.halt = None;
-        if wish.abort {
-            let last = self.window.index(self.planned_end);
-            self.window.truncate(last);
-            if let Some(station) = self.window.last() {
-                self.builder.restart(station.node.at);
-            }
-            self.waits = false;
-            self.requests.aborted();
+        let halted = self.halt.take();
+        if wish.aborts != self.aborts {
+            self.drop_all(wish.aborts);
             return Some(Progress::Aborted);
         }
         if wish.overrides != self.overrides {
@@ -96,14 +95,30 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 self.window.bound(i, &pace);
             }
         }
-        if wish.stop {
-            self.requests.stopped();
+        let end = self.window.index(self.planned_end);
+        let pauses = self.window.get_mut(end).is_some_and(|end| core::mem::take(&mut end.pause));
+        if pauses || (wish.single && matches!(halted, Some(Halt::Block))) {
+            // A resume that was pressed before this was known was not meant for it.
             self.waits = true;
-        }
-        if resumed {
+        } else if resumed {
             self.waits = false;
         }
-        (wish.holds() || self.waits).then_some(Progress::Held)
+        (wish.holds() || wish.stop || self.waits).then_some(Progress::Held)
+    }
+
+    /// At rest: forgets everything that has not been run, for the abort with this number.
+    fn drop_all(&mut self, abort: u32) {
+        if self.dropped == Some(abort) {
+            return;
+        }
+        self.window.truncate(self.window.index(self.planned_end));
+        if let Some(station) = self.window.last() {
+            self.builder.restart(station.node.at);
+        }
+        self.waits = false;
+        self.finished = false;
+        self.waiting_since = None;
+        self.dropped = Some(abort);
     }
 
     /// Takes back a plan that has not been decided on. Whether there is none any more.
@@ -171,8 +186,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             let held = Stretch { last: end, ..stretch };
             if self.solver.holds(&self.window, held, &self.config.limits) {
                 self.improve(held, Aim::Time);
-                self.halt = Some(Halt::Block);
-                self.publish(held, branch, self.overrides);
+                self.publish(held, branch, self.overrides, Some(Halt::Block));
                 return true;
             }
             self.window.set_state(end, state);
@@ -219,7 +233,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.undo();
             return false;
         }
-        self.publish(stretch, branch, before);
+        self.publish(stretch, branch, before, self.halt);
         true
     }
 }

@@ -125,7 +125,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let v = dot(&here.velocity, &node.tangent);
         let state = State { b: v * v, a: dot(&here.acceleration, &node.tangent) };
         cut.node = node;
-        cut.rest = false;
+        (cut.rest, cut.pause) = (false, false);
         cut.way = station.way.plus(way);
         cut.state = state;
         cut.agreed = state;
@@ -177,7 +177,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let (first, node, cell) =
             hermite::split_at(&station.node, &station.cell, &station.arrival(after), share);
         let way = station.way.plus(first.length);
-        Some((first, Station { node, cell, way, rest: false, ..*station }))
+        Some((first, Station { node, cell, way, rest: false, pause: false, ..*station }))
     }
 
     /// Makes `first` the cell of station `i`; it and the one behind are bounded anew.

@@ -23,7 +23,7 @@ use crate::path::item::check_coordinates;
 use crate::path::node::Node;
 use crate::profile::solver::Solver;
 use crate::profile::window::Window;
-use crate::servo::control::Requests;
+use crate::servo::control::{Requests, Wish};
 use crate::servo::link::PlanSide;
 use crate::servo::{Controls, Interpolator, Link};
 
@@ -41,7 +41,8 @@ pub enum Progress {
     Done,
     /// At rest because an operator asked for it: see [`Controls`].
     Held,
-    /// At rest after an abort, and everything that had been pushed is dropped. Said once.
+    /// At rest after an abort, and everything that had been pushed is dropped. Said at every poll until
+    /// [`Planner::acknowledge_abort`].
     Aborted,
 }
 
@@ -52,6 +53,16 @@ enum Halt {
     Hold,
     /// At the end of a block.
     Block,
+}
+
+impl Halt {
+    /// Whether it is still asked for.
+    fn is_wanted(self, wish: &Wish) -> bool {
+        match self {
+            Self::Hold => wish.holds(),
+            Self::Block => wish.stop || wish.single,
+        }
+    }
 }
 
 /// Counts since the start, for reports.
@@ -93,10 +104,14 @@ pub struct Planner<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NOD
     overrides: (u16, u16),
     /// Why the plan ends where it does, if an operator has asked for it.
     halt: Option<Halt>,
-    /// Whether the motion rests until it is resumed.
+    /// Whether the motion rests until it is resumed: at a pause, or in single block mode.
     waits: bool,
-    /// Resumes seen.
+    /// Number of the last resume seen.
     resumes: u32,
+    /// Number of the last abort that has been acknowledged.
+    aborts: u32,
+    /// Number of the last abort that is complete, until it is acknowledged.
+    dropped: Option<u32>,
     /// Servo cycles after which an answer to a command takes effect.
     reaction: u32,
     /// Plans made when a rest at the end of a block was looked for last.
@@ -147,6 +162,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Link<S, N, NODES> {
                 halt: None,
                 waits: false,
                 resumes: 0,
+                aborts: 0,
+                dropped: None,
                 reaction: 0,
                 tried: 0,
                 checkpoint: 0,
@@ -168,10 +185,11 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     ///
     /// # Errors
     /// [`PushError::Full`] if there is no room now: poll, and push the same block again.
-    /// [`PushError::Rejected`] if the block is not valid. Either way nothing has changed.
+    /// [`PushError::Rejected`] if the block is not valid. [`PushError::Aborted`] from the moment an abort
+    /// is asked for until it is acknowledged. In each case nothing has changed.
     pub fn push(&mut self, block: &Block<S, N>) -> Result<(), PushError> {
-        if self.requests.read().abort {
-            return Err(PushError::Full);
+        if self.is_aborted() {
+            return Err(PushError::Aborted);
         }
         self.builder.push(block, &self.config)?;
         self.finished = false;
@@ -179,9 +197,31 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// Says that no more blocks come for now: the path ends where the last one ends. Without it
-    /// the planner waits for more blocks as long as the motion under way allows.
+    /// the planner waits for more blocks as long as the motion under way allows. It says nothing of
+    /// blocks that an abort has dropped: until that is acknowledged it does nothing.
     pub fn finish(&mut self) {
-        self.finished = true;
+        if !self.is_aborted() {
+            self.finished = true;
+        }
+    }
+
+    /// Whether an abort has been asked for that has not been acknowledged.
+    pub fn is_aborted(&self) -> bool {
+        self.requests.aborts() != self.aborts
+    }
+
+    /// The producer knows that everything was dropped and will begin anew from [`Planner::end`], where
+    /// the machine stands. `true`: the abort is complete, and blocks are taken again. `false`, and
+    /// nothing has changed: there is none, or [`Planner::poll`] has not said [`Progress::Aborted`] since
+    /// the last was asked for.
+    pub fn acknowledge_abort(&mut self) -> bool {
+        let aborts = self.requests.aborts();
+        let complete = aborts != self.aborts && self.dropped == Some(aborts);
+        if complete {
+            self.aborts = aborts;
+            self.dropped = None;
+        }
+        complete
     }
 
     /// The operator's handle: hold, resume, overrides and the like.
@@ -308,6 +348,9 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// In motion: plan on when a part of the plan has been run or its end is near.
     fn poll_moving(&mut self, at: u32) -> Progress {
         self.waiting_since = None;
+        if self.window.get(self.window.index(self.planned_end)).is_some_and(|end| end.pause) {
+            return Progress::Waiting;
+        }
         let urgent = self.ends_within(self.config.lead * S::of(URGENT_LEADS), at);
         if urgent
             && self.window.room() >= LEAST_ROOM

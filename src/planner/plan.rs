@@ -21,6 +21,8 @@ pub struct Pending {
     pub by_cycle: bool,
     /// Overrides that were in effect before, per cent.
     pub overrides: (u16, u16),
+    /// Why the plan before ends where it does.
+    pub halt: Option<Halt>,
 }
 
 /// Share by which a bound lies above a speed that exceeds what is asked for; the limits of the axes
@@ -54,7 +56,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         #[cfg(feature = "defmt")]
         defmt::warn!("the plan from node {} came too late", pending.first);
         self.undo();
-        self.halt = None;
+        self.halt = pending.halt;
         self.overrides = pending.overrides;
         if pending.by_cycle {
             // Allow more time for the next attempt.
@@ -141,6 +143,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             stretch = Stretch { last: end, open: false, ..stretch };
             halt = Some(Halt::Block);
         }
+        let pauses = |i: &usize| self.window.get(*i).is_some_and(|station| station.pause);
+        if let Some(last) = (first + 1..=stretch.last).find(pauses) {
+            stretch = Stretch { last, open: false, ..stretch };
+        }
         self.split_lone(&mut stretch);
         if stretch.open && self.is_lone_start(stretch) {
             stretch.last -= 1;
@@ -155,8 +161,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             defmt::warn!("no motion found from node {}", branch);
             return Progress::Waiting;
         }
-        self.halt = halt;
-        self.publish(stretch, Branch::Node(branch), self.overrides);
+        self.publish(stretch, Branch::Node(branch), self.overrides, halt);
         Progress::Planned
     }
 
@@ -208,8 +213,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         Some(compile::piece(&view, &law, place))
     }
 
-    /// Offers the states of a stretch as a plan. `overrides` are those in effect before it.
-    pub(super) fn publish(&mut self, stretch: Stretch, branch: Branch, overrides: (u16, u16)) {
+    /// Offers the states of a stretch as a plan that ends where it does for `halt`. `overrides` are those
+    /// in effect before it.
+    pub(super) fn publish(
+        &mut self,
+        stretch: Stretch,
+        branch: Branch,
+        overrides: (u16, u16),
+        halt: Option<Halt>,
+    ) {
         for i in stretch.first..stretch.last {
             let Some(after) = self.window.get(i + 1) else { break };
             let at_end = i + 1 == stretch.last;
@@ -230,7 +242,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         self.side.offer(branch);
         let (first, end) = (self.window.serial(stretch.first), self.window.serial(stretch.last));
         let by_cycle = matches!(branch, Branch::Cycle(_));
-        self.pending = Some(Pending { first, end, by_cycle, overrides });
+        let before = core::mem::replace(&mut self.halt, halt);
+        self.pending = Some(Pending { first, end, by_cycle, overrides, halt: before });
         let cells = end.wrapping_sub(first);
         let run = (cells / PLAN_PART).max(cells.saturating_sub(CELLS_LEFT)).max(1);
         self.checkpoint = first.wrapping_add(run);

@@ -51,6 +51,7 @@ pub fn piece<S: Scalar, const N: usize>(
             (law.jerk[2] - law.jerk[0]) * rate * S::of(1.0 / 24.0),
         ],
         sequel: place.sequel,
+        event: false,
     }
 }
 
@@ -65,6 +66,7 @@ pub fn standstill<S: Scalar, const N: usize>(view: &View<'_, S, N>, place: Place
         way: place.way,
         path: [S::ZERO; 4],
         sequel: place.sequel,
+        event: view.cell.event.is_some(),
     }
 }
 

@@ -513,6 +513,7 @@ mod tests {
             bulge: [-0.07 * k, 0.09 * k],
             order: Order { feed: 100.0, rapid: false, tag: 0 },
             dwell: 0.0,
+            event: None,
             straight,
         };
         let bounds =

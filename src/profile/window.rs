@@ -5,7 +5,7 @@ use super::rows::{Bounds, Pace, View};
 use crate::machine::Limits;
 use crate::number::vector::dot;
 use crate::number::{Coord, Scalar};
-use crate::path::node::{Cell, Node, Order};
+use crate::path::node::{Cell, Event, Node, Order};
 use core::array::from_fn;
 use heapless::Deque;
 
@@ -20,6 +20,8 @@ pub struct Station<S, const N: usize> {
     pub way: Coord,
     /// Whether the motion rests here whatever follows.
     pub rest: bool,
+    /// Whether it then goes on only when it is resumed.
+    pub pause: bool,
     /// State in the plan that is being worked on.
     pub state: State<S>,
     /// State in the plan that is being executed.
@@ -43,6 +45,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
             bulge: [S::ZERO; N],
             order: Order { feed: S::ZERO, rapid: false, tag: 0 },
             dwell: S::ZERO,
+            event: None,
             straight: true,
         };
         let _ = stations.push_back(Station {
@@ -51,6 +54,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
             bounds: Bounds::default(),
             way: Coord::ZERO,
             rest: true,
+            pause: false,
             state: State::REST,
             agreed: State::REST,
         });
@@ -114,6 +118,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
             bounds: Bounds::default(),
             way,
             rest,
+            pause: cell.event == Some(Event::Pause),
             state: State::REST,
             agreed: State::REST,
         };
@@ -146,6 +151,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
         self.stations.truncate(index + 1);
         if let Some(last) = self.stations.back_mut() {
             last.rest = true;
+            last.pause = false;
             last.state = State::REST;
             last.agreed = State::REST;
         }

@@ -1,25 +1,35 @@
 //! What an operator asks for while the machine moves.
 
 use super::interleave::{AtomicBool, AtomicU32};
-use core::sync::atomic::Ordering::{Acquire, Relaxed, Release};
+use core::sync::atomic::Ordering::{AcqRel, Acquire, Relaxed, Release};
 
 /// Greatest feed override, per cent.
 pub const MOST_FEED: u16 = 200;
 /// Greatest override of rapids, per cent.
 pub const MOST_RAPID: u16 = 100;
 
-/// The requests, as the operator's side leaves them and the planner finds them.
+/// A hold is in force.
+const HOLD: u32 = 1;
+/// A stop is in force.
+const STOP: u32 = 2;
+/// One resume; resumes are counted in fifteen bits.
+const RESUME: u32 = 1 << 2;
+const RESUMES: u32 = 0x7FFF << 2;
+/// One abort; they are counted in the fifteen bits above.
+const ABORT: u32 = 1 << 17;
+
+/// The requests, as the operator's side leaves them and the planner finds them. The planner only
+/// reads: what is asked for is ended by another command, never by having been answered, so there is
+/// no moment at which a command could be lost.
 #[derive(Debug)]
 pub struct Requests {
-    hold: AtomicBool,
-    stop: AtomicBool,
-    abort: AtomicBool,
+    /// Hold, stop, and the numbers of resumes and aborts, in one word: all of them at one moment, in
+    /// the order in which they were pressed.
+    pressed: AtomicU32,
     single: AtomicBool,
     /// Overrides, as what they differ from 100 per cent by: untouched requests are all zeros.
     feed: AtomicU32,
     rapid: AtomicU32,
-    /// Counts [`Controls::resume`], so that none is missed.
-    resumes: AtomicU32,
 }
 
 /// What is asked for at one moment.
@@ -27,11 +37,12 @@ pub struct Requests {
 pub struct Wish {
     pub hold: bool,
     pub stop: bool,
-    pub abort: bool,
     pub single: bool,
     /// Overrides of feed and of rapids, per cent.
     pub overrides: (u16, u16),
+    /// Numbers of the last resume and of the last abort.
     pub resumes: u32,
+    pub aborts: u32,
 }
 
 impl Wish {
@@ -52,43 +63,65 @@ fn set_per_cent(share: &AtomicU32, percent: u16) {
 impl Requests {
     pub const fn new() -> Self {
         Self {
-            hold: AtomicBool::new(false),
-            stop: AtomicBool::new(false),
-            abort: AtomicBool::new(false),
+            pressed: AtomicU32::new(0),
             single: AtomicBool::new(false),
             feed: AtomicU32::new(0),
             rapid: AtomicU32::new(0),
-            resumes: AtomicU32::new(0),
         }
     }
 
     pub fn read(&self) -> Wish {
+        let pressed = self.pressed.load(Acquire);
         Wish {
-            hold: self.hold.load(Acquire),
-            stop: self.stop.load(Acquire),
-            abort: self.abort.load(Acquire),
+            hold: pressed & HOLD != 0,
+            stop: pressed & STOP != 0,
             single: self.single.load(Acquire),
             overrides: (per_cent(&self.feed), per_cent(&self.rapid)),
-            resumes: self.resumes.load(Acquire),
+            resumes: pressed & RESUMES,
+            aborts: pressed / ABORT,
         }
     }
 
-    /// The abort is done with: everything that was asked for before is.
-    pub fn aborted(&self) {
-        self.hold.store(false, Relaxed);
-        self.stop.store(false, Relaxed);
-        self.abort.store(false, Release);
+    /// Number of the last abort.
+    pub fn aborts(&self) -> u32 {
+        self.pressed.load(Acquire) / ABORT
     }
 
-    /// The block under way has been finished and the motion rests.
-    pub fn stopped(&self) {
-        self.stop.store(false, Release);
+    /// Goes round again only if a command of another context came between.
+    fn press(&self, change: impl Fn(u32) -> u32) {
+        let mut pressed = self.pressed.load(Relaxed);
+        while let Err(now) =
+            self.pressed.compare_exchange(pressed, change(pressed), AcqRel, Relaxed)
+        {
+            pressed = now;
+        }
     }
 }
 
 /// The operator's handle: commands that overtake the queue. It may be copied and used from any
 /// context; a command is noted at once and obeyed by the planner's next
 /// [`poll`](crate::Planner::poll), always within every limit and always on the path.
+///
+/// No command is ever lost, however near to another or to a rest it comes: each stays in force until
+/// the one that ends it.
+///
+/// | command | what it does | ended by |
+/// |---|---|---|
+/// | [`hold`](Self::hold) | brakes at once, rests on the path | a resume or an abort pressed after it |
+/// | [`stop`](Self::stop) | rests at the end of the block | a resume or an abort pressed after it |
+/// | [`resume`](Self::resume) | ends a hold, a stop, the rest at a pause or in single block mode | - (it is a moment) |
+/// | [`abort`](Self::abort) | brakes at once, drops everything; nothing is taken any more | [`Planner::acknowledge_abort`](crate::Planner::acknowledge_abort), once it is complete |
+/// | [`feed_override`](Self::feed_override), [`rapid_override`](Self::rapid_override) | change the speed; 0 is a hold | the next of its kind |
+/// | [`single_block`](Self::single_block) | rests at the end of every block | `single_block(false)` |
+///
+/// Which one wins: abort over everything; a hold (or an override of 0) over a stop and single block
+/// mode; these over motion. An abort ends a hold and a stop that were pressed before it; one pressed
+/// after it, while it brakes or until it is acknowledged, stays in force: the machine is then held until
+/// it is resumed. A resume does not end an abort, nor a hold that an override of 0 makes. A resume
+/// in motion does nothing to a pause or to a rest of single block mode that is still to come. An abort
+/// pressed while another brakes is the same one; one pressed after the first is complete is a new one,
+/// complete at the next poll, and is acknowledged by itself. Overrides and single block mode outlast an
+/// abort.
 #[derive(Clone, Copy, Debug)]
 pub struct Controls<'a> {
     requests: &'a Requests,
@@ -101,29 +134,30 @@ impl<'a> Controls<'a> {
 
     /// Feed hold: brake as hard as the limits allow, rest on the path, keep everything.
     pub fn hold(self) {
-        self.requests.hold.store(true, Release);
+        self.requests.pressed.fetch_or(HOLD, Release);
     }
 
-    /// Ends a hold or a stop; in single block mode, runs the next block.
+    /// Ends a hold or a stop, and the rest at a pause; in single block mode, runs the next block.
     pub fn resume(self) {
-        self.requests.hold.store(false, Relaxed);
-        self.requests.stop.store(false, Release);
-        let resumes = self.requests.resumes.load(Relaxed);
-        self.requests.resumes.store(resumes.wrapping_add(1), Release);
+        self.requests.press(|pressed| {
+            let resumes = pressed.wrapping_add(RESUME) & RESUMES;
+            pressed & !(HOLD | STOP | RESUMES) | resumes
+        });
     }
 
     /// Finish the block under way, then rest until [`Controls::resume`]. If the motion is too fast
     /// to rest at its end, the first block is finished at whose end it can. Where a corner is
     /// rounded, the end of a block is the middle of the rounding.
     pub fn stop(self) {
-        self.requests.stop.store(true, Release);
+        self.requests.pressed.fetch_or(STOP, Release);
     }
 
     /// Brake as for a hold; once at rest, drop everything that has been pushed and not been run.
-    /// [`Planner::end`](crate::Planner::end) then says exactly where the machine stands. Until
-    /// then [`Planner::push`](crate::Planner::push) takes no block. An abort ends a hold.
+    /// [`Planner::end`](crate::Planner::end) then says exactly where the machine stands. From now
+    /// until [`Planner::acknowledge_abort`](crate::Planner::acknowledge_abort),
+    /// [`Planner::push`](crate::Planner::push) takes no block.
     pub fn abort(self) {
-        self.requests.abort.store(true, Release);
+        self.requests.press(|pressed| (pressed & !(HOLD | STOP)).wrapping_add(ABORT));
     }
 
     /// Feed override, 0 to 200 per cent of the programmed feed (more counts as 200), never beyond

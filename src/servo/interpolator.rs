@@ -2,7 +2,7 @@
 
 use super::link::{Ahead, ServoSide, Timeline};
 use super::piece::Slot;
-use super::setpoint::Setpoint;
+use super::setpoint::{Activity, Setpoint};
 use crate::number::{Coord, Scalar};
 
 /// Pieces that may begin within one servo cycle: each lasts at least a quarter of one.
@@ -23,6 +23,8 @@ pub struct Interpolator<'a, S: Scalar, const N: usize> {
     lag: S,
     /// Ticks since then.
     count: u32,
+    /// Whether the piece under way has an event that has not been reported.
+    event: bool,
     /// Node at which the next piece starts.
     serial: u32,
     /// Setpoint while at rest.
@@ -38,6 +40,7 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
             time: S::ZERO,
             lag: S::ZERO,
             count: 0,
+            event: false,
             serial: 0,
             rest: Setpoint { origin: start, ..Setpoint::REST },
         }
@@ -58,6 +61,9 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
         for _ in 0..PIECES_PER_TICK {
             let Some(piece) = self.piece else { return self.rest };
             if t < self.time {
+                if self.event {
+                    return self.report_event(piece);
+                }
                 return piece.at(t);
             }
             // On to the next one, `t` seconds into it.
@@ -77,6 +83,13 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
         self.piece.map_or(self.rest, |piece| piece.at(S::ZERO))
     }
 
+    /// The setpoint at the beginning of an event, once.
+    #[cold]
+    fn report_event(&mut self, piece: &Slot<S, N>) -> Setpoint<S, N> {
+        self.event = false;
+        Setpoint { activity: Activity::Event, ..piece.at(S::ZERO) }
+    }
+
     /// Notes where the motion rests if nothing follows the piece.
     #[cold]
     fn rest(&mut self, piece: &Slot<S, N>) {
@@ -93,6 +106,7 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
         if let Some(piece) = self.piece {
             let serial = piece.serial();
             self.time = piece.time();
+            self.event = piece.has_event();
             self.side.report(&Timeline { serial, began: now, lag: over });
             self.serial = serial.wrapping_add(1);
         } else {

@@ -36,7 +36,12 @@ pub struct Piece<S, const N: usize> {
     pub path: [S; 4],
     /// What comes after it.
     pub sequel: Sequel,
+    /// Whether its first servo cycle reports an event.
+    pub event: bool,
 }
+
+/// In a slot, added to the sequel of a piece with an event.
+const EVENT: u32 = 4;
 
 impl<S: Scalar, const N: usize> Piece<S, N> {
     /// What the interrupt will give `t` seconds after the start.
@@ -76,7 +81,8 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
         point();
         self.serial.store(piece.serial, Relaxed);
         self.tag.store(piece.tag, Relaxed);
-        self.sequel.store(piece.sequel as u32, Relaxed);
+        let event = if piece.event { EVENT } else { 0 };
+        self.sequel.store(piece.sequel as u32 | event, Relaxed);
         self.time.store(piece.time);
         for i in 0..N {
             point();
@@ -101,6 +107,12 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
     #[inline]
     pub fn time(&self) -> S {
         self.time.load()
+    }
+
+    /// Whether its first servo cycle reports an event.
+    #[inline]
+    pub fn has_event(&self) -> bool {
+        self.sequel.load(Relaxed) & EVENT != 0
     }
 
     /// Whether the motion stops at its end because the plan knows no further.

@@ -13,6 +13,9 @@ pub enum Activity {
     Running,
     /// In a dwell.
     Dwelling,
+    /// At rest at an event of the program ([`Motion::Event`](crate::Motion::Event)), whose tag the
+    /// setpoint has: now is the time to do what it stands for. For one servo cycle.
+    Event,
 }
 
 /// Where every axis should be at one servo cycle, and how it moves there.

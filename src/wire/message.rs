@@ -45,6 +45,11 @@ pub enum Path {
         /// Duration, s.
         seconds: f32,
     },
+    /// Rest, and report an event.
+    Event {
+        /// Whether to rest until the operator resumes.
+        pause: bool,
+    },
 }
 
 /// How fast a move runs.
@@ -142,6 +147,7 @@ impl Move {
                 Motion::Cubic { controls: [point(first)?, point(second)?], to: point(to)? }
             }
             Path::Dwell { seconds } => Motion::Dwell { seconds: scalar(*seconds) },
+            Path::Event { pause } => Motion::Event { pause: *pause },
         };
         let feed = match self.speed {
             Speed::PerSecond(feed) => Feed::PerSecond(scalar(feed)),
@@ -177,6 +183,7 @@ impl<S: Scalar, const N: usize> From<&Block<S, N>> for Move {
                 Path::Cubic { controls: [axes(first), axes(second)], to: axes(to) }
             }
             Motion::Dwell { seconds } => Path::Dwell { seconds: single(*seconds) },
+            Motion::Event { pause } => Path::Event { pause: *pause },
         };
         let speed = match block.feed {
             Feed::PerSecond(feed) => Speed::PerSecond(single(feed)),

@@ -26,6 +26,8 @@ pub struct Station<S: Scalar, const N: usize, const QUEUE: usize> {
     next: u32,
     commands: u32,
     refused: Option<Refusal>,
+    /// Whether the session has not begun on the planner: an abort before it is still to be acknowledged.
+    fresh: bool,
     /// Replies that are due.
     opened: bool,
     taken: bool,
@@ -49,6 +51,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
             next: 0,
             commands: 0,
             refused: None,
+            fresh: false,
             opened: false,
             taken: false,
             asked: false,
@@ -91,6 +94,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
             self.next = 0;
             self.commands = 0;
             self.refused = None;
+            self.fresh = true;
             self.gap = false;
         }
     }
@@ -133,17 +137,33 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
 
     /// Hands items to the planner as long as it has room. Call it before every
     /// [`Planner::poll`].
+    ///
+    /// The first call in a new session acknowledges an abort from before it, and waits until that is
+    /// complete; an abort later on, whoever asked for it, closes the session.
     pub fn feed<const BLOCKS: usize, const NODES: usize>(
         &mut self,
         planner: &mut Planner<'_, S, N, BLOCKS, NODES>,
     ) {
+        if planner.is_aborted() {
+            let waits = self.fresh && self.refused.is_none();
+            if !waits {
+                if self.session.is_some() && self.refused.is_none() {
+                    self.close(Refusal::Aborted);
+                }
+                return;
+            }
+            if !planner.acknowledge_abort() {
+                return;
+            }
+        }
+        self.fresh = false;
         for _ in 0..QUEUE {
             match self.queue.front() {
                 None => return,
                 Some(Waiting::End) => planner.finish(),
                 Some(Waiting::Block(block)) => match planner.push(block) {
                     Ok(()) => {}
-                    Err(PushError::Full) => return,
+                    Err(PushError::Full | PushError::Aborted) => return,
                     Err(PushError::Rejected { tag, .. }) => {
                         self.queue.clear();
                         self.refuse(tag);

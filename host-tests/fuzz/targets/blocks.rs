@@ -39,6 +39,7 @@ impl Source<'_> {
 
     fn block(&mut self) -> Option<Block<f32, 3>> {
         let motion = match self.byte()? % 8 {
+            0 if self.byte()? % 2 == 0 => Motion::Event { pause: self.byte()? % 4 == 0 },
             0 => Motion::Dwell { seconds: self.number()? * 0.001 },
             1 | 2 => Motion::Arc {
                 to: self.point()?,
@@ -98,6 +99,7 @@ fuzz_target!(|data: &[u8]| {
             231..=235 => controls.rapid_override(u16::from(source.byte().unwrap_or(100))),
             236..=238 => controls.single_block(kind % 2 == 0),
             239..=241 => planner.finish(),
+            242..=246 => drop(planner.acknowledge_abort()),
             _ => {}
         }
         run(&mut planner, u32::from(kind % 16));

@@ -280,7 +280,7 @@ fn feed_blocks<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usiz
                 taken += 1;
                 moves.next();
             }
-            Err(PushError::Full) => return Ok(taken),
+            Err(PushError::Full | PushError::Aborted) => return Ok(taken),
             Err(PushError::Rejected { tag, reason }) => bail!("line {tag}: {reason}"),
         }
     }

@@ -155,6 +155,7 @@ impl Controller {
             let rests = setpoint.activity == Activity::Idle;
             let state = match progress {
                 Progress::Held => State::Held,
+                Progress::Aborted if rests => State::Idle,
                 Progress::NeedsBlocks | Progress::Done if rests && !station.is_waiting() => {
                     State::Idle
                 }

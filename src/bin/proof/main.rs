@@ -78,6 +78,7 @@ macro_rules! machine {
                 0 => Motion::Line { to },
                 1 => Motion::Arc { to, plane, centre, turn, extra_turns },
                 2 => Motion::Cubic { controls: black_box([to, to]), to },
+                3 => Motion::Event { pause: black_box(true) },
                 _ => Motion::Dwell { seconds: black_box(1.0) },
             };
             let block = black_box(Block {
@@ -95,6 +96,7 @@ macro_rules! machine {
                 let setpoint = black_box($tick(&mut interpolator));
                 black_box((planner.counters(), planner.end(), planner.nodes_ahead()));
                 black_box((planner.is_full(), planner.blocks_waiting()));
+                black_box(planner.acknowledge_abort());
                 let axis = black_box(0);
                 black_box((setpoint.position_nm(axis), setpoint.position_mm(axis)));
                 black_box(setpoint.path_mm());

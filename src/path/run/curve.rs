@@ -103,6 +103,6 @@ impl<S: Scalar, const N: usize> Curve<S, N> {
         } else {
             bulge = from.bulge_to(&to.at, length);
         }
-        Cell { length, bulge, order, dwell: S::ZERO, straight: self.straight }
+        Cell { length, bulge, order, dwell: S::ZERO, event: None, straight: self.straight }
     }
 }
