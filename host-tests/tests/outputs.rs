@@ -60,8 +60,13 @@ impl Bench {
 
     /// A servo cycle; gives the steps left over from the one before.
     fn cycle(&mut self, setpoint: Coord) -> u32 {
+        self.cycle_of(setpoint, self.timing.ticks)
+    }
+
+    /// One that is shorter or longer than it should be.
+    fn cycle_of(&mut self, setpoint: Coord, ticks: u32) -> u32 {
         let left = self.axis.begin(setpoint);
-        for _ in 0..self.timing.ticks {
+        for _ in 0..ticks {
             self.now.set(self.now.get() + 1);
             self.axis.tick().unwrap();
         }
@@ -102,7 +107,7 @@ proptest! {
     /// Any walk that keeps to the limit is followed to the step, at the end of every cycle.
     #[test]
     fn any_walk_is_followed_step_by_step(
-        pulse in 1u32..6, pause in 1u32..6, setup in 1u32..8, hold in 1u32..8, ticks in 20u32..120,
+        pulse in 1u32..6, pause in 1u32..6, setup in 1u32..8, hold in 1u32..8, ticks in 1u32..120,
         shares in prop::collection::vec(-1.0f64..1.0, 1..80),
         full in any::<bool>(),
     ) {
@@ -155,6 +160,81 @@ fn what_cannot_be_followed_is_owed_and_told() {
     assert_eq!((bench.axis.steps(), bench.judge()), (100, 100));
 }
 
+proptest! {
+    /// Timer ticks that are lost, and servo cycles that are late: no step that was not asked for, every one
+    /// that is missing is told, and the axis is never faster than it may be.
+    #[test]
+    fn lost_ticks_and_late_cycles_are_told_and_made_up_for(
+        cycles in prop::collection::vec((-10i64..=10, 0u32..250), 1..60),
+    ) {
+        let timing = StepTiming { ticks: 100, pulse: 1, pause: 2, setup: 3, hold: 2 };
+        let scale = Scale::new(1, 1000).unwrap();
+        let mut bench = Bench::new(scale, timing, Coord::ZERO, 10);
+        let mut target = 0;
+        for (step, ticks) in cycles {
+            let (before, behind) = (bench.axis.steps(), target - bench.axis.steps());
+            target += step;
+            let told = bench.cycle_of(Coord::from_nm(target * 1000).unwrap(), ticks);
+            prop_assert_eq!(i64::from(told), behind.abs());
+            let made = bench.axis.steps() - before;
+            let asked = target - before;
+            prop_assert!(made * asked >= 0 && made.abs() <= asked.abs().min(10), "{made} of {asked}");
+        }
+        for _ in 0..60 {
+            bench.cycle(Coord::from_nm(target * 1000).unwrap());
+        }
+        prop_assert_eq!((bench.axis.steps(), bench.judge()), (target, target));
+    }
+}
+
+/// A pin that fails at times.
+struct Flaky {
+    pin: Recorder,
+    calls: u32,
+}
+
+impl ErrorType for Flaky {
+    type Error = embedded_hal::digital::ErrorKind;
+}
+
+impl OutputPin for Flaky {
+    fn set_low(&mut self) -> Result<(), Self::Error> {
+        self.calls += 1;
+        if self.calls % 3 == 0 {
+            return Err(embedded_hal::digital::ErrorKind::Other);
+        }
+        self.pin.set(false);
+        Ok(())
+    }
+    fn set_high(&mut self) -> Result<(), Self::Error> {
+        self.set_low()?;
+        self.pin.set(true);
+        Ok(())
+    }
+}
+
+/// An edge that a pin does not take is tried again, and not counted before.
+#[test]
+fn a_pin_that_fails_loses_no_step() {
+    let timing = StepTiming { ticks: 100, pulse: 1, pause: 1, setup: 1, hold: 1 };
+    let (step, dir) = (Recorder::default(), Recorder::default());
+    let flaky = |pin: &Recorder| Flaky { pin: pin.clone(), calls: 0 };
+    let scale = Scale::new(1, 1000).unwrap();
+    let start = (Coord::ZERO, 10);
+    let mut axis = StepDir::new(flaky(&step), flaky(&dir), scale, timing, start).unwrap();
+    let mut failed = 0;
+    for target in [7i64, -2, 5, 0, 0] {
+        axis.begin(Coord::from_nm(target * 1000).unwrap());
+        for _ in 0..100 {
+            failed += u32::from(axis.tick().is_err());
+        }
+        assert_eq!(axis.steps(), target);
+    }
+    let rises = step.edges.borrow().iter().filter(|edge| edge.1).count();
+    assert_eq!(rises, 7 + 9 + 7 + 5);
+    assert!(failed > 10, "{failed}");
+}
+
 #[test]
 fn an_axis_that_is_too_fast_is_refused() {
     let timing = StepTiming::from_ns(100_000, 1000, [2000, 2000, 5000, 5000]);
@@ -168,6 +248,12 @@ fn an_axis_that_is_too_fast_is_refused() {
     assert_eq!(error, StepError::TooFast { steps: 50, most: 49 });
     assert_eq!(error.to_string(), "50 steps per servo cycle at full speed; 49 fit into one");
     assert_eq!(make(StepTiming { setup: 0, ..timing }, 1).err(), Some(StepError::NoTime));
+    // A timer that is slower than the servo cycle has no tick in it.
+    let slow = StepTiming::from_ns(1000, 500, [1000; 4]);
+    assert_eq!((slow.ticks, slow.most_steps()), (0, 0));
+    assert_eq!(make(slow, 0).err(), Some(StepError::NoTime));
+    let fast = StepTiming::from_ns(u32::MAX, u32::MAX, [u32::MAX; 4]);
+    assert_eq!((fast.ticks, fast.pulse, fast.most_steps()), (u32::MAX, u32::MAX, 0));
     assert!(Scale::new(0, 1).is_err() && Scale::new(1, 0).is_err());
 }
 
@@ -245,12 +331,19 @@ fn velocities_and_powers_become_duty_cycles() {
         Transaction::set_duty_cycle(0),
     ]);
     let mut laser = Analogue::unipolar(pin, 100.0f64);
-    laser.set(1.0e9).unwrap();
+    laser.set(f64::INFINITY).unwrap();
     laser.set(-5.0).unwrap();
     laser.release().done();
+    // Without a full scale there is nothing to say but 0.
+    let pin = Mock::new(&[Transaction::max_duty_cycle(1000), Transaction::set_duty_cycle(500)]);
+    let mut none = Analogue::bipolar(pin, 0.0f32);
+    none.set(100.0).unwrap();
+    none.release().done();
     let position = PositionLoop { gain: 20.0f32, most_error: 0.5 };
     assert_eq!(position.velocity(10.0, 0.25), Ok(15.0));
     let error = position.velocity(10.0, -0.75).unwrap_err();
     assert_eq!(error.to_string(), "following error is -0.75 mm; 0.5 is allowed");
-    assert!(position.velocity(10.0, f32::NAN).is_err());
+    assert!(
+        position.velocity(10.0, f32::NAN).is_err() && position.velocity(f32::NAN, 0.0).is_err()
+    );
 }

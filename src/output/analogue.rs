@@ -26,7 +26,8 @@ impl<P: SetDutyCycle, S: Scalar> Analogue<P, S> {
         Self { pin, full, bipolar: false }
     }
 
-    /// Sets a value; what is beyond full scale is cut to it, and what is no number gives 0.
+    /// Sets a value; what is beyond full scale is cut to it, and what is no number gives 0, as everything
+    /// does if full scale is not above 0.
     ///
     /// # Errors
     /// The pin's.
@@ -34,7 +35,9 @@ impl<P: SetDutyCycle, S: Scalar> Analogue<P, S> {
         let share = value / self.full;
         let share = if self.bipolar { (share + S::ONE) * S::of(0.5) } else { share };
         let rest = if self.bipolar { S::of(0.5) } else { S::ZERO };
-        let share = if share.is_finite() { share.greatest(S::ZERO).least(S::ONE) } else { rest };
+        let number = share.is_finite() || share.abs() > S::ONE;
+        let known = number && self.full > S::ZERO;
+        let share = if known { share.greatest(S::ZERO).least(S::ONE) } else { rest };
         let most = self.pin.max_duty_cycle();
         let duty = (share * S::from_u32(u32::from(most)) + S::of(0.5)).to_i64();
         self.pin.set_duty_cycle(duty.clamp(0, i64::from(most)) as u16)
@@ -79,11 +82,12 @@ impl<S: Scalar> PositionLoop<S> {
     /// The velocity to ask for, mm/s, with the setpoint's velocity and what is left to its place, mm.
     ///
     /// # Errors
-    /// [`FollowingError`] if that is too much, or no number.
+    /// [`FollowingError`] if that is too much, or if it or the velocity is no number.
     pub fn velocity(&self, velocity: S, left: S) -> Result<S, FollowingError<S>> {
-        if !(left.abs() <= self.most_error) {
+        let asked = velocity + self.gain * left;
+        if !(left.abs() <= self.most_error && asked.is_finite()) {
             return Err(FollowingError { error: left, most: self.most_error });
         }
-        Ok(velocity + self.gain * left)
+        Ok(asked)
     }
 }

@@ -23,14 +23,16 @@ pub struct StepTiming {
 
 impl StepTiming {
     /// From a data sheet: rate of the step timer, Hz; servo cycle, µs; the drive's times, ns. Times are
-    /// rounded up to whole ticks, and one at least.
+    /// rounded up to whole ticks, and one at least; the ticks of a servo cycle are rounded down, to none where
+    /// the timer is slower than the cycle, which [`StepDir::new`] refuses.
     pub const fn from_ns(
         timer_hz: u32,
         cycle_us: u32,
         [pulse, pause, setup, hold]: [u32; 4],
     ) -> Self {
+        let ticks = timer_hz as u64 * cycle_us as u64 / 1_000_000;
         Self {
-            ticks: (timer_hz as u64 * cycle_us as u64 / 1_000_000) as u32,
+            ticks: if ticks > u32::MAX as u64 { u32::MAX } else { ticks as u32 },
             pulse: whole_ticks(timer_hz, pulse),
             pause: whole_ticks(timer_hz, pause),
             setup: whole_ticks(timer_hz, setup),
@@ -50,8 +52,15 @@ impl StepTiming {
 }
 
 const fn whole_ticks(timer_hz: u32, ns: u32) -> u32 {
-    let ticks = (timer_hz as u64 * ns as u64).div_ceil(1_000_000_000) as u32;
-    if ticks == 0 { 1 } else { ticks }
+    // 2^64 / 1e9 is more than 2^32.
+    let ticks = (timer_hz as u64 * ns as u64).div_ceil(1_000_000_000);
+    if ticks == 0 {
+        1
+    } else if ticks > u32::MAX as u64 {
+        u32::MAX
+    } else {
+        ticks as u32
+    }
 }
 
 /// Why an axis cannot be driven.
@@ -65,7 +74,7 @@ pub enum StepError<E> {
         /// Steps that fit into one.
         most: u32,
     },
-    /// A pulse, pause, set-up or hold time of 0 ticks.
+    /// A servo cycle, pulse, pause, set-up or hold time of 0 ticks.
     NoTime,
     /// A pin did not take its level.
     Pin(E),
@@ -77,7 +86,9 @@ impl<E: fmt::Debug> fmt::Display for StepError<E> {
             Self::TooFast { steps, most } => {
                 write!(f, "{steps} steps per servo cycle at full speed; {most} fit into one")
             }
-            Self::NoTime => f.write_str("pulse, pause, set-up and hold must be 1 tick at least"),
+            Self::NoTime => {
+                f.write_str("servo cycle, pulse, pause, set-up and hold must be 1 tick at least")
+            }
             Self::Pin(error) => write!(f, "a pin does not take its level: {error:?}"),
         }
     }
@@ -90,19 +101,25 @@ impl<E: fmt::Debug> core::error::Error for StepError<E> {}
 /// Once per servo cycle [`StepDir::begin`] takes the new setpoint; [`StepDir::tick`], called `ticks` times
 /// until the next, gives the steps, spread evenly. The axis so is one servo cycle behind its
 /// setpoint, all axes alike. Steps are counted when they are made, and what is owed is always the
-/// difference to the setpoint: no step can be lost or made twice, whatever happens in between.
+/// difference to the setpoint: no step can be lost or made twice, whatever happens in between. Where ticks
+/// are missing the axis falls behind, which [`StepDir::begin`] says; where a servo cycle is late it stands at
+/// its setpoint and waits.
 #[derive(Debug)]
 pub struct StepDir<STEP, DIR> {
     step: STEP,
     dir: DIR,
     timing: StepTiming,
     scale: Scale,
-    /// Steps made.
+    /// Most steps of a servo cycle.
+    most: u32,
+    /// Steps made, and where the last setpoint is.
     at: i64,
+    target: i64,
     /// Steps of this servo cycle, and whether they go back.
     count: u32,
     back: bool,
-    /// Of those, how many have become due and not been made.
+    /// Of those, how many have not become due yet, and how many have and have not been made.
+    ahead: u32,
     due: u32,
     /// Where between two steps the cycle is, in `count` per tick and `ticks` per step.
     phase: u32,
@@ -133,8 +150,8 @@ where
         timing: StepTiming,
         (start, most): (Coord, u32),
     ) -> Result<Self, StepError<E>> {
-        let StepTiming { pulse, pause, setup, hold, .. } = timing;
-        if pulse == 0 || pause == 0 || setup == 0 || hold == 0 {
+        let StepTiming { ticks, pulse, pause, setup, hold } = timing;
+        if ticks == 0 || pulse == 0 || pause == 0 || setup == 0 || hold == 0 {
             return Err(StepError::NoTime);
         }
         if most > timing.most_steps() {
@@ -142,14 +159,18 @@ where
         }
         step.set_low().map_err(StepError::Pin)?;
         dir.set_low().map_err(StepError::Pin)?;
+        let at = scale.steps(start);
         Ok(Self {
             step,
             dir,
             timing,
             scale,
-            at: scale.steps(start),
+            most,
+            at,
+            target: at,
             count: 0,
             back: false,
+            ahead: 0,
             due: 0,
             phase: 0,
             level: false,
@@ -159,15 +180,16 @@ where
         })
     }
 
-    /// Takes the setpoint of a servo cycle. Returns how many steps of the one before have not been made:
-    /// 0 as long as the axis keeps to its limits and [`StepDir::tick`] has been called often enough.
+    /// Takes the setpoint of a servo cycle. Returns how many steps to the one before have not been made:
+    /// 0 as long as the axis keeps to its limits and [`StepDir::tick`] has been called often enough. They
+    /// are owed on, and made as fast as the axis's greatest velocity allows.
     pub fn begin(&mut self, setpoint: Coord) -> u32 {
-        let left = self.due;
-        let delta = self.scale.steps(setpoint).saturating_sub(self.at);
-        self.back = delta < 0;
-        // More than fit into a cycle are owed on.
-        self.count = delta.unsigned_abs().min(u64::from(self.timing.ticks)) as u32;
-        self.due = 0;
+        let owed = |to: i64, at: i64| u32::try_from(to.abs_diff(at)).unwrap_or(u32::MAX);
+        let left = owed(self.target, self.at);
+        self.target = self.scale.steps(setpoint);
+        self.back = self.target < self.at;
+        self.count = owed(self.target, self.at).min(self.most);
+        (self.ahead, self.due) = (self.count, 0);
         // The first step comes after half a period: so neighbouring cycles fit together.
         self.phase = self.timing.ticks / 2;
         left
@@ -178,42 +200,56 @@ where
     /// Cost: some ten instructions without a step due, twice as many with.
     ///
     /// # Errors
-    /// The pin's.
+    /// The pin's; the edge is tried again at the next tick, and not counted before.
     pub fn tick(&mut self) -> Result<(), E> {
-        self.phase += self.count;
-        if self.phase >= self.timing.ticks {
-            self.phase -= self.timing.ticks;
-            self.due += 1;
+        if self.ahead > 0 {
+            let left = self.timing.ticks - self.phase;
+            if self.count >= left {
+                self.phase = self.count - left;
+                self.due += 1;
+                self.ahead -= 1;
+            } else {
+                self.phase += self.count;
+            }
         }
         self.hold = self.hold.saturating_sub(1);
-        if self.high > 0 {
+        if self.high > 1 {
             self.high -= 1;
-            if self.high == 0 {
-                self.wait = self.timing.pause;
-                self.hold = self.timing.hold;
-                return self.step.set_low();
-            }
+            return Ok(());
+        }
+        if self.high == 1 {
+            self.step.set_low()?;
+            self.high = 0;
+            self.wait = self.timing.pause;
+            self.hold = self.timing.hold;
             return Ok(());
         }
         self.wait = self.wait.saturating_sub(1);
-        if self.due == 0 {
+        if self.due == 0 && self.ahead == 0 {
             return Ok(());
         }
+        // As early as may be: the first step may be due before the set-up time is over.
         if self.back != self.level {
             if self.hold > 0 {
                 return Ok(());
             }
+            if self.back {
+                self.dir.set_high()?
+            } else {
+                self.dir.set_low()?
+            }
             self.level = self.back;
             self.wait = self.wait.max(self.timing.setup);
-            return if self.back { self.dir.set_high() } else { self.dir.set_low() };
-        }
-        if self.wait > 0 {
             return Ok(());
         }
+        if self.due == 0 || self.wait > 0 {
+            return Ok(());
+        }
+        self.step.set_high()?;
         self.due -= 1;
         self.at += if self.back { -1 } else { 1 };
         self.high = self.timing.pulse;
-        self.step.set_high()
+        Ok(())
     }
 
     /// Steps made, counted from the machine's zero.
