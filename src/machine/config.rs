@@ -11,15 +11,18 @@ pub enum CornerMode<S> {
     /// `L = 4 delta / sin(turn)`, and neighbouring corners share a leg by need. The default.
     Band,
     /// As printed in Guo, Yan, Wang 2023, sections 3.3 to 3.5: `e* = delta / 2`, the next corner
-    /// starts a fraction `lambda` of the remaining leg away, and the halving rule.
+    /// starts a fraction `lambda` of the remaining leg away (where that leaves less than a 64th of the
+    /// transition's length straight, nothing), and the halving rule. For corners between programmed lines;
+    /// curves are followed as in the other mode.
     Paper {
-        /// Share of the remaining leg kept straight between two transitions, 0 <= lambda < 1.
+        /// Share of the remaining leg kept straight between two transitions, 0 to 0.99.
         lambda: S,
     },
 }
 
 /// Everything the core needs to know of a machine. Make it with [`Config::new`] and change the
-/// fields that differ; it is checked when the core is built from it.
+/// fields that differ; it is checked when the core is built from it, against the ranges of
+/// [`Quantity::range`](super::Quantity::range).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Config<S, const N: usize> {
@@ -32,16 +35,17 @@ pub struct Config<S, const N: usize> {
     /// How corners are rounded.
     pub corner: CornerMode<S>,
     /// Time by which a new plan is handed over before it takes effect, s. It must cover the time
-    /// one planning step takes in the background.
+    /// one planning step takes in the background. Where less than twice as much is left of the plan under
+    /// way, half of what is left.
     pub lead: S,
     /// How long a start from rest waits for the look-ahead to fill, s.
     pub start_delay: S,
-    /// Most improvement steps (Newton iterations) of one planning step: the bound on its work. 10 to 20
-    /// are needed as a rule; as many again are allowed if the first do not lead to a motion, and half
+    /// Most improvement steps (Newton iterations) of one planning step: the bound on its work, 15 to 1000.
+    /// 10 to 20 are needed as a rule; as many again are allowed if the first do not lead to a motion, and half
     /// as many for the answer to an operator's command.
     pub iterations: u16,
     /// Sweeps in which a stretch of a run of short lines is smoothed before six of its spans are handed
-    /// on; 0 leaves the spline as it is laid. Every number gives a path inside the tolerance: up to
+    /// on, 0 to 100; 0 leaves the spline as it is laid. Every number gives a path inside the tolerance: up to
     /// eight more are made where the sweeps have led out of it, and what is still outside stays where it
     /// was. A sweep costs a banded factorisation over at most 48 control points.
     pub sweeps: u16,
@@ -67,22 +71,27 @@ impl<S: Scalar, const N: usize> Config<S, N> {
     /// # Errors
     /// [`ConfigError::Setting`] names the first setting out of range.
     pub fn check(&self) -> Result<(), ConfigError> {
-        let lambda = match self.corner {
-            CornerMode::Band => S::ZERO,
-            CornerMode::Paper { lambda } => lambda,
-        };
-        for (quantity, value, least, greatest) in [
-            (Quantity::Cycle, self.cycle, 1.0e-6, 0.1),
-            (Quantity::Tolerance, self.tolerance, 0.0, 1.0e3),
-            (Quantity::Lead, self.lead, 0.0, 10.0),
-            (Quantity::StartDelay, self.start_delay, 0.0, 1.0e3),
-            (Quantity::Lambda, lambda, 0.0, 0.99),
-        ] {
-            let value = value.to_f64();
-            if !(value >= least && value <= greatest) {
+        for quantity in Quantity::SETTINGS {
+            let value = self.setting(quantity);
+            if !quantity.accepts(value) {
+                let (value, (least, greatest)) = (value.to_f64(), quantity.range());
                 return Err(ConfigError::Setting { quantity, value, least, greatest });
             }
         }
         Ok(())
+    }
+
+    /// The value of a setting; that of one which does not count is one that is accepted.
+    fn setting(&self, quantity: Quantity) -> S {
+        match (quantity, self.corner) {
+            (Quantity::Cycle, _) => self.cycle,
+            (Quantity::Tolerance, _) => self.tolerance,
+            (Quantity::Lead, _) => self.lead,
+            (Quantity::StartDelay, _) => self.start_delay,
+            (Quantity::Lambda, CornerMode::Paper { lambda }) => lambda,
+            (Quantity::Iterations, _) => S::from_u32(u32::from(self.iterations)),
+            (Quantity::Sweeps, _) => S::from_u32(u32::from(self.sweeps)),
+            _ => S::of(quantity.range().0),
+        }
     }
 }

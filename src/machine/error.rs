@@ -1,10 +1,12 @@
 //! What can be wrong with a machine description.
 
+use crate::number::Scalar;
 use core::fmt;
 
-/// A quantity of a machine description.
+/// A quantity of a machine description; [`Quantity::range`] is what is accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum Quantity {
     /// Axis velocity, mm/s or degrees/s.
     Velocity,
@@ -22,9 +24,47 @@ pub enum Quantity {
     StartDelay,
     /// Overlap factor lambda of the paper.
     Lambda,
+    /// Improvement steps of one planning step.
+    Iterations,
+    /// Smoothing sweeps over a run.
+    Sweeps,
 }
 
 impl Quantity {
+    /// The settings of a [`Config`](super::Config), beside the limits of the axes.
+    pub const SETTINGS: [Self; 7] = [
+        Self::Cycle,
+        Self::Tolerance,
+        Self::Lead,
+        Self::StartDelay,
+        Self::Lambda,
+        Self::Iterations,
+        Self::Sweeps,
+    ];
+
+    /// Least and greatest value accepted. Within these the core's arithmetic is sound, and a setting at
+    /// either end costs little time: fewer iterations than the least make motions that are slower than a stop
+    /// at every corner, and beyond the greatest numbers of iterations and sweeps nothing is gained.
+    pub const fn range(self) -> (f64, f64) {
+        match self {
+            Self::Velocity => (1.0e-6, 1.0e6),
+            Self::Acceleration => (1.0e-4, 1.0e8),
+            Self::Jerk => (1.0e-3, 1.0e11),
+            Self::Cycle => (1.0e-6, 0.01),
+            Self::Tolerance | Self::StartDelay => (0.0, 1.0e3),
+            Self::Lead => (0.0, 10.0),
+            Self::Lambda => (0.0, 0.99),
+            Self::Iterations => (15.0, 1000.0),
+            Self::Sweeps => (0.0, 100.0),
+        }
+    }
+
+    /// Whether a value lies in the range, whose ends are those of its type.
+    pub(super) fn accepts<S: Scalar>(self, value: S) -> bool {
+        let (least, greatest) = self.range();
+        value >= S::of(least) && value <= S::of(greatest)
+    }
+
     const fn words(self) -> (&'static str, &'static str) {
         match self {
             Self::Velocity => ("velocity", "mm/s"),
@@ -35,6 +75,8 @@ impl Quantity {
             Self::Lead => ("lead", "s"),
             Self::StartDelay => ("start delay", "s"),
             Self::Lambda => ("lambda", ""),
+            Self::Iterations => ("number of iterations", ""),
+            Self::Sweeps => ("number of sweeps", ""),
         }
     }
 }
@@ -92,7 +134,8 @@ impl fmt::Display for ConfigError {
             }
             Self::Setting { quantity, value, least, greatest } => {
                 let (name, unit) = quantity.words();
-                write!(f, "{name} is {value} {unit}; it must be {least} to {greatest}")
+                let space = if unit.is_empty() { "" } else { " " };
+                write!(f, "{name} is {value}{space}{unit}; it must be {least} to {greatest}")
             }
         }
     }

@@ -25,11 +25,6 @@ pub struct Limits<S, const N: usize> {
     axes: [AxisLimits<S>; N],
 }
 
-/// Range of each limit that is accepted.
-const VELOCITY: (f64, f64) = (1.0e-6, 1.0e6);
-const ACCELERATION: (f64, f64) = (1.0e-4, 1.0e8);
-const JERK: (f64, f64) = (1.0e-3, 1.0e11);
-
 impl<S: Scalar, const N: usize> Limits<S, N> {
     /// Checks and keeps the limits.
     ///
@@ -38,14 +33,13 @@ impl<S: Scalar, const N: usize> Limits<S, N> {
     /// positive, or out of range.
     pub fn new(axes: [AxisLimits<S>; N]) -> Result<Self, ConfigError> {
         for (axis, limits) in axes.iter().enumerate() {
-            for (quantity, value, range) in [
-                (Quantity::Velocity, limits.velocity, VELOCITY),
-                (Quantity::Acceleration, limits.acceleration, ACCELERATION),
-                (Quantity::Jerk, limits.jerk, JERK),
+            for (quantity, value) in [
+                (Quantity::Velocity, limits.velocity),
+                (Quantity::Acceleration, limits.acceleration),
+                (Quantity::Jerk, limits.jerk),
             ] {
-                let value = value.to_f64();
-                let (least, greatest) = range;
-                if !(value >= least && value <= greatest) {
+                if !quantity.accepts(value) {
+                    let (value, (least, greatest)) = (value.to_f64(), quantity.range());
                     return Err(ConfigError::AxisLimit { axis, quantity, value, least, greatest });
                 }
             }

@@ -234,9 +234,9 @@ where
                 return Ok(());
             }
             if self.back {
-                self.dir.set_high()?
+                self.dir.set_high()?;
             } else {
-                self.dir.set_low()?
+                self.dir.set_low()?;
             }
             self.level = self.back;
             self.wait = self.wait.max(self.timing.setup);

@@ -8,7 +8,7 @@ use super::chords::Chords;
 use super::corner::Corner;
 use super::cut::{Emitted, next_way, rest_cell, standstill};
 use super::item::{Item, Joint};
-use super::joint::{Taken, bent_lengths, joint, mean_node, reach};
+use super::joint::{Taken, bent_lengths, corner_mode, joint, mean_node, reach};
 use super::node::{Node, Order};
 use super::run::{Run, Tie};
 use super::segment::{Segment, raw_to_mm};
@@ -107,30 +107,38 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         }
         let reject = |reason| PushError::Rejected { tag: block.tag, reason };
         if let Some(chords) = Chords::new(self.end, block, config).map_err(reject)? {
-            // The first chord is checked as the block is: by its feed and its length.
-            self.take(&chords.line(), config)?;
+            // The first chord is checked as the block is, by its feed; the others are what it is.
+            self.take(&chords.line(), Some(chords.whole()), config)?;
             self.chords = chords.advanced();
             self.feed(config);
             return Ok(());
         }
-        self.take(block, config)
+        self.take(block, None, config)
     }
 
     /// Takes chords of the curve under way as long as there is room.
     fn feed(&mut self, config: &Config<S, N>) {
         for _ in 0..BLOCKS {
             let Some(chords) = self.chords else { return };
-            if self.items.is_full() || self.take(&chords.line(), config).is_err() {
+            if self.items.is_full() {
                 return;
             }
+            // Cannot fail: its fields are those of the first, its end lies between control points.
+            let _ = self.take(&chords.line(), Some(chords.whole()), config);
             self.chords = chords.advanced();
         }
     }
 
-    /// Takes a block for which there is room, or leaves everything as it was.
-    fn take(&mut self, block: &Block<S, N>, config: &Config<S, N>) -> Result<(), PushError> {
+    /// Takes a block for which there is room, or leaves everything as it was. `whole` is the length of the
+    /// curve that it is a part of, mm.
+    fn take(
+        &mut self,
+        block: &Block<S, N>,
+        whole: Option<S>,
+        config: &Config<S, N>,
+    ) -> Result<(), PushError> {
         let reject = |reason| PushError::Rejected { tag: block.tag, reason };
-        let Some(item) = Item::new(self.end, block, config).map_err(reject)? else {
+        let Some(item) = Item::new(self.end, block, whole, config).map_err(reject)? else {
             // Zero length: nothing to do but to honour an exact stop.
             if block.exact_stop
                 && let Some(last) = self.items.back_mut()
@@ -254,7 +262,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                 self.closed
                     || next.stop_after
                     || next.segment.is_none()
-                    || matches!(config.corner, CornerMode::Paper { .. })
+                    || matches!(corner_mode(item, next, config.corner), CornerMode::Paper { .. })
             }
         }
     }

@@ -17,8 +17,10 @@ impl<S: Scalar, const N: usize> Block<S, N> {
     pub fn check(&self, from: &[Coord; N], config: &Config<S, N>) -> Result<(), BlockError> {
         match Chords::new(*from, self, config)? {
             // The first chord stands for all, as when it is pushed.
-            Some(chords) => Item::new(*from, &chords.line(), config).map(|_| ()),
-            None => Item::new(*from, self, config).map(|_| ()),
+            Some(chords) => {
+                Item::new(*from, &chords.line(), Some(chords.whole()), config).map(|_| ())
+            }
+            None => Item::new(*from, self, None, config).map(|_| ()),
         }
     }
 }

@@ -2,10 +2,12 @@
 //!
 //! The chords stay within a sixteenth of the tolerance of the curve, and the run they become
 //! ([`super::run`]) within the rest of it: so a curve is followed within its tolerance, and curves that
-//! join with the same tangent go on smoothly, whatever their curvature does.
+//! join with the same tangent go on smoothly, whatever their curvature does. A curve that is straight
+//! within that share - a line written as a curve, also one that runs back on itself - is one line to
+//! each of its turning points, at which the motion rests, and to its end.
 
 use super::item::{check_coordinates, in_range};
-use crate::block::{Block, BlockError, Feed, Field, Motion};
+use crate::block::{Block, BlockError, Field, Motion};
 use crate::machine::Config;
 use crate::number::{Coord, Scalar};
 use core::array::from_fn;
@@ -29,8 +31,20 @@ pub struct Chords<S, const N: usize> {
     end: [Coord; N],
     /// From the start to the other three Bezier points, mm.
     ways: [[f64; N]; 3],
+    /// Length, mm.
+    length: S,
+    cut: Cut,
     count: u32,
     next: u32,
+}
+
+/// Where a curve is cut.
+#[derive(Clone, Copy, Debug)]
+enum Cut {
+    /// At equal steps of the parameter.
+    Even,
+    /// At these parameters and the end: the turning points of a straight one.
+    At([f64; 2]),
 }
 
 impl<S: Scalar, const N: usize> Chords<S, N> {
@@ -48,22 +62,7 @@ impl<S: Scalar, const N: usize> Chords<S, N> {
         in_range(Field::Tolerance, tolerance, LEAST_TOLERANCE, 1.0e3)?;
         let ways =
             [controls[0], controls[1], to].map(|point| from_fn(|i| point[i].minus::<f64>(from[i])));
-        let [a, b, c] = &ways;
-        // Six times the greater of the second differences is the greatest second derivative.
-        let (mut early, mut late) = (0.0, 0.0);
-        for i in 0..N {
-            early += (b[i] - 2.0 * a[i]) * (b[i] - 2.0 * a[i]);
-            let x = c[i] - 2.0 * b[i] + a[i];
-            late += x * x;
-        }
         let sag = tolerance.to_f64() * SHARE;
-        let bend = Scalar::sqrt(f64::max(early, late));
-        let count = libm::ceil(Scalar::sqrt(0.75 * bend / sag));
-        if count > MOST {
-            let least = tolerance.to_f64() * (count / MOST) * (count / MOST);
-            let (field, value) = (Field::Tolerance, tolerance.to_f64());
-            return Err(BlockError::OutOfRange { field, value, least, greatest: 1.0e3 });
-        }
         let mut line = *block;
         line.tolerance = Some(tolerance - S::of(sag));
         line.exact_stop = false;
@@ -73,20 +72,34 @@ impl<S: Scalar, const N: usize> Chords<S, N> {
             start: from,
             end: to,
             ways,
-            count: (count as u32).max(1),
+            length: S::ZERO,
+            cut: Cut::Even,
+            count: 1,
             next: 1,
         };
-        if let Feed::Duration(seconds) = block.feed {
-            in_range(Field::Duration, seconds, 1.0e-6, 1.0e6)?;
-            let speed = chords.length() / seconds.to_f64();
-            chords.line.feed = Feed::PerSecond(S::of(speed.clamp(1.0e-9, 1.0e6)));
+        chords.length = S::of(chords.measured());
+        if let Some((count, at)) = turning_points(&ways, sag) {
+            (chords.count, chords.cut) = (count + 1, Cut::At(at));
+            return Ok(Some(chords));
         }
+        let count = libm::ceil(Scalar::sqrt(0.75 * bend(&ways) / sag));
+        if count > MOST {
+            let least = tolerance.to_f64() * (count / MOST) * (count / MOST);
+            let (field, value) = (Field::Tolerance, tolerance.to_f64());
+            return Err(BlockError::OutOfRange { field, value, least, greatest: 1.0e3 });
+        }
+        chords.count = (count as u32).max(1);
         Ok(Some(chords))
     }
 
     /// Where the curve ends.
     pub fn end(&self) -> &[Coord; N] {
         &self.end
+    }
+
+    /// Length of the whole curve, mm.
+    pub fn whole(&self) -> S {
+        self.length
     }
 
     /// From the start to the place at a share of the parameter, mm.
@@ -96,29 +109,55 @@ impl<S: Scalar, const N: usize> Chords<S, N> {
         from_fn(|i| 3.0 * v * u * (v * a[i] + u * b[i]) + u * u * u * c[i])
     }
 
-    /// Length, mm, by chords.
-    fn length(&self) -> f64 {
-        let (mut sum, mut before) = (0.0, [0.0; N]);
-        for k in 1..=PARTS {
-            let here = self.way(f64::from(k) / f64::from(PARTS));
-            let mut square = 0.0;
-            for (x, y) in here.iter().zip(before) {
-                square += (x - y) * (x - y);
+    /// The place at a share of the parameter: between the least and the greatest coordinates of the Bezier
+    /// points, as it is but for rounding, so that it is a coordinate that is accepted.
+    fn place(&self, u: f64) -> [Coord; N] {
+        let way = self.way(u);
+        from_fn(|i| {
+            let (mut least, mut greatest) = (self.start[i], self.start[i]);
+            for point in self.points() {
+                (least, greatest) = (least.min(point[i]), greatest.max(point[i]));
             }
-            sum += Scalar::sqrt(square);
-            before = here;
+            self.start[i].plus(way[i]).clamp(least, greatest)
+        })
+    }
+
+    /// The three Bezier points behind the start.
+    fn points(&self) -> [[Coord; N]; 3] {
+        match self.line.motion {
+            Motion::Cubic { controls: [a, b], to } => [a, b, to],
+            _ => [self.end; 3],
         }
-        sum
+    }
+
+    /// Length, mm: the integral of the speed along it, by Simpson's rule in equal parts.
+    fn measured(&self) -> f64 {
+        let [a, b, c] = &self.ways;
+        let speed = |u: f64| -> f64 {
+            let v = 1.0 - u;
+            let mut square = 0.0;
+            for i in 0..N {
+                let d = v * v * a[i] + 2.0 * v * u * (b[i] - a[i]) + u * u * (c[i] - b[i]);
+                square += d * d;
+            }
+            3.0 * Scalar::sqrt(square)
+        };
+        let step = 1.0 / f64::from(PARTS);
+        let mut sum = 0.0;
+        for k in 0..PARTS {
+            let u = f64::from(k) * step;
+            sum += speed(u) + 4.0 * speed(u + step / 2.0) + speed(u + step);
+        }
+        sum * step / 6.0
     }
 
     /// The next chord, as a line.
     pub fn line(&self) -> Block<S, N> {
-        let last = self.next == self.count;
-        let to = if last {
-            self.end
-        } else {
-            let way = self.way(f64::from(self.next) / f64::from(self.count));
-            from_fn(|i| self.start[i].plus(way[i]))
+        let last = self.next >= self.count;
+        let to = match self.cut {
+            _ if last => self.end,
+            Cut::Even => self.place(f64::from(self.next) / f64::from(self.count)),
+            Cut::At([first, second]) => self.place(if self.next == 1 { first } else { second }),
         };
         Block { motion: Motion::Line { to }, exact_stop: last && self.exact_stop, ..self.line }
     }
@@ -126,5 +165,132 @@ impl<S: Scalar, const N: usize> Chords<S, N> {
     /// Moves on to the chord after it; `None` if that was the last.
     pub fn advanced(self) -> Option<Self> {
         (self.next < self.count).then_some(Self { next: self.next + 1, ..self })
+    }
+}
+
+/// A sixth of the greatest second derivative by the parameter of a cubic from 0, mm: the greater of the
+/// second differences of its Bezier points.
+fn bend<const N: usize>([a, b, c]: &[[f64; N]; 3]) -> f64 {
+    let (mut early, mut late) = (0.0, 0.0);
+    for i in 0..N {
+        early += (b[i] - 2.0 * a[i]) * (b[i] - 2.0 * a[i]);
+        let x = c[i] - 2.0 * b[i] + a[i];
+        late += x * x;
+    }
+    Scalar::sqrt(f64::max(early, late))
+}
+
+/// How many turning points a straight cubic from 0 has, and where, by the parameter; `None` if it leaves
+/// the line to its farthest Bezier point by more than `sag`.
+fn turning_points<const N: usize>(ways: &[[f64; N]; 3], sag: f64) -> Option<(u32, [f64; 2])> {
+    let square = |way: &[f64; N]| way.iter().map(|x| x * x).sum::<f64>();
+    let [mut farthest, others @ ..] = *ways;
+    for way in others {
+        if square(&way) > square(&farthest) {
+            farthest = way;
+        }
+    }
+    let size = Scalar::sqrt(square(&farthest));
+    if !(size > 0.0) {
+        return Some((0, [1.0; 2]));
+    }
+    let along = ways.map(|way| way.iter().zip(&farthest).map(|(x, d)| x * d).sum::<f64>() / size);
+    for (way, along) in ways.iter().zip(along) {
+        let off: [f64; N] = from_fn(|i| way[i] - along * farthest[i] / size);
+        if square(&off) > sag * sag {
+            return None;
+        }
+    }
+    // The first derivative along the line is a parabola: v^2 d0 + 2 v u d1 + u^2 d2, zero where the
+    // quotient r = u / v of d2 r^2 + 2 d1 r + d0 = 0 is positive.
+    let [a, b, c] = along;
+    let (d0, d1, d2) = (a, b - a, c - b);
+    let inner = d1 * d1 - d0 * d2;
+    if inner <= 0.0 {
+        return Some((0, [1.0; 2]));
+    }
+    let sum = d1 + if d1 < 0.0 { -Scalar::sqrt(inner) } else { Scalar::sqrt(inner) };
+    // u / (u + v) with u and v up to a common factor.
+    let parameter = |u: f64, v: f64| if u * v > 0.0 { u / (u + v) } else { 1.0 };
+    let (p, q) = (parameter(-sum, d2), parameter(-d0, sum));
+    let (first, second) = if p < q { (p, q) } else { (q, p) };
+    Some((u32::from(first < 1.0) + u32::from(second < 1.0), [first, second]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::{AxisLimits, Limits};
+    use std::vec::Vec;
+
+    fn config() -> Config<f64, 2> {
+        let axis = AxisLimits { velocity: 1.0, acceleration: 1.0, jerk: 1.0, rotary: false };
+        Config::new(Limits::new([axis; 2]).unwrap())
+    }
+
+    fn at(x: f64, y: f64) -> [Coord; 2] {
+        [x, y].map(|x| Coord::from_mm(x).unwrap())
+    }
+
+    fn ends(from: [Coord; 2], points: [[Coord; 2]; 3]) -> Vec<[f64; 2]> {
+        let block = Block::cubic([points[0], points[1]], points[2], 1.0, 0);
+        let mut left = Chords::new(from, &block, &config()).unwrap();
+        let mut list = Vec::new();
+        while let Some(chords) = left {
+            let Motion::Line { to } = chords.line().motion else { panic!("no line") };
+            check_coordinates(&to).unwrap();
+            list.push(to.map(Coord::to_mm));
+            left = chords.advanced();
+        }
+        list
+    }
+
+    #[test]
+    fn a_line_written_as_a_curve_is_one_line() {
+        let (a, b) = (at(0.0, 0.0), at(30.0, 40.0));
+        for points in [[a, a, b], [a, b, b], [b, b, b], [at(10.5, 14.0), at(18.0, 24.0), b]] {
+            assert_eq!(ends(a, points), [[30.0, 40.0]]);
+        }
+        assert_eq!(ends(a, [a, a, a]), [[0.0, 0.0]]);
+    }
+
+    #[test]
+    fn a_straight_curve_is_cut_where_it_turns_back() {
+        let a = at(0.0, 0.0);
+        // x = 3 u v^2 10 - 3 u^2 v 10: turning points at (3 -+ sqrt(3)) / 6.
+        let list = ends(a, [at(10.0, 0.0), at(-10.0, 0.0), a]);
+        assert_eq!(list.len(), 3);
+        let most = 5.0 / f64::sqrt(3.0);
+        assert!(
+            (list[0][0] - most).abs() < 1.0e-9 && (list[1][0] + most).abs() < 1.0e-9,
+            "{list:?}"
+        );
+        // There and back.
+        let list = ends(a, [at(0.0, 8.0), at(0.0, 8.0), a]);
+        assert_eq!(list.len(), 2);
+        assert!((list[0][1] - 6.0).abs() < 1.0e-9);
+        // Overshooting the end.
+        assert_eq!(ends(a, [at(4.0, 0.0), at(9.0, 0.0), at(5.0, 0.0)]).len(), 2);
+    }
+
+    #[test]
+    fn no_chord_leaves_the_range_of_coordinates() {
+        for k in 0..200 {
+            let s = f64::from(k) * 7.31 - 700.0;
+            let edge = |y: f64| at(1.0e6, y);
+            let list = ends(at(s * 1000.0, 0.0), [edge(-s), edge(s * 0.5), edge(s)]);
+            assert!(list.iter().all(|p| p[0] <= 1.0e6));
+            let along = ends(edge(0.0), [edge(s), edge(-s), edge(s)]);
+            assert!(along.iter().all(|p| (p[0] - 1.0e6).abs() < 1.0e-9));
+        }
+    }
+
+    #[test]
+    fn length_is_exact_enough() {
+        let a = at(0.0, 0.0);
+        let block = Block::cubic([at(0.0, 10.0), at(10.0, 10.0)], at(10.0, 0.0), 1.0, 0);
+        let chords = Chords::<f64, 2>::new(a, &block, &config()).unwrap().unwrap();
+        // |c'|^2 / 900 = (v^2 - u^2)^2 + (2 u v)^2 = (u^2 + v^2)^2, and its integral over u is 2 / 3.
+        assert!((chords.length - 20.0).abs() < 1.0e-9, "{}", chords.length);
     }
 }

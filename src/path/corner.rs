@@ -18,6 +18,9 @@ use crate::number::vector::{Vector, dot};
 /// Share of the band that the default mode uses; the rest is for rounding.
 const BAND_SHARE: f64 = 0.998;
 
+/// Share of a leg from which on it counts as used up by the paper's transition.
+const USED_UP: f64 = 63.0 / 64.0;
+
 /// The corner between two legs.
 #[derive(Clone, Copy, Debug)]
 pub struct Corner<S> {
@@ -92,8 +95,9 @@ impl<S: Scalar> Corner<S> {
         if e * sin_theta > delta {
             return edge * (delta * half / e);
         }
-        // The whole next leg would be used up and leave a corner at its end (fig. 7): halve.
-        if leg_in >= leg_out { edge * half } else { edge }
+        // The whole next leg would be used up, or so much of it that what is left is rounding or as bad, and
+        // leave a corner at its end (fig. 7): halve.
+        if leg_in >= leg_out * S::of(USED_UP) { edge * half } else { edge }
     }
 
     /// The first half of the paper's transition with edge L, mm: one Bezier span with the control

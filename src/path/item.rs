@@ -38,6 +38,8 @@ pub struct Item<S, const N: usize> {
     pub rapid: bool,
     pub tolerance: S,
     pub stop_after: bool,
+    /// Whether it is a chord of a curve.
+    pub chord: bool,
     pub tag: u32,
     /// Joint to the next item, once that is known.
     pub joint: Joint,
@@ -65,10 +67,12 @@ impl<S: Scalar, const N: usize> Item<S, N> {
         Leg { order: self.order(), tolerance: self.tolerance, error: S::ZERO }
     }
 
-    /// A block that starts at `from`, checked; `None` if there is nothing to do for it.
+    /// A block that starts at `from`, checked; `None` if there is nothing to do for it. `whole` is the length
+    /// of the curve that it is a part of, mm.
     pub fn new(
         from: [Coord; N],
         block: &Block<S, N>,
+        whole: Option<S>,
         config: &Config<S, N>,
     ) -> Result<Option<Self>, BlockError> {
         let tolerance = block.tolerance.unwrap_or(config.tolerance);
@@ -86,6 +90,7 @@ impl<S: Scalar, const N: usize> Item<S, N> {
             rapid: block.feed == Feed::Rapid,
             tolerance,
             stop_after: block.exact_stop,
+            chord: whole.is_some(),
             tag: block.tag,
             joint: Joint::Stop,
             want: 0,
@@ -119,7 +124,7 @@ impl<S: Scalar, const N: usize> Item<S, N> {
             }
         };
         let Some(segment) = segment else { return Ok(None) };
-        item.feed = path_speed(&segment, block.feed, &config.limits);
+        item.feed = path_speed(&segment, whole, block.feed, &config.limits);
         item.segment = Some(segment);
         Ok(Some(item))
     }
@@ -131,11 +136,10 @@ pub fn in_range<S: Scalar>(
     least: f64,
     greatest: f64,
 ) -> Result<(), BlockError> {
-    let value = value.to_f64();
-    if value >= least && value <= greatest {
+    if value >= S::of(least) && value <= S::of(greatest) {
         Ok(())
     } else {
-        Err(BlockError::OutOfRange { field, value, least, greatest })
+        Err(BlockError::OutOfRange { field, value: value.to_f64(), least, greatest })
     }
 }
 
@@ -152,9 +156,14 @@ fn check_coordinate(axis: usize, coord: Coord) -> Result<(), BlockError> {
     Ok(())
 }
 
-/// Speed along the path that the feed word asks for, at most what the axes allow on a line, mm/s.
+/// Least speed along the path that is asked for, mm/s: a long duration of a tiny way gives less.
+const LEAST_SPEED: f64 = 1.0e-9;
+
+/// Speed along the path that the feed word asks for, at most what the axes allow on a line, mm/s. The one
+/// place where a feed word is read: for lines, arcs, and the chords of a curve that is `whole` mm long.
 fn path_speed<S: Scalar, const N: usize>(
     segment: &Segment<S, N>,
+    whole: Option<S>,
     feed: Feed<S>,
     limits: &Limits<S, N>,
 ) -> S {
@@ -172,7 +181,9 @@ fn path_speed<S: Scalar, const N: usize>(
     }
     let wanted = match feed {
         Feed::Rapid => return most,
-        Feed::Duration(seconds) => segment.length / seconds,
+        Feed::Duration(seconds) => {
+            (whole.unwrap_or(segment.length) / seconds).greatest(S::of(LEAST_SPEED))
+        }
         Feed::PerSecond(feed) => {
             // G94: the feed is the speed over the linear axes if any of them moves.
             let mut share = norm(&linear);

@@ -25,6 +25,10 @@ const LONE_COSINE: f64 = 0.2;
 const BACK_COSINE: f64 = -0.17;
 /// Share of a line that a run which goes on along it keeps for itself.
 const RUN_SHARE: i64 = 4;
+/// Least reach of a joint, 1e-12 mm: where there is less room than for a line, a stop is faster.
+const LEAST_REACH: i64 = 500_000;
+/// Least length of a straight piece between two transitions of the paper, as a part of the second's reach.
+const PAPER_BODY: i64 = 64;
 /// Turn, rad, up to which a joint is simply passed, however tight the tolerance.
 const STRAIGHT: f64 = 1.0e-6;
 /// Turn, rad, up to which a joint may be passed if the tolerance allows.
@@ -94,6 +98,16 @@ pub fn passes<S: Scalar, const N: usize>(
     off <= tolerance * S::of(0.48)
 }
 
+/// How corners between two items are rounded: those between the chords of a curve, which nobody has
+/// programmed, always in the band.
+pub fn corner_mode<S: Scalar, const N: usize>(
+    before: &Item<S, N>,
+    after: &Item<S, N>,
+    mode: CornerMode<S>,
+) -> CornerMode<S> {
+    if before.chord && after.chord { CornerMode::Band } else { mode }
+}
+
 /// How two items meet, and what length the joint would like of either.
 pub fn joint<S: Scalar, const N: usize>(
     before: &Item<S, N>,
@@ -103,6 +117,7 @@ pub fn joint<S: Scalar, const N: usize>(
     let (Some(a), Some(b)) = (&before.segment, &after.segment) else {
         return (Joint::Stop, 0);
     };
+    let mode = corner_mode(before, after, mode);
     let tolerance = before.tolerance.least(after.tolerance);
     let (frame_in, frame_out) = (a.end_frame(true), b.end_frame(false));
     let corner = Corner::new(&frame_in.0, &frame_out.0);
@@ -171,10 +186,22 @@ pub fn reach<S: Scalar, const N: usize>(
     }
     let corner = Corner::new(&segment.end_frame(true).0, &ahead.end_frame(false).0);
     let tolerance = item.tolerance.least(next.tolerance);
-    if let (Joint::Corner, CornerMode::Paper { lambda }) = (joint, config.corner) {
+    let mode = corner_mode(item, next, config.corner);
+    if let (Joint::Corner, CornerMode::Paper { lambda }) = (joint, mode) {
         let leg_in = raw_to_mm::<S>(left) * (S::ONE - lambda);
         let half = corner.paper_half(corner.paper_edge(tolerance, leg_in, ahead.length));
-        let raw = mm_to_raw(half.reach()).min(left).min(ahead.length_raw);
+        let most = left.min(ahead.length_raw);
+        let mut raw = mm_to_raw(half.reach()).min(most);
+        if raw < LEAST_REACH {
+            return Taken { raw: 0, half: None };
+        }
+        // A straight piece that is short beside the transitions at its ends, or made of rounding alone, is
+        // passed slowly for nothing: the leg is taken whole if the band has room.
+        let grown = raw_to_mm::<S>(left) / half.reach();
+        if left <= most && left - raw <= raw / PAPER_BODY && half.deviation() * grown <= tolerance {
+            raw = left;
+        }
+        let half = half.scaled(raw_to_mm::<S>(raw) / half.reach());
         return Taken { raw, half: Some(half) };
     }
     // Sharing by need: what the next joint does not want of the next segment is free for this one.
@@ -188,8 +215,8 @@ pub fn reach<S: Scalar, const N: usize>(
         (ahead.length_raw - next_want).max(ahead.length_raw / 2)
     };
     let mut raw = item.want.min(left).min(free);
-    if raw <= 0 {
-        return Taken { raw, half: None };
+    if raw < LEAST_REACH {
+        return Taken { raw: 0, half: None };
     }
     let mut half = None;
     if joint == Joint::Corner {

@@ -86,7 +86,8 @@ pub struct Counters {
 
 /// The producer's handle: takes blocks, plans, hands plans over.
 ///
-/// `N` axes, a look-ahead of `BLOCKS` blocks, a planning window of `NODES` nodes of the path.
+/// `N` axes (1 to 9), a look-ahead of `BLOCKS` blocks (4 at least), a planning window of `NODES` nodes of the
+/// path (48 at least: fewer would be slower than a stop at every corner).
 pub struct Planner<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> {
     side: PlanSide<'a, S, N>,
     config: Config<S, N>,

@@ -120,12 +120,19 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
     }
 
-    /// The node from which a new plan can branch off: a lead ahead of the motion.
+    /// The node from which a new plan can branch off: a lead ahead of the motion, or half of what is left
+    /// of the plan if that is less. At its end the motion would rest.
     pub(super) fn branch(&self, at: u32) -> Option<u32> {
         let end = self.window.index(self.planned_end);
+        let first = self.window.index(at) + 1;
+        let mut left = S::ZERO;
+        for i in first..end {
+            left += self.agreed_time(i);
+        }
+        let lead = self.config.lead.least(left * S::of(0.5));
         let mut time = S::ZERO;
-        for i in self.window.index(at) + 1..=end {
-            if time >= self.config.lead || i == end {
+        for i in first..=end {
+            if time >= lead || i == end {
                 return Some(self.window.serial(i));
             }
             time += self.agreed_time(i);

@@ -38,7 +38,14 @@ pub struct Window<S, const N: usize, const NODES: usize> {
 impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
     /// A window that rests at one node.
     pub fn new(node: Node<S, N>) -> Self {
-        const { assert!(NODES >= 16, "a window of fewer than 16 nodes cannot plan") };
+        // Fourteen nodes are kept free for what answers to commands add. With fewer than 48 the others do not
+        // hold the way to a stop over the cells of corners and arcs: it is slower than a stop at every corner.
+        const {
+            assert!(
+                NODES >= 48,
+                "a window of fewer than 48 nodes is slower than stopping at every corner"
+            );
+        };
         let mut stations = Deque::new();
         let cell = Cell {
             length: S::ZERO,

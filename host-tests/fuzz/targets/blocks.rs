@@ -65,14 +65,14 @@ fuzz_target!(|data: &[u8]| {
     let mut source = Source(data);
     let axis = AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false };
     let Ok(limits) = Limits::new([axis; 3]) else { return };
-    let mut link = Box::new(Link::<f32, 3, 32>::new());
+    let mut link = Box::new(Link::<f32, 3, 48>::new());
     let Ok((mut planner, mut interpolator)) = link.handles::<8>(Config::new(limits), [Coord::ZERO; 3])
     else {
         return;
     };
     let controls = planner.controls();
     let mut before = interpolator.tick();
-    let mut run = |planner: &mut splineway::Planner<'_, f32, 3, 8, 32>, cycles: u32| {
+    let mut run = |planner: &mut splineway::Planner<'_, f32, 3, 8, 48>, cycles: u32| {
         for _ in 0..cycles {
             planner.poll();
             let now = interpolator.tick();

@@ -8,12 +8,12 @@ use splineway::{AxisLimits, Config, Coord, Limits, Link, Planner};
 fuzz_target!(|data: &[u8]| {
     let axis = AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false };
     let Ok(limits) = Limits::new([axis; 3]) else { return };
-    let mut link = Box::new(Link::<f32, 3, 32>::new());
+    let mut link = Box::new(Link::<f32, 3, 48>::new());
     let Ok((mut planner, mut interpolator)) = link.handles::<8>(Config::new(limits), [Coord::ZERO; 3])
     else {
         return;
     };
-    let _: &Planner<'_, f32, 3, 8, 32> = &planner;
+    let _: &Planner<'_, f32, 3, 8, 48> = &planner;
     let mut station = Station::<f32, 3, 8>::new();
     let (mut inlet, mut sender) = (Inlet::new(), Sender::new(7, 100));
     let mut out = [0; FRAME];
