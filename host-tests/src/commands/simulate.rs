@@ -139,13 +139,7 @@ impl Simulate {
         let limits = machine.axes_of(&program)?;
         let letters: Vec<char> = program.axes().into_iter().map(|axis| LETTERS[axis]).collect();
         let track = Track::new(&program);
-        // Blocks may bring tolerances of their own.
-        let widest = program
-            .moves
-            .iter()
-            .filter_map(|step| step.tolerance)
-            .fold(machine.tolerance, f64::max);
-        let mut judge = Judge::new(&track, &limits, machine.cycle, widest);
+        let mut judge = Judge::new(&track, &limits, machine.cycle, machine.tolerance);
         let mut trace = Trace::new(machine.cycle);
         let mut progress = Progress::new(track.length(), self.quiet || self.json);
         let mut csv = match &self.setpoints {
@@ -207,7 +201,7 @@ impl Simulate {
             let setting = (machine.tolerance, machine.cycle);
             self.compare(&program, &limits, setting, report.time_s, &trace)?;
         }
-        let broken = violations(&verdict, self.scalar, machine.cycle, widest, &limits);
+        let broken = violations(&verdict);
         if !broken.is_empty() {
             bail!("the run broke limits: {}", broken.join("; "));
         }

@@ -75,6 +75,20 @@ impl Rational {
         self.points.iter().all(|point| distance(&place(*point), &from) <= error)
     }
 
+    /// Whether it is nowhere further than `error` mm from the line between its ends: it lies in the hull
+    /// of its points.
+    pub fn is_flat(&self, error: f64) -> bool {
+        let points: Vec<Point> = self.points.iter().map(|point| place(*point)).collect();
+        let (from, to) = (points[0], points[points.len() - 1]);
+        let square: f64 = (0..3).map(|i| (to[i] - from[i]).powi(2)).sum();
+        points.iter().all(|point| {
+            let along: f64 = (0..3).map(|i| (point[i] - from[i]) * (to[i] - from[i])).sum();
+            let t = if square > 0.0 { (along / square).clamp(0.0, 1.0) } else { 0.0 };
+            let foot: Point = std::array::from_fn(|i| from[i] + (to[i] - from[i]) * t);
+            distance(point, &foot) <= error
+        })
+    }
+
     /// Whether it is a straight line run from end to end, to within `error` mm.
     pub fn is_straight(&self, error: f64) -> bool {
         let points: Vec<Point> = self.points.iter().map(|point| place(*point)).collect();

@@ -6,6 +6,7 @@ pub mod geometry;
 pub mod judge;
 pub mod runner;
 pub mod track;
+pub mod witness;
 
 pub use duration::{Overtime, Pace, Stops, Stopwatch};
 pub use events::{Action, Event, Events, FORMAT};

@@ -1,12 +1,13 @@
 //! The servo cycle simulation: the core as a controller would run it, without the controller.
 
-use super::events::{Action, Events};
+use super::duration::Pace;
+use super::events::{Action, Event, Events};
 use crate::machine::Machine;
 use crate::program::{Course, Move, Program, Speed};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use splineway::{
-    Activity, Block, Config, Coord, Counters, Feed, Link, Motion, Planner, Progress, PushError,
-    Scalar, Setpoint, Turn,
+    Activity, Block, Config, Controls, Coord, Counters, Feed, Link, Motion, Planner, Progress,
+    PushError, Scalar, Setpoint, Turn,
 };
 use std::time::Instant;
 
@@ -39,6 +40,12 @@ pub struct Sample<'a> {
     pub tag: u32,
     /// What the interpolator does.
     pub activity: Activity,
+    /// Whether another piece of motion than in the cycle before is under way.
+    pub began: bool,
+    /// Relative distance of neighbouring numbers of the core's scalar.
+    pub unit: f64,
+    /// What the operator makes of the time.
+    pub pace: Pace,
 }
 
 /// Sees every servo cycle.
@@ -176,36 +183,16 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     let (mut planner, mut interpolator) = link.handles::<BLOCKS>(config, start)?;
     let controls = planner.controls();
     let mut moves = program.moves.iter().peekable();
-    let mut events = events.list().iter().peekable();
-    let mut silent_until = 0.0;
+    let mut operator = Operator::new(events.list());
     let mut cycle = 0u64;
     let mut idle = 0;
-    let first: Vec<f64> = axes.iter().map(|&axis| program.start[axis]).collect();
-    let zero = vec![0.0; axes.len()];
-    show(
-        observers,
-        &Sample {
-            time: 0.0,
-            position: &first,
-            velocity: &zero,
-            acceleration: &zero,
-            path: 0.0,
-            speed: 0.0,
-            tag: 0,
-            activity: Activity::Idle,
-        },
-    )?;
-    let mut position = first.clone();
-    let (mut velocity, mut acceleration) = (zero.clone(), zero.clone());
+    let mut view = View::new(program, &axes, S::EPSILON.to_f64());
+    let mut origin = start;
+    view.show(0.0, observers)?;
     loop {
         let now = cycle as f64 * machine.cycle;
-        while let Some(event) = events.next_if(|event| event.time <= now) {
-            event.action.send(controls);
-            if let Action::Starve(seconds) = event.action {
-                silent_until = now + seconds;
-            }
-        }
-        if now >= silent_until {
+        operator.play(now, controls);
+        if now >= operator.silent_until {
             stats.blocks += feed_blocks(&mut planner, &mut moves, &axes)?;
         }
         let began = Instant::now();
@@ -216,32 +203,18 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 stats.least_ahead = stats.least_ahead.min(planner.nodes_ahead());
             }
         }
-        let waiting = progress == Progress::Held || now < silent_until;
-        if progress == Progress::Held && events.peek().is_none() {
+        let waiting = progress == Progress::Held || now < operator.silent_until;
+        if progress == Progress::Held && operator.is_done() {
             bail!("the run is held after its last event: it needs a resume");
         }
         let began = Instant::now();
         let setpoint = interpolator.tick();
         stats.ticks.add(began);
         cycle += 1;
-        for (k, slot) in position.iter_mut().enumerate() {
-            *slot = setpoint.position_mm(k);
-            velocity[k] = setpoint.velocity[k].to_f64();
-            acceleration[k] = setpoint.acceleration[k].to_f64();
-        }
-        show(
-            observers,
-            &Sample {
-                time: cycle as f64 * machine.cycle,
-                position: &position,
-                velocity: &velocity,
-                acceleration: &acceleration,
-                path: setpoint.path_mm(),
-                speed: setpoint.path_speed.to_f64(),
-                tag: setpoint.tag,
-                activity: setpoint.activity,
-            },
-        )?;
+        view.take(&setpoint, setpoint.origin != origin);
+        view.pace = operator.pace(waiting);
+        origin = setpoint.origin;
+        view.show(cycle as f64 * machine.cycle, observers)?;
         if setpoint.activity == Activity::Idle {
             if progress == Progress::Done {
                 break;
@@ -264,6 +237,109 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         stats.least_ahead = 0;
     }
     Ok(stats)
+}
+
+/// Presses buttons when it is time.
+struct Operator<'a> {
+    events: std::iter::Peekable<std::slice::Iter<'a, Event>>,
+    /// Overrides of feed and of rapids, per cent.
+    overrides: (u16, u16),
+    /// The producer sends nothing until then, s.
+    silent_until: f64,
+    /// Whether something was pressed in this cycle.
+    pressed: bool,
+}
+
+impl<'a> Operator<'a> {
+    fn new(events: &'a [Event]) -> Self {
+        let events = events.iter().peekable();
+        Self { events, overrides: (100, 100), silent_until: 0.0, pressed: false }
+    }
+
+    fn play(&mut self, now: f64, controls: Controls<'_>) {
+        self.pressed = false;
+        while let Some(event) = self.events.next_if(|event| event.time <= now) {
+            event.action.send(controls);
+            self.pressed = true;
+            match event.action {
+                Action::Feed(percent) => self.overrides.0 = percent,
+                Action::Rapid(percent) => self.overrides.1 = percent,
+                Action::Starve(seconds) => self.silent_until = now + seconds,
+                _ => {}
+            }
+        }
+    }
+
+    fn is_done(&mut self) -> bool {
+        self.events.peek().is_none()
+    }
+
+    fn pace(&self, waits: bool) -> Pace {
+        let share = f64::from(self.overrides.0.min(self.overrides.1)) / 100.0;
+        Pace { share, command: self.pressed, waits }
+    }
+}
+
+/// A setpoint as observers see it.
+struct View {
+    position: Vec<f64>,
+    velocity: Vec<f64>,
+    acceleration: Vec<f64>,
+    path: f64,
+    speed: f64,
+    tag: u32,
+    activity: Activity,
+    began: bool,
+    unit: f64,
+    pace: Pace,
+}
+
+impl View {
+    fn new(program: &Program, axes: &[usize], unit: f64) -> Self {
+        let zero = vec![0.0; axes.len()];
+        Self {
+            position: axes.iter().map(|&axis| program.start[axis]).collect(),
+            velocity: zero.clone(),
+            acceleration: zero,
+            path: 0.0,
+            speed: 0.0,
+            tag: 0,
+            activity: Activity::Idle,
+            began: false,
+            unit,
+            pace: Pace::FULL,
+        }
+    }
+
+    fn take<S: Scalar, const N: usize>(&mut self, setpoint: &Setpoint<S, N>, began: bool) {
+        for (k, slot) in self.position.iter_mut().enumerate() {
+            *slot = setpoint.position_mm(k);
+            self.velocity[k] = setpoint.velocity[k].to_f64();
+            self.acceleration[k] = setpoint.acceleration[k].to_f64();
+        }
+        self.path = setpoint.path_mm();
+        self.speed = setpoint.path_speed.to_f64();
+        self.tag = setpoint.tag;
+        self.activity = setpoint.activity;
+        self.began = began;
+    }
+
+    fn show(&self, time: f64, observers: &mut [&mut dyn Observer]) -> Result<()> {
+        let sample = Sample {
+            time,
+            position: &self.position,
+            velocity: &self.velocity,
+            acceleration: &self.acceleration,
+            path: self.path,
+            speed: self.speed,
+            tag: self.tag,
+            activity: self.activity,
+            began: self.began,
+            unit: self.unit,
+            pace: self.pace,
+        };
+        observers.iter_mut().try_for_each(|observer| observer.setpoint(&sample))
+    }
 }
 
 /// Pushes moves until the core takes no more; returns how many it took.
@@ -298,10 +374,6 @@ fn check_rest<S: Scalar, const N: usize>(
         ensure!(off < 1.0e-5, "axis {k} stands {off} mm off where the core says");
     }
     Ok(())
-}
-
-fn show(observers: &mut [&mut dyn Observer], sample: &Sample<'_>) -> Result<()> {
-    observers.iter_mut().try_for_each(|observer| observer.setpoint(sample))
 }
 
 fn coord(mm: f64) -> Result<Coord> {

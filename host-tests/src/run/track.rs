@@ -1,9 +1,17 @@
-//! The programmed path as a fine poly-line, to hold setpoints against.
+//! The programmed path as a fine poly-line, to hold setpoints against: arcs as they are meant, and of a
+//! curve file the curve itself, not the blocks that stand for it.
 
-use crate::program::{Course, Program, on_cubic};
+use super::judge::Outside;
+use crate::program::arc::Spiral;
+use crate::program::rational::Rational;
+use crate::program::{Course, Move, Point, Program, on_cubic};
 
-/// Arcs are cut into chords that leave them by no more than this, mm.
-const SAGITTA: f64 = 1.0e-6;
+/// Arcs and curves are cut into chords that leave them by no more than this, mm.
+pub const SAGITTA: f64 = 1.0e-6;
+/// A move is cut into no more chords than this.
+const MOST: usize = 2_000_000;
+/// Curves are halved no more often than this.
+const HALVINGS: u32 = 20;
 
 /// The programmed path over the axes in use.
 #[derive(Clone, Debug)]
@@ -14,88 +22,102 @@ pub struct Track {
     points: Vec<f64>,
     /// Arc length up to each vertex.
     way: Vec<f64>,
+    /// The move that leads to each vertex.
+    moves: Vec<u32>,
+    /// Tolerance of every move, if it names one, and its line.
+    bands: Vec<(Option<f64>, u32)>,
 }
 
 impl Track {
     /// The path of a program.
     pub fn new(program: &Program) -> Self {
         let axes = program.axes();
-        let mut track = Self { axes: axes.len(), points: Vec::new(), way: Vec::new() };
+        let mut track = Self {
+            axes: axes.len(),
+            points: Vec::new(),
+            way: Vec::new(),
+            moves: Vec::new(),
+            bands: Vec::new(),
+        };
         let mut here = program.start;
-        track.add(axes.iter().map(|&axis| here[axis]));
-        for step in &program.moves {
-            match &step.path {
-                Course::Line { to } => {
-                    here = *to;
-                    track.add(axes.iter().map(|&axis| here[axis]));
-                }
-                Course::Arc { to, plane: (p, q), centre, clockwise, extra_turns } => {
-                    let from = (here[*p] - centre.0, here[*q] - centre.1);
-                    let end = (to[*p] - centre.0, to[*q] - centre.1);
-                    let (r0, r1) = (from.0.hypot(from.1), end.0.hypot(end.1));
-                    let a0 = from.1.atan2(from.0);
-                    let mut sweep = end.1.atan2(end.0) - a0;
-                    if *clockwise {
-                        sweep = -sweep;
-                    }
-                    let tau = std::f64::consts::TAU;
-                    let closed = (from.0 - end.0).hypot(from.1 - end.1) < 1e-6;
-                    if closed {
-                        sweep = tau;
-                    } else if sweep <= 0.0 {
-                        sweep += tau;
-                    }
-                    sweep += tau * f64::from(*extra_turns);
-                    let sign = if *clockwise { -1.0 } else { 1.0 };
-                    let chord = (8.0 * r0.max(r1).max(1e-9) * SAGITTA).sqrt();
-                    let n = ((r0.max(r1) * sweep / chord).ceil() as usize).clamp(8, 2_000_000);
-                    for k in 1..=n {
-                        let u = k as f64 / n as f64;
-                        let mut point = here;
-                        for axis in 0..point.len() {
-                            point[axis] += (to[axis] - here[axis]) * u;
-                        }
-                        let (r, phi) = (r0 + (r1 - r0) * u, a0 + sign * sweep * u);
-                        point[*p] = centre.0 + r * phi.cos();
-                        point[*q] = centre.1 + r * phi.sin();
-                        track.add(axes.iter().map(|&axis| point[axis]));
-                    }
-                    here = *to;
-                }
-                Course::Cubic { controls, to } => {
-                    let bend =
-                        [(&here, &controls[0], &controls[1]), (&controls[0], &controls[1], to)]
-                            .map(|(a, b, c)| {
-                                let x = (0..a.len()).map(|i| a[i] - 2.0 * b[i] + c[i]);
-                                6.0 * x.map(|x| x * x).sum::<f64>().sqrt()
-                            });
-                    let n = (bend[0].max(bend[1]) / (8.0 * SAGITTA)).sqrt().ceil();
-                    let n = (n as usize).clamp(8, 2_000_000);
-                    for k in 1..=n {
-                        let point = on_cubic(&here, controls, to, k as f64 / n as f64);
-                        track.add(axes.iter().map(|&axis| point[axis]));
-                    }
-                    here = *to;
-                }
-                Course::Dwell { .. } | Course::Event { .. } => {}
+        track.add(&here, &axes);
+        for (n, step) in program.moves.iter().enumerate() {
+            track.bands.push((step.tolerance, step.line));
+            match program.exact.get(n) {
+                Some(curve) => track.curve(curve, &axes, 0),
+                None => track.course(step, &here, &axes),
+            }
+            if let Some(to) = step.path.end() {
+                here = *to;
             }
         }
         track
     }
 
-    fn add(&mut self, point: impl Iterator<Item = f64>) {
+    fn course(&mut self, step: &Move, here: &Point, axes: &[usize]) {
+        match &step.path {
+            Course::Line { to } => self.add(to, axes),
+            Course::Arc { to, .. } => {
+                let Some(arc) = Spiral::of(&step.path, here) else { return };
+                let radius = arc.radii.0.max(arc.radii.1).max(1e-9);
+                let chord = (8.0 * radius * SAGITTA).sqrt();
+                let n = ((radius * arc.sweep.abs() / chord).ceil() as usize).clamp(8, MOST);
+                for k in 1..n {
+                    self.add(&arc.point(k as f64 / n as f64), axes);
+                }
+                self.add(to, axes);
+            }
+            Course::Cubic { controls, to } => {
+                let bend = [(here, &controls[0], &controls[1]), (&controls[0], &controls[1], to)]
+                    .map(|(a, b, c)| {
+                        let x = (0..a.len()).map(|i| a[i] - 2.0 * b[i] + c[i]);
+                        6.0 * x.map(|x| x * x).sum::<f64>().sqrt()
+                    });
+                let n = (bend[0].max(bend[1]) / (8.0 * SAGITTA)).sqrt().ceil();
+                let n = (n as usize).clamp(8, MOST);
+                for k in 1..=n {
+                    self.add(&on_cubic(here, controls, to, k as f64 / n as f64), axes);
+                }
+            }
+            Course::Dwell { .. } | Course::Event { .. } => {}
+        }
+    }
+
+    /// A curve, halved until its chords are near enough.
+    fn curve(&mut self, curve: &Rational, axes: &[usize], depth: u32) {
+        if depth == HALVINGS || curve.is_flat(SAGITTA) {
+            self.add(&curve.point(1.0), axes);
+        } else {
+            for half in curve.halves() {
+                self.curve(&half, axes, depth + 1);
+            }
+        }
+    }
+
+    fn add(&mut self, point: &Point, axes: &[usize]) {
         let start = self.points.len();
-        self.points.extend(point);
-        let Some(before) = start.checked_sub(self.axes) else {
-            self.way.push(0.0);
-            return;
+        self.points.extend(axes.iter().map(|&axis| point[axis]));
+        let step = match start.checked_sub(self.axes) {
+            Some(before) => distance(&self.points[before..start], &self.points[start..]),
+            None => 0.0,
         };
-        let step = distance(&self.points[before..start], &self.points[start..]);
-        if step < 1e-9 {
+        if start > 0 && step < 1e-9 {
             self.points.truncate(start);
             return;
         }
         self.way.push(self.way.last().copied().unwrap_or(0.0) + step);
+        self.moves.push((self.bands.len() as u32).saturating_sub(1));
+    }
+
+    /// The widest tolerance of any move, mm; `default` is that of moves which name none.
+    pub fn widest(&self, default: f64) -> f64 {
+        self.bands.iter().filter_map(|(band, _)| *band).fold(default, f64::max)
+    }
+
+    /// Tolerance and line of the move that leads to a vertex.
+    fn band(&self, k: usize, default: f64) -> (f64, u32) {
+        let band = self.moves.get(k).and_then(|&step| self.bands.get(step as usize));
+        band.map_or((default, 0), |&(band, line)| (band.unwrap_or(default), line))
     }
 
     /// Number of vertices.
@@ -128,6 +150,15 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum::<f64>().sqrt()
 }
 
+/// How far a setpoint is from the path.
+#[derive(Clone, Copy, Debug)]
+pub struct Off {
+    /// Distance, mm.
+    pub distance: f64,
+    /// Least distance beyond the tolerance in force at a place near by.
+    pub outside: Outside,
+}
+
 /// Follows the path in order and measures how far setpoints are from it.
 #[derive(Clone, Debug, Default)]
 pub struct Follower {
@@ -138,20 +169,23 @@ pub struct Follower {
 
 impl Follower {
     /// Distance of a setpoint from the stretch of path up to `reach` mm around the place that the
-    /// setpoint before it had come to.
+    /// setpoint before it had come to; `default` is the tolerance of moves which name none.
     ///
-    /// The place moves on only as far as it must to stay within `band` mm of the setpoint: where
-    /// the path folds back on itself it does not skip the fold.
-    pub fn distance(&mut self, track: &Track, x: &[f64], reach: f64, band: f64) -> f64 {
+    /// Where two tolerances meet, the lesser is in force at the corner. The place moves on only as far as
+    /// it must to stay within the tolerance: where the path folds back on itself it does not skip the fold.
+    pub fn look(&mut self, track: &Track, x: &[f64], reach: f64, default: f64) -> Off {
+        let mut best = Off { distance: f64::INFINITY, outside: Outside::default() };
+        best.outside.distance = f64::INFINITY;
         let last = track.len() - 1;
         if last == 0 {
-            return distance(track.point(0), x);
+            let off = distance(track.point(0), x);
+            let outside = Outside { distance: off, tolerance: 0.0, line: 0 };
+            return Off { distance: off, outside };
         }
         let mut lo = self.segment;
         while lo > 0 && track.way[lo] > self.way - reach {
             lo -= 1;
         }
-        let mut best = f64::INFINITY;
         let mut nearest = (self.segment, self.way);
         let mut place = None;
         for k in lo..last {
@@ -166,14 +200,26 @@ impl Follower {
                 a.iter().zip(b).zip(x).map(square).sum::<f64>().sqrt()
             };
             let t = (along / (length * length)).clamp(0.0, 1.0);
-            if off(t) < best {
-                best = off(t);
+            let distance = off(t);
+            if distance < best.distance {
+                best.distance = distance;
                 nearest = (k, track.way[k] + t * length);
+            }
+            let (own, line) = track.band(k + 1, default);
+            let tolerance = if t <= 0.0 && k > 0 {
+                own.min(track.band(k, default).0)
+            } else if t >= 1.0 && k + 1 < last {
+                own.min(track.band(k + 2, default).0)
+            } else {
+                own
+            };
+            if distance - tolerance < best.outside.distance {
+                best.outside = Outside { distance: distance - tolerance, tolerance, line };
             }
             if k >= self.segment && place.is_none() {
                 // Never back: a path that is run to and fro is passed twice.
                 let t = t.max((self.way - track.way[k]) / length).min(1.0);
-                if off(t) <= band {
+                if off(t) <= own * 1.001 + SAGITTA {
                     place = Some((k, track.way[k] + t * length));
                 }
             }

@@ -56,8 +56,8 @@ pub fn broken(
     machine: &Machine,
     precision: Precision,
 ) -> Result<Vec<String>> {
-    let limits = machine.axes_of(program)?;
-    Ok(violations(verdict, precision, machine.cycle, machine.tolerance, &limits))
+    let _ = (program, machine, precision);
+    Ok(violations(verdict))
 }
 
 /// A machine whose axes differ; `scale` is for its acceleration and, on top, for its jerk.

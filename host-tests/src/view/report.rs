@@ -1,8 +1,9 @@
 //! The report of a run.
 
-use crate::machine::{Axis, Machine};
+use crate::machine::Machine;
 use crate::program::Program;
-use crate::run::{Precision, Stats, Timing, Track, Verdict};
+use crate::run::judge::Outside;
+use crate::run::{Overtime, Precision, Stats, Timing, Track, Verdict};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -152,34 +153,51 @@ impl Report {
     }
 }
 
-/// Limits that a run has broken: none, if the core is right.
-///
-/// An `f32` run is granted what rounding to nanometres amounts to in differences.
-pub fn violations(
-    verdict: &Verdict,
-    precision: Precision,
-    cycle: f64,
-    tolerance: f64,
-    limits: &[Axis],
-) -> Vec<String> {
-    let worst = verdict.worst();
-    let exact = precision == Precision::F64;
-    let (first, band) = if exact { (1.001, 1.0005) } else { (1.005, 1.001) };
-    let (jerk, jerk_limit) = if exact { (worst.jerk, 1.001) } else { (worst.jerk4, 1.01) };
-    // Half a nanometre of rounding in each of the setpoints that a third difference takes.
-    let rounding = if exact { 0.0 } else { 8.0 * 0.5e-6 / (4.0 * cycle).powi(3) };
-    let noise = rounding / limits.iter().map(|axis| axis.jerk).fold(f64::INFINITY, f64::min);
+/// An axis may be over a limit by this share: the core's own rounding in its bounds.
+const OVER: f64 = 1.0e-3;
+/// Share of the tolerance that is granted to rounding.
+const BAND: f64 = 5.0e-4;
+/// What is granted beyond, mm: to the judge's chords, and to the finest input.
+const NOTHING: f64 = 1.0e-6;
+/// Greatest distance from the programmed end, mm.
+const END: f64 = 1.0e-4;
+
+/// What a run has broken: nothing, if the core is right.
+pub fn violations(verdict: &Verdict) -> Vec<String> {
     let mut found = Vec::new();
-    let mut check = |name: &str, ratio: f64, limit: f64| {
-        if !(ratio <= limit) {
-            found.push(format!("{name} is {ratio:.4} of its limit"));
+    for (peaks, how) in [(verdict.worst(), ""), (verdict.worst_reported(), " (as it says)")] {
+        for (name, ratio) in [
+            ("velocity", peaks.velocity),
+            ("acceleration", peaks.acceleration),
+            ("jerk", peaks.jerk),
+        ] {
+            if !(ratio <= 1.0 + OVER) {
+                found.push(format!("{name}{how} is {ratio:.4} of its limit"));
+            }
         }
-    };
-    check("velocity", worst.velocity, first);
-    check("acceleration", worst.acceleration, first);
-    check("jerk", jerk, jerk_limit + noise);
-    // A tolerance of 0 leaves what rounding to the finest unit amounts to.
-    check("deviation", (verdict.deviation - 1.0e-6).max(0.0) / tolerance.max(1.0e-9), band);
-    check("end error", verdict.end_error, 1.0e-4);
+    }
+    if !(verdict.mismatch <= 1.0) {
+        found.push(format!(
+            "positions do not go as velocities and accelerations say: {:.3} of what rounding explains",
+            verdict.mismatch
+        ));
+    }
+    let Outside { distance, tolerance, line } = verdict.outside;
+    if distance > tolerance * BAND + NOTHING {
+        let off = tolerance + distance;
+        found.push(format!(
+            "line {line}: deviation is {off:.6} mm; the tolerance is {tolerance} mm"
+        ));
+    }
+    if !(verdict.end_error <= END) {
+        found.push(format!("the end is {:.6} mm off", verdict.end_error));
+    }
+    if let Some(Overtime { seconds, line }) = verdict.overtime
+        && seconds > 0.0
+    {
+        found.push(format!(
+            "line {line}: it took {seconds:.3} s longer than stops and commands explain"
+        ));
+    }
     found
 }
