@@ -4,8 +4,8 @@
 use super::{Course, Point};
 use std::f64::consts::TAU;
 
-/// Ends of an arc that are nearer than this in its plane, mm, are one: it is a full circle.
-const CLOSED: f64 = 0.5e-6;
+/// Ends of an arc that are nearer than this in its plane, mm, are one, as in the core: it is a full circle.
+const CLOSED: f64 = 1.5e-6;
 
 /// An arc or helix, from its start to its end.
 #[derive(Clone, Copy, Debug)]

@@ -5,6 +5,7 @@ use super::judge::Outside;
 use crate::program::arc::Spiral;
 use crate::program::rational::Rational;
 use crate::program::{Course, Move, Point, Program, on_cubic};
+use splineway::block::FINEST_BAND;
 
 /// Arcs and curves are cut into chords that leave them by no more than this, mm.
 pub const SAGITTA: f64 = 1.0e-6;
@@ -24,8 +25,8 @@ pub struct Track {
     way: Vec<f64>,
     /// The move that leads to each vertex.
     moves: Vec<u32>,
-    /// Tolerance of every move, if it names one, and its line.
-    bands: Vec<(Option<f64>, u32)>,
+    /// Tolerance of every move, if it names one, the least that it has whatever is named, and its line.
+    bands: Vec<(Option<f64>, f64, u32)>,
 }
 
 impl Track {
@@ -42,7 +43,8 @@ impl Track {
         let mut here = program.start;
         track.add(&here, &axes);
         for (n, step) in program.moves.iter().enumerate() {
-            track.bands.push((step.tolerance, step.line));
+            let least = if matches!(step.path, Course::Arc { .. }) { FINEST_BAND } else { 0.0 };
+            track.bands.push((step.tolerance, least, step.line));
             match program.exact.get(n) {
                 Some(curve) => track.curve(curve, &axes, 0),
                 None => track.course(step, &here, &axes),
@@ -111,13 +113,14 @@ impl Track {
 
     /// The widest tolerance of any move, mm; `default` is that of moves which name none.
     pub fn widest(&self, default: f64) -> f64 {
-        self.bands.iter().filter_map(|(band, _)| *band).fold(default, f64::max)
+        let named = self.bands.iter().map(|(band, least, _)| band.unwrap_or(default).max(*least));
+        named.fold(default, f64::max)
     }
 
     /// Tolerance and line of the move that leads to a vertex.
     fn band(&self, k: usize, default: f64) -> (f64, u32) {
         let band = self.moves.get(k).and_then(|&step| self.bands.get(step as usize));
-        band.map_or((default, 0), |&(band, line)| (band.unwrap_or(default), line))
+        band.map_or((default, 0), |&(band, least, line)| (band.unwrap_or(default).max(least), line))
     }
 
     /// Number of vertices.
