@@ -4,6 +4,7 @@
  */
 #include "example.h"
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -25,12 +26,20 @@ static void drive(const splineway_setpoint *setpoint)
 
 static int wrong_calls(void)
 {
-    static splineway_core core;
+    static splineway_core core, moved;
     static const int64_t start[SPLINEWAY_AXES] = {0};
     static const int64_t far[SPLINEWAY_AXES] = {INT64_MAX};
     static const splineway_arc nowhere = {{0, 99}, {0, 0}, true, 0};
     const splineway_block options = {50.0f, 0.0f, -1.0f, false, 1};
     const splineway_block backwards = {-50.0f, 0.0f, -1.0f, false, 1};
+    /* None of these numbers is one; -0 is no rapid. */
+    const splineway_block wrong[] = {
+        {NAN, 0.0f, -1.0f, false, 1},        {1e-30f, 0.0f, -1.0f, false, 1},      {-0.0f, 0.0f, -1.0f, false, 1},
+        {INFINITY, 0.0f, -1.0f, false, 1},   {50.0f, NAN, -1.0f, false, 1},        {50.0f, -1.0f, -1.0f, false, 1},
+        {50.0f, 0.0f, NAN, false, 1},        {50.0f, 0.0f, -INFINITY, false, 1},   {50.0f, 0.0f, INFINITY, false, 1},
+    };
+    splineway_setpoint setpoint;
+    size_t k;
     splineway_config config;
     splineway_report report;
     int failures = 0;
@@ -41,13 +50,46 @@ static int wrong_calls(void)
     failures += splineway_config_init(&config, 200.0f, 2000.0f, 50000.0f) != SPLINEWAY_RESULT_OK;
     failures += splineway_init(&core, 100, &config, start) != SPLINEWAY_RESULT_STORAGE;
     failures += splineway_init(&core, sizeof core, &config, NULL) != SPLINEWAY_RESULT_NULL;
+    config.size = 0;
+    failures += splineway_init(&core, sizeof core, &config, start) != SPLINEWAY_RESULT_HEADER;
+    config.size = sizeof config;
     config.axis_count = SPLINEWAY_AXES + 1;
     failures += splineway_init(&core, sizeof core, &config, start) != SPLINEWAY_RESULT_AXES;
     config.axis_count = SPLINEWAY_AXES;
     config.cycle = -1.0f;
     failures += splineway_init(&core, sizeof core, &config, start) != SPLINEWAY_RESULT_CONFIG;
+    config.cycle = NAN;
+    failures += splineway_init(&core, sizeof core, &config, start) != SPLINEWAY_RESULT_CONFIG;
     config.cycle = 0.001f;
+    config.tolerance = NAN;
+    failures += splineway_init(&core, sizeof core, &config, start) != SPLINEWAY_RESULT_CONFIG;
+    config.tolerance = 0.01f;
+    config.iterations = 0;
+    failures += splineway_init(&core, sizeof core, &config, start) != SPLINEWAY_RESULT_CONFIG;
+    config.iterations = 40;
+    config.sweeps = 65535;
+    failures += splineway_init(&core, sizeof core, &config, start) != SPLINEWAY_RESULT_CONFIG;
+    config.sweeps = 8;
+    config.axes[0].jerk = INFINITY;
+    failures += splineway_init(&core, sizeof core, &config, start) != SPLINEWAY_RESULT_CONFIG;
+    config.axes[0].jerk = 50000.0f;
+    failures += splineway_init(&core, sizeof core, &config, far) != SPLINEWAY_RESULT_COORDINATE;
+    failures += splineway_tick(&core, &setpoint) != SPLINEWAY_RESULT_NOT_READY;
+    failures += splineway_init((splineway_core *)((char *)&core + 1), sizeof core, &config, start)
+                != SPLINEWAY_RESULT_STORAGE;
     failures += splineway_init(&core, sizeof core, &config, start) != SPLINEWAY_RESULT_OK;
+    memcpy(&moved, &core, sizeof core);
+    failures += splineway_tick(&moved, &setpoint) != SPLINEWAY_RESULT_NOT_READY;
+    failures += splineway_tick(&core, NULL) != SPLINEWAY_RESULT_NULL;
+    failures += splineway_push_line(&core, NULL, &options) != SPLINEWAY_RESULT_NULL;
+    failures += splineway_push_line(&core, start, NULL) != SPLINEWAY_RESULT_NULL;
+    failures += splineway_push_arc(&core, start, NULL, &options) != SPLINEWAY_RESULT_NULL;
+    failures += splineway_push_cubic(&core, start, start, NULL, &options) != SPLINEWAY_RESULT_NULL;
+    for (k = 0; k < sizeof wrong / sizeof wrong[0]; ++k) {
+        failures += splineway_push_line(&core, start, &wrong[k]) != SPLINEWAY_RESULT_OUT_OF_RANGE;
+    }
+    failures += splineway_push_dwell(&core, NAN, 1) != SPLINEWAY_RESULT_OUT_OF_RANGE;
+    failures += splineway_push_dwell(&core, INFINITY, 1) != SPLINEWAY_RESULT_OUT_OF_RANGE;
     failures += splineway_push_line(&core, far, &options) != SPLINEWAY_RESULT_COORDINATE;
     failures += splineway_push_line(&core, start, &backwards) != SPLINEWAY_RESULT_OUT_OF_RANGE;
     failures += splineway_push_arc(&core, start, &nowhere, &options) != SPLINEWAY_RESULT_PLANE;

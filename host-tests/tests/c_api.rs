@@ -24,6 +24,10 @@ const PRELUDE: &str = "\
 #ifndef SPLINEWAY_NODES
 #define SPLINEWAY_NODES 64
 #endif
+/* With this header's size and version, so that a library of another touches nothing. */
+#define splineway_config_init(config, velocity, acceleration, jerk) \\
+    splineway_config_init_sized((config), sizeof(splineway_config), SPLINEWAY_INTERFACE, (velocity), \\
+                                (acceleration), (jerk))
 ";
 
 /// The header that belongs to the sources.
@@ -79,24 +83,23 @@ fn run(command: &mut Command) -> String {
     text
 }
 
-/// Builds the library and the example for a number of axes, and runs it.
-fn example(axes: u32) -> String {
+/// Builds the library for a number of axes and a C program for another, and runs it.
+fn program(name: &str, sources: &[&str], library: u32, header: u32) -> String {
     let root = root();
-    let out = root.join("target/c").join(axes.to_string());
+    let out = root.join("target/c").join(library.to_string());
     run(Command::new(env!("CARGO"))
         .args(["rustc", "--quiet", "--locked", "--profile", "firmware", "--package", "splineway"])
         .args(["--lib", "--features", "c-lib", "--crate-type", "staticlib", "--target-dir"])
         .arg(&out)
-        .env("SPLINEWAY_AXES", axes.to_string())
+        .env("SPLINEWAY_AXES", library.to_string())
         .current_dir(&root));
-    let program = out.join("example");
+    let program = out.join(name);
     run(Command::new("cc")
         .args(["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O1"])
-        .arg(format!("-DSPLINEWAY_AXES={axes}"))
+        .arg(format!("-DSPLINEWAY_AXES={header}"))
         .arg("-I")
         .arg(root.join("src/c"))
-        .arg(root.join("host-tests/c/example.c"))
-        .arg(root.join("host-tests/c/main.c"))
+        .args(sources.iter().map(|source| root.join("host-tests/c").join(source)))
         .arg(out.join("firmware/libsplineway.a"))
         .arg("-o")
         .arg(&program));
@@ -106,9 +109,18 @@ fn example(axes: u32) -> String {
 #[test]
 fn the_example_runs_in_three_axes_and_in_five() {
     for axes in [3, 5] {
-        let text = example(axes);
+        let text = program("example", &["example.c", "main.c"], axes, axes);
         assert!(text.contains("result 0 (done)"), "{text}");
         assert!(text.contains("0 setpoints beyond a limit, 0 wrong answers"), "{text}");
         assert!(text.contains("at X0 Y0 nm, block 5"), "{text}");
+    }
+}
+
+/// A header of another size: nothing behind its structures is written, and nothing moves.
+#[test]
+fn a_library_of_another_size_touches_nothing() {
+    for header in [1, 2, 5, 9] {
+        let text = program(&format!("mismatch{header}"), &["mismatch.c"], 3, header);
+        assert_eq!(text.trim(), "refused", "header of {header} axes: {text}");
     }
 }

@@ -25,11 +25,18 @@ pub unsafe fn coords(nm: *const i64) -> Option<[Coord; SPLINEWAY_AXES]> {
 pub fn feed(options: &splineway_block) -> Feed<f32> {
     if options.duration != 0.0 {
         Feed::Duration(options.duration)
-    } else if options.feed == 0.0 {
+    } else if options.feed.to_bits() == 0 {
+        // Zero and nothing else: what a calculation has rounded to -0 is no rapid.
         Feed::Rapid
     } else {
         Feed::PerSecond(options.feed)
     }
+}
+
+/// What is no number is no way to ask for the machine's tolerance: it is refused with the block.
+pub fn tolerance(options: &splineway_block) -> Option<f32> {
+    let default = options.tolerance < 0.0 && options.tolerance.is_finite();
+    (!default).then_some(options.tolerance)
 }
 
 pub fn config(c: &splineway_config) -> Result<Config<f32, SPLINEWAY_AXES>, splineway_result> {

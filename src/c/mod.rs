@@ -3,7 +3,8 @@
 //! `cargo rustc --release --lib --features c-lib --crate-type staticlib` makes the library. It is built
 //! for one machine: the environment variables `SPLINEWAY_AXES`, `SPLINEWAY_BLOCKS` and `SPLINEWAY_NODES` set
 //! its size (3, 16 and 64 if they are not set), and C code that includes the header defines the same.
-//! The library knows what it was built for and refuses anything else.
+//! The library knows what it was built for and refuses anything else before it touches it: the header passes
+//! its sizes and its version.
 //!
 //! Nothing allocates and nothing panics. A core lives in storage that the caller provides and must not
 //! move. [`splineway_tick`] may interrupt any other function; of the others only one may run at a time,
@@ -23,7 +24,7 @@ use crate::block::{Block, Motion, Turn};
 use crate::number::Coord;
 use crate::planner::Planner;
 use crate::servo::{Controls, Interpolator, Link};
-use convert::{config, coord, coords, feed, refusal};
+use convert::{config, coord, coords, feed, refusal, tolerance};
 use core::mem::MaybeUninit;
 
 /// What stands in the storage.
@@ -31,6 +32,8 @@ use core::mem::MaybeUninit;
 struct Core {
     /// [`READY`] once everything else is set.
     ready: u32,
+    /// Where it was set up: its parts point to each other, so it works nowhere else.
+    home: *const Core,
     link: MaybeUninit<Link<f32, SPLINEWAY_AXES, SPLINEWAY_NODES>>,
     planner: MaybeUninit<CPlanner>,
     interpolator: MaybeUninit<Interpolator<'static, f32, SPLINEWAY_AXES>>,
@@ -47,8 +50,12 @@ const _: () = assert!(align_of::<Core>() <= align_of::<splineway_core>());
 /// The core in some storage, if it is ready.
 fn ready(storage: *mut splineway_core) -> Option<*mut Core> {
     let core = storage.cast::<Core>();
-    // SAFETY: the caller gives storage that `splineway_init` has seen, or null.
-    let ready = !core.is_null() && unsafe { (&raw const (*core).ready).read() } == READY;
+    // SAFETY: the caller gives storage that `splineway_init` has seen, or that is all zeros, or null.
+    let ready = !core.is_null()
+        && unsafe {
+            (&raw const (*core).ready).read() == READY
+                && core::ptr::eq((&raw const (*core).home).read(), core)
+        };
     ready.then_some(core)
 }
 
@@ -64,10 +71,14 @@ fn controls(storage: *mut splineway_core) -> Option<Controls<'static>> {
 }
 
 /// Fills in sensible settings: 1 ms servo cycle, 0.01 mm tolerance, and the same limits for every axis,
-/// mm/s, mm/s2 and mm/s3.
+/// mm/s, mm/s2 and mm/s3. To be called as `splineway_config_init(config, velocity, acceleration, jerk)`, which
+/// passes the header's size of a configuration, `bytes`, and its version, `interface`: if they are not the
+/// library's, nothing is written.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn splineway_config_init(
+pub unsafe extern "C" fn splineway_config_init_sized(
     config: *mut splineway_config,
+    bytes: usize,
+    interface: u32,
     velocity: f32,
     acceleration: f32,
     jerk: f32,
@@ -75,10 +86,17 @@ pub unsafe extern "C" fn splineway_config_init(
     if config.is_null() {
         return splineway_result::NULL;
     }
+    if interface != SPLINEWAY_INTERFACE {
+        return splineway_result::HEADER;
+    }
+    if bytes != size_of::<splineway_config>() {
+        return splineway_result::AXES;
+    }
     let axis = splineway_axis { velocity, acceleration, jerk, rotary: false };
-    // SAFETY: the caller gives a config to write to.
+    // SAFETY: the caller gives a config of this size to write to.
     unsafe {
         config.write(splineway_config {
+            size: size_of::<splineway_config>() as u32,
             axis_count: SPLINEWAY_AXES as u32,
             axes: [axis; SPLINEWAY_AXES],
             cycle: 0.001,
@@ -104,14 +122,18 @@ pub unsafe extern "C" fn splineway_init(
     if storage.is_null() || config.is_null() || start.is_null() {
         return splineway_result::NULL;
     }
-    if bytes < size_of::<Core>() {
+    let core = storage.cast::<Core>();
+    if bytes < size_of::<Core>() || !core.is_aligned() {
         return splineway_result::STORAGE;
     }
-    let core = storage.cast::<Core>();
     // SAFETY: the caller gives storage of that size, aligned by its type, that is not in use, and a config
     // and a start to read.
     unsafe {
         (&raw mut (*core).ready).write(0);
+        // The first member stands at the same place in every header; the others only if the size is ours.
+        if (&raw const (*config).size).read() as usize != size_of::<splineway_config>() {
+            return splineway_result::HEADER;
+        }
         let settings = &*config;
         if settings.axis_count as usize != SPLINEWAY_AXES {
             return splineway_result::AXES;
@@ -121,7 +143,7 @@ pub unsafe extern "C" fn splineway_init(
             Err(result) => return result,
         };
         let Some(start) = coords(start) else { return splineway_result::COORDINATE };
-        // As `Link::new()`, which is all zeros, but without a copy on the stack.
+        // As `Link::new()`, which is all zeros (tested below), but without a copy on the stack.
         (&raw mut (*core).link).write_bytes(0, 1);
         let link = (*core).link.assume_init_mut();
         let Ok((planner, interpolator)) = link.handles(settings, start) else {
@@ -130,6 +152,7 @@ pub unsafe extern "C" fn splineway_init(
         (&raw mut (*core).controls).write(MaybeUninit::new(planner.controls()));
         (&raw mut (*core).interpolator).write(MaybeUninit::new(interpolator));
         (&raw mut (*core).planner).write(MaybeUninit::new(planner));
+        (&raw mut (*core).home).write(core);
         (&raw mut (*core).ready).write(READY);
     }
     splineway_result::OK
@@ -148,11 +171,10 @@ fn push(
     // SAFETY: the caller gives options to read.
     let options = unsafe { &*options };
     let Some(motion) = motion() else { return splineway_result::COORDINATE };
-    let tolerance = (options.tolerance >= 0.0).then_some(options.tolerance);
     let block = Block {
         motion,
         feed: feed(options),
-        tolerance,
+        tolerance: tolerance(options),
         exact_stop: options.exact_stop,
         tag: options.tag,
     };

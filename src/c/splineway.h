@@ -20,6 +20,10 @@
 #ifndef SPLINEWAY_NODES
 #define SPLINEWAY_NODES 64
 #endif
+/* With this header's size and version, so that a library of another touches nothing. */
+#define splineway_config_init(config, velocity, acceleration, jerk) \
+    splineway_config_init_sized((config), sizeof(splineway_config), SPLINEWAY_INTERFACE, (velocity), \
+                                (acceleration), (jerk))
 
 
 /*
@@ -31,6 +35,11 @@
  The same in words of 64 bits.
  */
 #define SPLINEWAY_STORAGE_WORDS ((SPLINEWAY_STORAGE_BYTES / 8) + 1)
+
+/*
+ Version of the interface, which header and library must agree on.
+ */
+#define SPLINEWAY_INTERFACE 2
 
 /*
  What came of a call.
@@ -53,7 +62,7 @@ typedef enum {
    */
   SPLINEWAY_RESULT_NOT_READY = 3,
   /*
-   The storage is smaller than this library needs: it was built for another size.
+   The storage is smaller than this library needs, which was built for another size, or not aligned.
    */
   SPLINEWAY_RESULT_STORAGE = 4,
   /*
@@ -88,6 +97,11 @@ typedef enum {
    An abort was asked for and has not been acknowledged: nothing is taken.
    */
   SPLINEWAY_RESULT_ABORTED = 12,
+  /*
+   Header and library are not of the same version, or the configuration was not made by
+   `splineway_config_init`.
+   */
+  SPLINEWAY_RESULT_HEADER = 13,
 } splineway_result;
 
 /*
@@ -170,9 +184,14 @@ typedef struct {
 } splineway_axis;
 
 /*
- A machine.
+ A machine. Made by `splineway_config_init`, which says how large the header has it: a library of another
+ size then touches nothing.
  */
 typedef struct {
+  /*
+   Bytes of this structure in the header; not to be changed.
+   */
+  uint32_t size;
   /*
    `SPLINEWAY_AXES` of the header.
    */
@@ -208,7 +227,7 @@ typedef struct {
 } splineway_config;
 
 /*
- Storage of a core: opaque, and not to be moved once it is set up.
+ Storage of a core: opaque, and not to be moved once it is set up (it would no longer be ready).
  */
 typedef struct {
   /*
@@ -222,7 +241,7 @@ typedef struct {
  */
 typedef struct {
   /*
-   mm/s; with `duration` above 0 it does not count; 0 is a rapid: as fast as the axes can.
+   mm/s; with a `duration` it does not count; 0 is a rapid: as fast as the axes can.
    */
   float feed;
   /*
@@ -230,7 +249,7 @@ typedef struct {
    */
   float duration;
   /*
-   Greatest distance from the programmed path, mm; below 0: the machine's.
+   Greatest distance from the programmed path, mm; a number below 0: the machine's.
    */
   float tolerance;
   /*
@@ -339,12 +358,16 @@ extern "C" {
 
 /*
  Fills in sensible settings: 1 ms servo cycle, 0.01 mm tolerance, and the same limits for every axis,
- mm/s, mm/s2 and mm/s3.
+ mm/s, mm/s2 and mm/s3. To be called as `splineway_config_init(config, velocity, acceleration, jerk)`, which
+ passes the header's size of a configuration, `bytes`, and its version, `interface`: if they are not the
+ library's, nothing is written.
  */
-splineway_result splineway_config_init(splineway_config *config,
-                                       float velocity,
-                                       float acceleration,
-                                       float jerk);
+splineway_result splineway_config_init_sized(splineway_config *config,
+                                             size_t bytes,
+                                             uint32_t interface,
+                                             float velocity,
+                                             float acceleration,
+                                             float jerk);
 
 /*
  Sets a core up in `storage` of `bytes` bytes, at rest at `start` (nm, one number per axis). What was there is

@@ -33,7 +33,10 @@ pub const SPLINEWAY_STORAGE_BYTES: usize = 13_200
 /// The same in words of 64 bits.
 pub const SPLINEWAY_STORAGE_WORDS: usize = SPLINEWAY_STORAGE_BYTES / 8 + 1;
 
-/// Storage of a core: opaque, and not to be moved once it is set up.
+/// Version of the interface, which header and library must agree on.
+pub const SPLINEWAY_INTERFACE: u32 = 2;
+
+/// Storage of a core: opaque, and not to be moved once it is set up (it would no longer be ready).
 #[repr(C)]
 pub struct splineway_core {
     /// Not to be touched.
@@ -52,7 +55,7 @@ pub enum splineway_result {
     NULL = 2,
     /// The core is not set up.
     NOT_READY = 3,
-    /// The storage is smaller than this library needs: it was built for another size.
+    /// The storage is smaller than this library needs, which was built for another size, or not aligned.
     STORAGE = 4,
     /// The library was built for another number of axes.
     AXES = 5,
@@ -70,6 +73,9 @@ pub enum splineway_result {
     TOO_LONG = 11,
     /// An abort was asked for and has not been acknowledged: nothing is taken.
     ABORTED = 12,
+    /// Header and library are not of the same version, or the configuration was not made by
+    /// `splineway_config_init`.
+    HEADER = 13,
 }
 
 impl splineway_result {
@@ -89,6 +95,7 @@ impl splineway_result {
             (Self::ARC, c"the arc's ends are not at the same distance from its centre"),
             (Self::TOO_LONG, c"the block is too long"),
             (Self::ABORTED, c"an abort has not been acknowledged"),
+            (Self::HEADER, c"header and library differ, or the configuration is not from splineway_config_init"),
         ];
         let known = all.into_iter().find(|(result, _)| *result as i32 == number);
         known.map_or(c"no result of splineway", |(_, text)| text)
@@ -109,10 +116,13 @@ pub struct splineway_axis {
     pub rotary: bool,
 }
 
-/// A machine.
+/// A machine. Made by `splineway_config_init`, which says how large the header has it: a library of another
+/// size then touches nothing.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct splineway_config {
+    /// Bytes of this structure in the header; not to be changed.
+    pub size: u32,
     /// `SPLINEWAY_AXES` of the header.
     pub axis_count: u32,
     /// Limits of the axes.
@@ -135,11 +145,11 @@ pub struct splineway_config {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct splineway_block {
-    /// mm/s; with `duration` above 0 it does not count; 0 is a rapid: as fast as the axes can.
+    /// mm/s; with a `duration` it does not count; 0 is a rapid: as fast as the axes can.
     pub feed: f32,
     /// Seconds the block takes (inverse time); 0 if `feed` counts.
     pub duration: f32,
-    /// Greatest distance from the programmed path, mm; below 0: the machine's.
+    /// Greatest distance from the programmed path, mm; a number below 0: the machine's.
     pub tolerance: f32,
     /// Whether to come to rest exactly on the end point.
     pub exact_stop: bool,
