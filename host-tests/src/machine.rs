@@ -3,7 +3,8 @@
 use crate::program::{AXES, Header, LETTERS, Program};
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Deserialize;
-use splineway::{AxisLimits, Config, CornerMode, Limits, Scalar};
+use splineway::gcode::{OFFSETS, Place, Setup};
+use splineway::{AxisLimits, Config, Coord, CornerMode, Limits, Scalar};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -50,6 +51,12 @@ pub struct Machine {
     pub sweeps: u16,
     /// Limits by axis letter; "default" stands for those that are not named.
     pub axes: BTreeMap<String, Axis>,
+    /// Work offsets by code (G54 to G59.3), mm or degrees by axis letter.
+    pub work: BTreeMap<String, BTreeMap<String, f64>>,
+    /// Where G28 and G30 go, by code.
+    pub reference: BTreeMap<String, BTreeMap<String, f64>>,
+    /// Lengths of tools by number, mm, for G43.
+    pub tools: BTreeMap<String, f64>,
 }
 
 impl Default for Machine {
@@ -65,6 +72,9 @@ impl Default for Machine {
             lead: 0.01,
             sweeps: 8,
             axes: BTreeMap::from([("default".to_owned(), axis)]),
+            work: BTreeMap::new(),
+            reference: BTreeMap::new(),
+            tools: BTreeMap::new(),
         }
     }
 }
@@ -109,7 +119,41 @@ impl Machine {
             };
             Limits::new([limits]).map_err(|error| anyhow!("axes.{key}: {error}"))?;
         }
-        Ok(())
+        self.try_setup().map(|_| ())
+    }
+
+    /// Work offsets, reference points and tools for the G-code reader. (Those of a machine that has been parsed are
+    /// all valid; of others, what is not is left out.)
+    pub fn setup(&self) -> Setup {
+        self.try_setup().unwrap_or_default()
+    }
+
+    fn try_setup(&self) -> Result<Setup> {
+        let mut setup = Setup::NONE;
+        for (code, place) in &self.work {
+            let slot = OFFSET_CODES.iter().position(|known| known.eq_ignore_ascii_case(code));
+            let slot = slot.ok_or_else(|| {
+                anyhow!("work.{code}: work offsets are {}", OFFSET_CODES.join(" "))
+            })?;
+            setup.work[slot] = Some(coordinates(&format!("work.{code}"), place)?);
+        }
+        for (code, place) in &self.reference {
+            let slot = ["G28", "G30"].iter().position(|known| known.eq_ignore_ascii_case(code));
+            let slot =
+                slot.ok_or_else(|| anyhow!("reference.{code}: reference points are G28 and G30"))?;
+            setup.reference[slot] = coordinates(&format!("reference.{code}"), place)?;
+        }
+        if self.tools.len() > setup.tools.len() {
+            bail!("tools: {} of them; the table holds {}", self.tools.len(), setup.tools.len());
+        }
+        for (slot, (number, length)) in setup.tools.iter_mut().zip(&self.tools) {
+            let wrong =
+                || anyhow!("tools.{number}: it must be a tool's number from 1, and a length in mm");
+            let tool: u32 = number.parse().map_err(|_| wrong())?;
+            let length = Coord::from_mm(*length).filter(|_| tool > 0).ok_or_else(wrong)?;
+            *slot = Some((tool, length));
+        }
+        Ok(setup)
     }
 
     /// Takes over what a path file says.
@@ -174,6 +218,22 @@ impl Machine {
     pub fn axes_of(&self, program: &Program) -> Result<Vec<Axis>> {
         program.axes().into_iter().map(|index| self.axis(index)).collect()
     }
+}
+
+/// Codes of work offsets in their order.
+const OFFSET_CODES: [&str; OFFSETS] =
+    ["G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3"];
+
+/// A point by axis letters; axes that are not named are 0.
+fn coordinates(key: &str, place: &BTreeMap<String, f64>) -> Result<Place> {
+    let mut coordinates = Place::default();
+    for (letter, &mm) in place {
+        let axis = axis_index(letter)
+            .ok_or_else(|| anyhow!("{key}.{letter}: no such axis; axes are X Y Z A B C U V W"))?;
+        coordinates[axis] = Coord::from_mm(mm)
+            .ok_or_else(|| anyhow!("{key}.{letter} is {mm} mm; it must be within +-1e6"))?;
+    }
+    Ok(coordinates)
 }
 
 /// Depths the simulator is built for.

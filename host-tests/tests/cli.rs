@@ -92,7 +92,7 @@ fn the_example_writes_setpoints_report_and_plots() {
 #[test]
 fn wrong_files_are_explained() {
     let bad = file("bad.ngc", "G1 X1 F60\nG1 Xfoo\n").display().to_string();
-    assert!(error_of(&["simulate", &bad], 1).contains("bad.ngc: line 2: column 4"));
+    assert!(error_of(&["simulate", &bad], 1).contains("bad.ngc: line 2, column 4"));
     let arc = file("arc.ngc", "G2 X10 I1 F60\n").display().to_string();
     assert!(
         error_of(&["simulate", &arc], 1).contains("line 1: arc starts 1.000000 mm from its centre")

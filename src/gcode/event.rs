@@ -23,18 +23,23 @@ impl Code {
         Self { letter: 'M', tenths: number.saturating_mul(10) }
     }
 
+    /// A word on its own.
+    pub const fn word(letter: char) -> Self {
+        Self { letter, tenths: 0 }
+    }
+
     /// The spindle speed on its own.
-    pub const SPEED: Self = Self { letter: 'S', tenths: 0 };
+    pub const SPEED: Self = Self::word('S');
     /// A tool's number on its own.
-    pub const TOOL: Self = Self { letter: 'T', tenths: 0 };
+    pub const TOOL: Self = Self::word('T');
 }
 
 impl fmt::Display for Code {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match (self.letter, self.tenths / 10, self.tenths % 10) {
-            ('S' | 'T', ..) => write!(f, "{}", self.letter),
-            (letter, whole, 0) => write!(f, "{letter}{whole}"),
-            (letter, whole, tenth) => write!(f, "{letter}{whole}.{tenth}"),
+            (letter @ ('G' | 'M'), whole, 0) => write!(f, "{letter}{whole}"),
+            (letter @ ('G' | 'M'), whole, tenth) => write!(f, "{letter}{whole}.{tenth}"),
+            (letter, ..) => write!(f, "{letter}"),
         }
     }
 }
@@ -57,7 +62,8 @@ impl Event {
         match (self.code.letter, self.code.tenths / 10) {
             ('M', 6) => 'T',
             ('M', 61) => 'Q',
-            ('M', 62..=65) => 'P',
+            ('M', 19) => 'R',
+            ('M', 50..=53 | 62..=65) => 'P',
             _ => 'S',
         }
     }

@@ -16,11 +16,11 @@ const HALVINGS: u32 = 30;
 ///
 /// # Errors
 /// Names the place in the file, or the member and what is wrong with it.
-pub fn parse_nurbs(text: &str, options: ReadOptions) -> Result<Program> {
+pub fn parse_nurbs(text: &str, options: ReadOptions<'_>) -> Result<Program> {
     of_nurbs(&Nurbs::read(text)?, options)
 }
 
-fn of_nurbs(curve: &Nurbs, options: ReadOptions) -> Result<Program> {
+fn of_nurbs(curve: &Nurbs, options: ReadOptions<'_>) -> Result<Program> {
     if let Some(segments) = options.segments {
         return chords(curve, segments, options.feed);
     }
@@ -108,7 +108,7 @@ fn from_line(point: &Point, from: &Point, to: &Point) -> f64 {
 ///
 /// # Errors
 /// Names what is wrong with the spline.
-pub fn parse_spline(file: &SplineFile, options: ReadOptions) -> Result<Program> {
+pub fn parse_spline(file: &SplineFile, options: ReadOptions<'_>) -> Result<Program> {
     let feed = file.feed.unwrap_or(options.feed);
     if let Some(curve) = file.nurbs()? {
         return of_nurbs(&curve, ReadOptions { feed, ..options });
@@ -131,7 +131,7 @@ pub fn parse_spline(file: &SplineFile, options: ReadOptions) -> Result<Program> 
 ///
 /// # Errors
 /// Names the place in the text and what is wrong there.
-pub fn parse_json(text: &str, options: ReadOptions) -> Result<Program> {
+pub fn parse_json(text: &str, options: ReadOptions<'_>) -> Result<Program> {
     match serde_json::from_str::<serde_json::Value>(text) {
         Ok(value) if value.get("control_points").is_some() && value.get("degree").is_none() => {
             parse_spline(&SplineFile::parse(text, "json")?, options)
@@ -144,7 +144,7 @@ pub fn parse_json(text: &str, options: ReadOptions) -> Result<Program> {
 mod tests {
     use super::*;
 
-    const OPTIONS: ReadOptions = ReadOptions { feed: 10.0, ..ReadOptions::DEFAULT };
+    const OPTIONS: ReadOptions<'static> = ReadOptions { feed: 10.0, ..ReadOptions::DEFAULT };
     const QUARTER: &str = r#"{"degree": 2, "control_points": [[100, 0], [100, 100], [0, 100]],
         "weights": [1, 0.7071067811865476, 1], "knots": [0, 0, 0, 1, 1, 1]}"#;
 

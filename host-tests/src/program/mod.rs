@@ -8,12 +8,14 @@ pub mod poly;
 pub mod rational;
 
 pub use finding::{Finding, SHOWN, Severity, refuse, validate};
-pub use splineway::gcode::Code;
+pub use splineway::gcode::{Code, Dialect, Setup};
 
 use self::rational::Rational;
 use crate::smoothing::{self, SplineFile};
 use anyhow::{Context, Result, bail};
 use splineway::block::BlockError;
+use std::collections::BTreeSet;
+use std::io::Read;
 use std::path::Path;
 
 /// Letters of the axes in the order of their indices.
@@ -104,6 +106,13 @@ pub struct Move {
     pub line: u32,
 }
 
+impl Move {
+    /// Whether the machine waits for the operator there.
+    pub const fn is_pause(&self) -> bool {
+        matches!(self.path, Course::Event { pause: true, .. })
+    }
+}
+
 /// Limits and settings that a path file brings along.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Header {
@@ -146,6 +155,11 @@ impl Program {
     /// Indices of the axes in use.
     pub fn axes(&self) -> Vec<usize> {
         (0..AXES).filter(|&axis| axis < 3 || self.uses[axis]).collect()
+    }
+
+    /// Lines in which the machine waits for the operator.
+    pub fn pauses(&self) -> BTreeSet<u32> {
+        self.moves.iter().filter(|step| step.is_pause()).map(|step| step.line).collect()
     }
 }
 
@@ -191,7 +205,7 @@ impl Program {
 
 /// How files are read.
 #[derive(Clone, Copy, Debug)]
-pub struct ReadOptions {
+pub struct ReadOptions<'a> {
     /// Feed of moves before any F word, and of curves that bring none, mm/s.
     pub feed: f64,
     /// Chords of equal parameter steps that a NURBS curve is run as, in place of the curve itself.
@@ -199,44 +213,99 @@ pub struct ReadOptions {
     /// Where the machine stands when a G-code program begins, mm or degrees: relative programs go on from
     /// there, and axes that are never named stay there.
     pub start: Point,
+    /// Whose G-code it is; told by the file itself, where that is plain, if nothing is said, else LinuxCNC's.
+    pub dialect: Option<Dialect>,
+    /// Whether codes that cannot change where the tool goes are left out where they would be refused.
+    pub lenient: bool,
+    /// Whether lines of G-code that begin with `/` are left out.
+    pub block_delete: bool,
+    /// Work offsets, tools and reference points of the machine ([`crate::machine::Machine::setup`]).
+    pub setup: &'a Setup,
 }
 
-impl ReadOptions {
-    /// 50 mm/s, curves as they are, a machine in its origin.
-    pub const DEFAULT: Self = Self { feed: 50.0, segments: None, start: [0.0; AXES] };
+impl ReadOptions<'_> {
+    /// 50 mm/s, curves as they are, a machine in its origin that brings no offsets.
+    pub const DEFAULT: Self = Self {
+        feed: 50.0,
+        segments: None,
+        start: [0.0; AXES],
+        dialect: None,
+        lenient: false,
+        block_delete: false,
+        setup: &Setup::NONE,
+    };
 }
 
-impl Default for ReadOptions {
+impl Default for ReadOptions<'_> {
     fn default() -> Self {
         Self::DEFAULT
     }
 }
 
-/// Reads a tool path; the kind of file is told by its ending.
+/// The name of standard input.
+pub const STDIN: &str = "-";
+
+/// Reads a tool path; the kind of file is told by its ending. `-` is standard input: JSON if it begins with `{`,
+/// else G-code.
 ///
 /// # Errors
-/// Names the file, the place in it and the reason.
-pub fn read(path: &Path, options: ReadOptions) -> Result<Program> {
-    let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or("").to_lowercase();
-    let name = path.display();
-    let text = std::fs::read(path).with_context(|| format!("cannot read {name}"))?;
-    // Comments of old programs come in any encoding.
-    let text = String::from_utf8_lossy(&text);
-    let program = match ending.as_str() {
-        "txt" if smoothing::is_spline(&text) => spline(&text, "txt", options),
-        "txt" => poly::parse(&text),
-        "toml" => spline(&text, "toml", options),
-        "json" => curve::parse_json(&text, options),
-        "ngc" | "nc" | "gcode" | "tap" | "cnc" => gcode::parse_with(&text, options),
-        _ => bail!(
-            "{name}: unknown kind of file \".{ending}\"; known are .ngc .nc .gcode .tap .cnc (G-code), \
-             .txt (poly-line or spline), .toml (spline) and .json (spline or NURBS curve)"
-        ),
-    };
-    program.with_context(|| format!("{name}"))
+/// Names the file, and the places in it that are refused ([`refuse`]).
+pub fn read(path: &Path, options: ReadOptions<'_>) -> Result<Program> {
+    let (program, findings) = inspect(path, options)?;
+    refuse(&findings).with_context(|| path.display().to_string())?;
+    Ok(program)
 }
 
-fn spline(text: &str, ending: &str, options: ReadOptions) -> Result<Program> {
+/// The same with everything there is to say of the file, errors and warnings. If there is an error among that, the
+/// program must not be run: it is what is left without what was refused.
+///
+/// # Errors
+/// The file cannot be read, or not at all be understood; only G-code is read on behind an error.
+pub fn inspect(path: &Path, options: ReadOptions<'_>) -> Result<(Program, Vec<Finding>)> {
+    let name = path.display();
+    let bytes = if path == Path::new(STDIN) {
+        let mut bytes = Vec::new();
+        std::io::stdin().lock().read_to_end(&mut bytes).context("cannot read standard input")?;
+        bytes
+    } else {
+        std::fs::read(path).with_context(|| format!("cannot read {name}"))?
+    };
+    inspect_bytes(path, &bytes, options)
+}
+
+/// The same of a file that has been read; `path` tells the kind.
+///
+/// # Errors
+/// As [`inspect`].
+pub fn inspect_bytes(
+    path: &Path,
+    bytes: &[u8],
+    options: ReadOptions<'_>,
+) -> Result<(Program, Vec<Finding>)> {
+    let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or("").to_lowercase();
+    let name = path.display();
+    let text = || String::from_utf8_lossy(bytes);
+    let is_json = path == Path::new(STDIN) && bytes.trim_ascii_start().starts_with(b"{");
+    let program = match ending.as_str() {
+        "" if is_json => curve::parse_json(&text(), options),
+        "txt" if smoothing::is_spline(&text()) => spline(&text(), "txt", options),
+        "txt" => poly::parse(&text()),
+        "toml" => spline(&text(), "toml", options),
+        "json" => curve::parse_json(&text(), options),
+        "ngc" | "nc" | "gcode" | "tap" | "cnc" | "g" | "gc" | "gco" | "mpf" | "eia" | "" => {
+            return Ok(gcode::examine(bytes, options));
+        }
+        _ => bail!(
+            "{name}: unknown kind of file \".{ending}\"; known are .ngc .nc .gcode .gco .g .gc .tap .cnc .mpf .eia \
+             (G-code), .txt (poly-line or spline), .toml (spline) and .json (spline or NURBS curve)"
+        ),
+    };
+    let program = program.with_context(|| format!("{name}"))?;
+    let findings = program.warnings.iter().map(|text| Finding::warning(0, text)).collect();
+    Ok((program, findings))
+}
+
+fn spline(text: &str, ending: &str, options: ReadOptions<'_>) -> Result<Program> {
     curve::parse_spline(&SplineFile::parse(text, ending)?, options)
 }
 

@@ -189,6 +189,8 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     let mut view = View::new(program, &axes, S::EPSILON.to_f64());
     let mut origin = start;
     view.show(0.0, observers)?;
+    let pauses = program.pauses();
+    let mut at_pause = false;
     loop {
         let now = cycle as f64 * machine.cycle;
         operator.play(now, controls);
@@ -205,7 +207,8 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         let waiting = progress == Progress::Held || now < operator.silent_until;
         if progress == Progress::Held && operator.is_done() {
-            bail!("the run is held after its last event: it needs a resume");
+            ensure!(at_pause, "the run is held after its last event: it needs a resume");
+            controls.resume();
         }
         let began = Instant::now();
         let setpoint = interpolator.tick();
@@ -215,6 +218,11 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         view.pace = operator.pace(waiting);
         origin = setpoint.origin;
         view.show(cycle as f64 * machine.cycle, observers)?;
+        match setpoint.activity {
+            Activity::Event => at_pause = pauses.contains(&setpoint.tag),
+            Activity::Running => at_pause = false,
+            _ => {}
+        }
         if setpoint.activity == Activity::Idle {
             if progress == Progress::Done {
                 break;
@@ -408,7 +416,7 @@ pub fn block<S: Scalar, const N: usize>(step: &Move, axes: &[usize]) -> Result<B
             to: coords(to, axes)?,
         },
         Course::Dwell { seconds } => Motion::Dwell { seconds: S::of(*seconds) },
-        Course::Event { .. } => Motion::Dwell { seconds: S::ZERO },
+        Course::Event { pause, .. } => Motion::Event { pause: *pause },
     };
     let feed = match step.speed {
         Speed::PerSecond(feed) => Feed::PerSecond(S::of(feed)),

@@ -101,7 +101,7 @@ fn wire_move(step: &program::Move, axes: usize) -> Result<Move> {
             Path::Cubic { controls: [point(first)?, point(second)?], to: point(to)? }
         }
         Course::Dwell { seconds } => Path::Dwell { seconds: *seconds as f32 },
-        Course::Event { .. } => Path::Dwell { seconds: 0.0 },
+        Course::Event { pause, .. } => Path::Event { pause: *pause },
     };
     let speed = match step.speed {
         program::Speed::PerSecond(feed) => Speed::PerSecond(feed as f32),

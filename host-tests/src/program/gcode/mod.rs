@@ -1,11 +1,30 @@
-//! G-code as milling controllers and slicers write it.
-//!
-//! Words: G0-G3, G4 P, G9, G17-G19, G20/G21, G28, G40, G49, G53, G54, G61/G61.1/G64 P Q, G80,
-//! G90/G91, G90.1/G91.1, G92/G92.1, G93/G94, axes X Y Z A B C U V W, I J K R P, F, N, comments,
-//! block delete, M2/M30. What has no bearing on the path (spindle, coolant, tools, extruder) is
-//! skipped; what might have, and is not known, is skipped with one warning.
+//! G-code files: encodings, line ends, dialects, and subprograms, around the reader of the core
+//! ([`splineway::gcode`]), which knows what the codes mean.
 
-mod interpreter;
-mod words;
+mod guess;
+mod run;
+mod text;
 
-pub use interpreter::{parse, parse_with};
+pub use guess::{Guess, guess};
+pub use run::examine;
+
+use super::{Program, ReadOptions, refuse};
+use anyhow::Result;
+
+/// Reads a G-code program. Moves before any F word run at `feed` mm/s.
+///
+/// # Errors
+/// Names line, column and reason, of the first places that are refused.
+pub fn parse(text: &str, feed: f64) -> Result<Program> {
+    parse_with(text, ReadOptions { feed, ..ReadOptions::DEFAULT })
+}
+
+/// Reads a G-code program for a machine that stands at `options.start`.
+///
+/// # Errors
+/// As [`parse`].
+pub fn parse_with(text: &str, options: ReadOptions<'_>) -> Result<Program> {
+    let (program, findings) = examine(text.as_bytes(), options);
+    refuse(&findings)?;
+    Ok(program)
+}

@@ -1,0 +1,69 @@
+//! From the bytes of a file to lines.
+
+use std::borrow::Cow;
+
+/// What stands at the end of files of old systems.
+const END_OF_FILE: u8 = 0x1a;
+
+/// The bytes without a byte order mark, in an encoding that has ASCII for its codes. (Comments may be in any.)
+pub fn plain(bytes: &[u8]) -> Cow<'_, [u8]> {
+    let wide = |order: fn([u8; 2]) -> u16| {
+        let units = bytes[2..].chunks_exact(2).map(|pair| order([pair[0], pair[1]]));
+        let text: String = char::decode_utf16(units)
+            .map(|unit| unit.unwrap_or(char::REPLACEMENT_CHARACTER))
+            .collect();
+        Cow::Owned(text.into_bytes())
+    };
+    match bytes {
+        [0xef, 0xbb, 0xbf, rest @ ..] => Cow::Borrowed(trimmed(rest)),
+        [0xff, 0xfe, ..] => wide(u16::from_le_bytes),
+        [0xfe, 0xff, ..] => wide(u16::from_be_bytes),
+        _ => Cow::Borrowed(trimmed(bytes)),
+    }
+}
+
+fn trimmed(bytes: &[u8]) -> &[u8] {
+    bytes.strip_suffix(&[END_OF_FILE]).unwrap_or(bytes)
+}
+
+/// The lines, whatever ends them: line feed, carriage return, or both.
+pub fn lines(bytes: &[u8]) -> Vec<&[u8]> {
+    let mut lines = Vec::with_capacity(bytes.len() / 24 + 1);
+    let mut rest = bytes;
+    while let Some(at) = rest.iter().position(|&byte| byte == b'\n' || byte == b'\r') {
+        lines.push(&rest[..at]);
+        let both = rest[at] == b'\r' && rest.get(at + 1) == Some(&b'\n');
+        rest = &rest[at + 1 + usize::from(both)..];
+    }
+    if !rest.is_empty() {
+        lines.push(rest);
+    }
+    lines
+}
+
+/// A column in bytes as one in characters, as editors count.
+pub fn column(line: &[u8], bytes: u32) -> u32 {
+    let before = line.iter().take(bytes.saturating_sub(1) as usize);
+    before.filter(|&&byte| byte & 0xc0 != 0x80).count() as u32 + 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_line_end_counts_once() {
+        let lines = lines(b"a\nb\r\nc\rd\n\ne");
+        assert_eq!(lines, [&b"a"[..], b"b", b"c", b"d", b"", b"e"]);
+        assert!(super::lines(b"").is_empty());
+    }
+
+    #[test]
+    fn marks_and_wide_characters_are_taken_off() {
+        assert_eq!(plain(b"\xef\xbb\xbfG0"), &b"G0"[..]);
+        assert_eq!(plain(b"\xff\xfeG\x000\x00"), &b"G0"[..]);
+        assert_eq!(plain(b"\xfe\xff\x00G\x000"), &b"G0"[..]);
+        assert_eq!(plain(b"G0\n\x1a"), &b"G0\n"[..]);
+        assert_eq!(column("(\u{e4}) G".as_bytes(), 6), 5);
+    }
+}

@@ -1,0 +1,70 @@
+//! What comes out of a line.
+
+use super::{AXES, Event};
+use crate::block::{Block, Feed, Motion};
+use crate::number::Scalar;
+
+/// One thing to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+// It lives on the stack for the length of a call; there is no heap to box it on.
+#[allow(clippy::large_enum_variant)]
+pub enum Action {
+    /// A move or a dwell, over all nine axes, in the machine's coordinates; its tag is the number of the line.
+    Move(Block<f64, AXES>),
+    /// Something the machine does at rest, in order with the motion.
+    Event(Event),
+    /// `O` and a number: here begins a program.
+    Label(u32),
+    /// M98: the program of this number is to be read so many times, then the line after this one.
+    Call {
+        /// Number behind its O.
+        program: u32,
+        /// Times, from 1.
+        times: u32,
+    },
+    /// M99: back to the line after the call.
+    Return,
+    /// The end; what stands behind it is no part of the program.
+    End,
+}
+
+impl Action {
+    /// A move as a machine's block; `axes` are the indices in [`super::LETTERS`] of its axes. `None` if it is no
+    /// move, or an arc in a plane that the machine has not.
+    ///
+    /// Moves of other axes are left out: `Settings::axes` has them refused.
+    pub fn block<S: Scalar, const N: usize>(&self, axes: &[usize; N]) -> Option<Block<S, N>> {
+        let Self::Move(block) = self else { return None };
+        let pick =
+            |place: &[_; AXES]| axes.map(|axis| place.get(axis).copied().unwrap_or_default());
+        let find = |axis: usize| axes.iter().position(|&own| own == axis);
+        let motion = match &block.motion {
+            Motion::Line { to } => Motion::Line { to: pick(to) },
+            Motion::Arc { to, plane, centre, turn, extra_turns } => Motion::Arc {
+                to: pick(to),
+                plane: (find(plane.0)?, find(plane.1)?),
+                centre: *centre,
+                turn: *turn,
+                extra_turns: *extra_turns,
+            },
+            Motion::Cubic { controls: [first, second], to } => {
+                Motion::Cubic { controls: [pick(first), pick(second)], to: pick(to) }
+            }
+            Motion::Dwell { seconds } => Motion::Dwell { seconds: S::of(*seconds) },
+            Motion::Event { pause } => Motion::Event { pause: *pause },
+        };
+        let feed = match block.feed {
+            Feed::PerSecond(feed) => Feed::PerSecond(S::of(feed)),
+            Feed::Duration(seconds) => Feed::Duration(S::of(seconds)),
+            Feed::Rapid => Feed::Rapid,
+        };
+        Some(Block {
+            motion,
+            feed,
+            tolerance: block.tolerance.map(S::of),
+            exact_stop: block.exact_stop,
+            tag: block.tag,
+        })
+    }
+}
