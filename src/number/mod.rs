@@ -4,6 +4,7 @@
 //! fixed point ([`Coord`], exact sums, no drift), and the scalar only ever holds *differences* of
 //! positions inside one cell of the path, where it is precise to fractions of a nanometre.
 
+mod arc_length;
 mod coord;
 pub(crate) mod list;
 mod root;
@@ -12,5 +13,6 @@ pub(crate) use root::cube_root;
 pub(crate) mod shared;
 pub(crate) mod vector;
 
+pub use arc_length::ArcLength;
 pub use coord::Coord;
 pub use scalar::Scalar;

@@ -3,7 +3,7 @@
 //! A value of more than one word is not read whole by itself; whoever shares it says by another
 //! atomic when it may be read.
 
-use super::Coord;
+use super::{ArcLength, Coord};
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// Shared storage of a `T`.
@@ -64,6 +64,19 @@ impl Shared<Coord> for Pair {
     }
     #[inline]
     fn store(&self, value: Coord) {
+        store_pair(self, value.raw().cast_unsigned());
+    }
+}
+
+impl Shared<ArcLength> for Pair {
+    #[allow(clippy::declare_interior_mutable_const)]
+    const ZERO: Self = [AtomicU32::new(0), AtomicU32::new(0)];
+    #[inline]
+    fn load(&self) -> ArcLength {
+        ArcLength::from_raw(load_pair(self).cast_signed())
+    }
+    #[inline]
+    fn store(&self, value: ArcLength) {
         store_pair(self, value.raw().cast_unsigned());
     }
 }

@@ -10,6 +10,9 @@ use core::array::from_fn;
 /// coefficients: it is unique.
 #[derive(Clone, Copy, Debug)]
 pub struct Hermite<S, const N: usize> {
+    /// Tangent at the start, and the parameter length, mm: their product in full.
+    tangent: Vector<S, N>,
+    length: S,
     /// Coefficients of u^1 .. u^5, u = s / length.
     coefficients: [Vector<S, N>; 5],
 }
@@ -31,6 +34,8 @@ impl<S: Scalar, const N: usize> Hermite<S, N> {
         };
         let half = S::of(0.5);
         Self {
+            tangent: *start.0,
+            length,
             coefficients: [
                 from_fn(|i| start.0[i] * length),
                 from_fn(|i| start.1[i] * square * half),
@@ -66,6 +71,15 @@ impl<S: Scalar, const N: usize> Hermite<S, N> {
         from_fn(|i| ((((c[4][i] * u + c[3][i]) * u + c[2][i]) * u + c[1][i]) * u + c[0][i]) * u)
     }
 
+    /// The same in full: what is made of differences of places must not lose them to rounding.
+    fn exact(&self, u: f64) -> Vector<f64, N> {
+        let along = self.length.to_f64() * u;
+        from_fn(|i| {
+            let c = |k: usize| self.coefficients[k][i].to_f64();
+            self.tangent[i].to_f64() * along + (((c(4) * u + c(3)) * u + c(2)) * u + c(1)) * u * u
+        })
+    }
+
     /// First derivative by u.
     fn first(&self, u: S) -> Vector<S, N> {
         let c = &self.coefficients;
@@ -94,13 +108,14 @@ impl<S: Scalar, const N: usize> Hermite<S, N> {
     /// Node at `u`, given the position of the start.
     pub fn node(&self, start: &Node<S, N>, u: S) -> Node<S, N> {
         let (tangent, curvature) = by_arc_length(&self.first(u), &self.second(u));
-        Node { at: shifted(&start.at, &self.offset(u)), tangent, curvature }
+        Node { at: shifted(&start.at, &self.exact(u.to_f64())), tangent, curvature }
     }
 
     /// What lies off the straight line between the nodes at two parameters: see [`Cell::bulge`].
     pub fn bulge(&self, from: S, to: S, tangent: &Vector<S, N>, length: S) -> Vector<S, N> {
-        let (a, b) = (self.offset(from), self.offset(to));
-        from_fn(|i| (b[i] - a[i]) - tangent[i] * length)
+        let (a, b) = (self.exact(from.to_f64()), self.exact(to.to_f64()));
+        let straight = |i: usize| tangent[i].to_f64() * length.to_f64();
+        from_fn(|i| S::of((b[i] - a[i]) - straight(i)))
     }
 }
 

@@ -4,7 +4,7 @@ use super::law::{Law, State};
 use super::rows::{Bounds, Pace, View};
 use crate::machine::Limits;
 use crate::number::vector::dot;
-use crate::number::{Coord, Scalar};
+use crate::number::{ArcLength, Coord, Scalar};
 use crate::path::node::{Cell, Event, Node, Order};
 use core::array::from_fn;
 use heapless::Deque;
@@ -17,7 +17,7 @@ pub struct Station<S, const N: usize> {
     pub cell: Cell<S, N>,
     pub bounds: Bounds<S>,
     /// Arc length from the start of the path.
-    pub way: Coord,
+    pub way: ArcLength,
     /// Whether the motion rests here whatever follows.
     pub rest: bool,
     /// Whether it then goes on only when it is resumed.
@@ -59,7 +59,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
             node,
             cell,
             bounds: Bounds::default(),
-            way: Coord::ZERO,
+            way: ArcLength::ZERO,
             rest: true,
             pause: false,
             state: State::REST,
@@ -113,7 +113,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
 
     /// Adds a cell behind the last station; the new last station rests.
     pub fn append(&mut self, cell: Cell<S, N>, node: Node<S, N>, rest: bool, pace: &Pace<S, N>) {
-        let mut way = Coord::ZERO;
+        let mut way = ArcLength::ZERO;
         if let Some(last) = self.stations.back_mut() {
             way = last.way.plus(cell.length);
             last.cell = cell;

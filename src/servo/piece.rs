@@ -3,7 +3,7 @@
 use super::interleave::point;
 use super::setpoint::{Activity, Setpoint};
 use crate::number::shared::Shared;
-use crate::number::{Coord, Scalar};
+use crate::number::{ArcLength, Coord, Scalar};
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// What follows a piece in its plan.
@@ -31,7 +31,7 @@ pub struct Piece<S, const N: usize> {
     /// Coefficients of t^1 .. t^5 per axis.
     pub axes: [[S; 5]; N],
     /// Arc length at its start.
-    pub way: Coord,
+    pub way: ArcLength,
     /// Coefficients of t^1 .. t^4 of the arc length.
     pub path: [S; 4],
     /// What comes after it.
@@ -73,7 +73,7 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
         time: S::Shared::ZERO,
         origin: [const { <[AtomicU32; 2] as Shared<Coord>>::ZERO }; N],
         axes: [const { [const { S::Shared::ZERO }; 5] }; N],
-        way: <[AtomicU32; 2] as Shared<Coord>>::ZERO,
+        way: <[AtomicU32; 2] as Shared<ArcLength>>::ZERO,
         path: [const { S::Shared::ZERO }; 4],
     };
 

@@ -1,6 +1,6 @@
 //! What a servo cycle gets.
 
-use crate::number::{Coord, Scalar};
+use crate::number::{ArcLength, Coord, Scalar};
 
 /// What the interpolator is doing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -34,7 +34,7 @@ pub struct Setpoint<S, const N: usize> {
     /// Acceleration per axis, mm/s2.
     pub acceleration: [S; N],
     /// Arc length since the start: fixed-point part.
-    pub path_origin: Coord,
+    pub path_origin: ArcLength,
     /// What is to be added to it, mm.
     pub path_offset: S,
     /// Speed along the path, mm/s.
@@ -52,7 +52,7 @@ impl<S: Scalar, const N: usize> Setpoint<S, N> {
         offset: [S::ZERO; N],
         velocity: [S::ZERO; N],
         acceleration: [S::ZERO; N],
-        path_origin: Coord::ZERO,
+        path_origin: ArcLength::ZERO,
         path_offset: S::ZERO,
         path_speed: S::ZERO,
         tag: 0,

@@ -257,8 +257,11 @@ impl<S: Scalar, const N: usize> Chain<S, N> {
         }
         let (done, all) = ((way - a.way).max(0), b.way - a.way);
         if all < SHORT {
-            let along: S = raw_to_mm(done);
-            return from_fn(|k| a.at[k].plus(b.direction[k] * along));
+            // From the nearer end: next to one, points lie closer together than the rounding of the whole.
+            let left = all - done;
+            let (end, along) = if done < left { (a, done) } else { (b, -left) };
+            let along: S = raw_to_mm(along);
+            return from_fn(|k| end.at[k].plus(b.direction[k] * along));
         }
         let fraction = ((i128::from(done) << 62) / i128::from(all.max(1))) as i64;
         from_fn(|k| a.at[k].towards(b.at[k], fraction))
