@@ -12,6 +12,7 @@ use splineway_host::commands::smooth::Smooth;
 use splineway_host::commands::soak::Soak;
 use splineway_host::commands::stream::Stream;
 use splineway_host::commands::thesis::Thesis;
+use splineway_host::out;
 use std::process::ExitCode;
 
 /// Motion interpolator core: simulation of servo cycles on a PC, and programs for a controller.
@@ -56,12 +57,13 @@ fn main() -> ExitCode {
         Command::Corners(corners) => corners.execute(),
         Command::Thesis(thesis) => thesis.execute(),
         Command::Completions { shell } => {
-            let mut out = std::io::stdout();
-            clap_complete::generate(shell, &mut Arguments::command(), "splineway", &mut out);
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Arguments::command(), "splineway", &mut script);
+            out::line(format_args!("{}", String::from_utf8_lossy(&script).trim_end()));
             Ok(())
         }
     };
-    match outcome {
+    match outcome.and_then(|()| out::finish()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error:#}");

@@ -107,7 +107,8 @@ fn wrong_files_are_explained() {
     let machine = file("typo.toml", "jerks = 1\n").display().to_string();
     assert!(error_of(&["simulate", &example(), "--machine", &machine], 1).contains("typo.toml"));
     assert!(
-        error_of(&["simulate", &example(), "--plot", "x.bmp"], 1).contains(".svg, .png or .html")
+        error_of(&["simulate", &example(), "--plot", "x.bmp"], 1)
+            .contains("must end in .html, .svg, .png")
     );
     error_of(&["simulate"], 2);
     error_of(&["simulate", &example(), "--scalar", "f16"], 2);
@@ -285,4 +286,174 @@ fn a_reader_who_leaves_early_gets_no_panic() {
     let output = child.wait_with_output().unwrap();
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(!errors.contains("panicked"), "{errors}");
+}
+
+/// No output may be an input or another output, by any name; what cannot be written is refused by its
+/// name; all before anything is run, and nothing is left behind.
+#[cfg(unix)]
+#[test]
+fn outputs_never_overwrite_inputs_and_are_checked_first() {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("outputs");
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(folder.join("sub")).unwrap();
+    let at = |name: &str| folder.join(name).to_str().unwrap().to_owned();
+    let text = "G1 X1 F600\n";
+    for name in ["keep.nc", "other.nc"] {
+        std::fs::write(at(name), text).unwrap();
+    }
+    std::os::unix::fs::symlink(at("keep.nc"), at("soft.html")).unwrap();
+    std::os::unix::fs::symlink(at("fresh.csv"), at("dangling.csv")).unwrap();
+    std::fs::hard_link(at("keep.nc"), at("hard.json")).unwrap();
+    std::fs::write(at("mill.toml"), "tolerance = 0.01\n").unwrap();
+    std::fs::write(at("play.csv"), "0.1, feed, 50\n").unwrap();
+    let (keep, machine, play) = (at("keep.nc"), at("mill.toml"), at("play.csv"));
+    let (dotted, soft, hard) = (at("sub/../keep.nc"), at("soft.html"), at("hard.json"));
+    let (fresh, dangling) = (at("fresh.csv"), at("dangling.csv"));
+    let (nowhere, sub) = (at("nowhere/x.csv"), at("sub"));
+    let run = ["simulate", &keep, "--machine", &machine, "--events", &play];
+    for (outputs, parts) in [
+        (vec!["--setpoints", &*keep], vec!["--setpoints", "keep.nc", "input"]),
+        (vec!["--setpoints", &dotted], vec!["--setpoints", "input"]),
+        (vec!["--plot", &soft], vec!["--plot", "soft.html", "input"]),
+        (vec!["--report", &hard], vec!["--report", "hard.json", "input"]),
+        (vec!["--report", &machine], vec!["--report", "mill.toml", "--machine"]),
+        (vec!["--setpoints", &play], vec!["--setpoints", "play.csv", "--events"]),
+        (
+            vec!["--setpoints", &fresh, "--report", &fresh],
+            vec!["--report", "--setpoints", "same file"],
+        ),
+        (vec!["--setpoints", &fresh, "--report", &dangling], vec!["--report", "same file"]),
+        (vec!["--report", &nowhere], vec!["--report", "nowhere", "cannot be written"]),
+        (vec!["--setpoints", &sub], vec!["--setpoints", "sub", "folder"]),
+        (vec!["--setpoints", &fresh, "--plot", "x.bmp"], vec!["--plot", "x.bmp", ".svg"]),
+    ] {
+        let error = error_of(&[&run[..], &outputs[..]].concat(), 1);
+        for part in parts {
+            assert!(error.contains(part), "{outputs:?}: {error}");
+        }
+        assert_eq!(std::fs::read_to_string(&keep).unwrap(), text);
+        assert!(std::fs::read_to_string(&machine).unwrap().contains("tolerance"));
+        assert!(!PathBuf::from(&fresh).exists(), "{outputs:?} left a file");
+    }
+    let spline = at("wave.toml");
+    std::fs::copy(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/noisy.txt"), at("wave.txt"))
+        .unwrap();
+    let wave = at("wave.txt");
+    let before = std::fs::read(&wave).unwrap();
+    assert!(error_of(&["smooth", &wave, "--out", &wave], 1).contains("input"));
+    assert!(
+        error_of(&["smooth", &wave, "--out", &spline, "--report", &spline], 1)
+            .contains("same file")
+    );
+    assert_eq!(std::fs::read(&wave).unwrap(), before);
+    // What is allowed works, again and again.
+    for _ in 0..2 {
+        let outputs = ["--setpoints", &*fresh, "--report", "/dev/null"];
+        let output = splineway(&[&run[..], &outputs[..]].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(std::fs::metadata(&fresh).unwrap().len() > 100);
+    }
+}
+
+/// A full disk behind standard output, or behind a file, is an error with a message.
+#[cfg(target_os = "linux")]
+#[test]
+fn full_outputs_are_errors_with_a_message() {
+    use std::process::Stdio;
+    let part = file("full.ngc", "G1 X10 F6000\n").display().to_string();
+    let name = example();
+    for arguments in [
+        vec!["simulate", &*part],
+        vec!["simulate", &*part, "--json"],
+        vec!["check", &*part],
+        vec!["corners", "--turns", "90"],
+        vec!["completions", "bash"],
+    ] {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let output = Command::new(env!("CARGO_BIN_EXE_splineway"))
+            .args(&arguments)
+            .stdout(Stdio::from(full))
+            .stderr(Stdio::piped())
+            .output()
+            .unwrap();
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {errors}");
+        assert!(errors.contains("cannot write to standard output"), "{arguments:?}: {errors}");
+        assert!(!errors.contains("panicked"), "{errors}");
+    }
+    let error = error_of(&["simulate", &name, "--quiet", "--setpoints", "/dev/full"], 1);
+    assert!(error.contains("cannot write /dev/full"), "{error}");
+}
+
+/// A tolerance on the command line counts for all; else every place has its own.
+#[test]
+fn tolerances_are_judged_where_they_are_in_force() {
+    let text = "G64 P0.2\nG1 X20 F6000\nG1 Y20\nG64 P0.01\nG1 X0\nG1 Y0\n";
+    let part = file("bands.ngc", text).display().to_string();
+    let report = |arguments: &[&str]| -> serde_json::Value {
+        serde_json::from_str(&text_of(&[&["simulate", &*part, "--json"], arguments].concat()))
+            .unwrap()
+    };
+    let wide = report(&[])["max_deviation_mm"].as_f64().unwrap();
+    assert!(wide > 0.1 && wide < 0.2, "{wide}");
+    let fine = report(&["--tolerance", "0.005"])["max_deviation_mm"].as_f64().unwrap();
+    assert!(fine < 0.005 + 1e-6, "{fine}");
+    let output = splineway(&["simulate", &part, "--tolerance", "0.005"]);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("--tolerance 0.005 counts for all"));
+}
+
+#[test]
+fn curves_are_run_and_judged_as_curves() {
+    let name = example();
+    let off = |arguments: &[&str]| -> (f64, String) {
+        let output = splineway(&[&["simulate", &*name, "--json"], arguments].concat());
+        let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+        (report["max_deviation_mm"].as_f64().unwrap(), errors)
+    };
+    for tolerance in ["0.01", "0.001"] {
+        let (deviation, errors) = off(&["--tolerance", tolerance]);
+        assert!(deviation <= tolerance.parse::<f64>().unwrap() + 1e-6, "{deviation}: {errors}");
+    }
+    assert!(off(&["--segments", "80"]).1.contains("80 chords, which lie up to 1.65"));
+}
+
+/// Extents of arcs and curves, retractions, lines without a length, and whose fault a slow place is.
+#[test]
+fn check_names_the_extent_and_the_culprit() {
+    let json = |name: &str, text: &str| -> serde_json::Value {
+        let part = file(name, text).display().to_string();
+        serde_json::from_str(&text_of(&["check", &part, "--json"])).unwrap()
+    };
+    let arcs = json("extent.ngc", "G1 X10 F3000\nG3 X-10 I-10 J0\nG5 I0 J-40 P0 Q-40 X30 Y0\n");
+    let extent = |axis: usize, end: usize| arcs["extent"][axis][end].as_f64().unwrap();
+    assert!((extent(1, 2) - 10.0).abs() < 1e-9, "top of the arc: {arcs}");
+    assert!((extent(1, 1) + 30.0).abs() < 1e-3, "bottom of the curve: {arcs}");
+    let advice = |report: &serde_json::Value| report["advice"].to_string();
+    let empty = json("empty.ngc", "G1 X10 F600\nG1 X10 F99999\nG1 X20 F600\n");
+    assert!(advice(&empty).contains("1 lines have no length"), "{empty}");
+    assert!(!advice(&empty).contains("more feed"), "{empty}");
+    // The corner after line 2 costs, not line 3 on which the time passes while it gets up to speed again.
+    let slow =
+        json("culprit.ngc", "G64 P0.01\nG1 X100 F12000\nG1 Y100\nG1 Y101 F60\nG1 Y200 F12000\n");
+    let places = slow["slowest"].as_array().unwrap();
+    let corner =
+        places.iter().find(|place| place["cause"].as_str().unwrap().contains("corner of 90"));
+    let line = corner.unwrap_or_else(|| panic!("{slow}"))["line"].as_u64().unwrap();
+    assert!(line == 2 || line == 3, "{slow}");
+    assert!(
+        places.iter().all(|place| place["line"] != 4),
+        "its feed is what was asked for: {slow}"
+    );
+}
+
+/// Everything that is wrong is listed at once, and nothing is run.
+#[test]
+fn every_finding_is_listed() {
+    let text = "G1 X1 F600\nG2 X10 I1 F60\nG2 X30 I1\nG1 X0\n";
+    let part = file("findings.ngc", text).display().to_string();
+    for command in ["check", "simulate"] {
+        let error = error_of(&[command, &part], 1);
+        assert!(error.contains("line 2") && error.contains("line 3"), "{command}: {error}");
+    }
 }

@@ -3,7 +3,7 @@
 use crate::lint::{Findings, look};
 use crate::machine::Machine;
 use crate::program::{self, ReadOptions};
-use anyhow::Result;
+use anyhow::{Context, Result};
 use std::io::IsTerminal;
 use std::path::PathBuf;
 
@@ -16,7 +16,8 @@ pub struct Check {
     /// Machine description (TOML); a small milling machine if left out.
     #[arg(long, value_name = "TOML")]
     pub machine: Option<PathBuf>,
-    /// Greatest distance from the programmed path, mm.
+    /// Greatest distance from the programmed path, mm: in place of the machine's, and of those that
+    /// the program names (G64 P).
     #[arg(long, value_name = "MM")]
     pub tolerance: Option<f64>,
     /// Feed of moves before any F word, mm/s.
@@ -39,7 +40,7 @@ impl Check {
     /// # Errors
     /// The file cannot be read, or not be run on this machine.
     pub fn execute(&self) -> Result<()> {
-        let program =
+        let mut program =
             program::read(&self.file, ReadOptions { feed: self.feed, ..ReadOptions::DEFAULT })?;
         let mut machine = match &self.machine {
             Some(path) => Machine::read(path)?,
@@ -49,19 +50,25 @@ impl Check {
             machine.apply(header);
         }
         machine.tolerance = self.tolerance.unwrap_or(machine.tolerance);
-        let findings = look(&program, &machine, self.places)?;
+        super::override_tolerance(&mut program, self.tolerance);
+        program::refuse(&program::validate(&program, &machine))
+            .with_context(|| self.file.display().to_string())?;
+        // Lines are shown as the file has them; of a curve, and of standard input, there are none.
+        let ending = self.file.extension().and_then(|ending| ending.to_str()).unwrap_or("");
+        let text = match ending {
+            "json" | "toml" => Vec::new(),
+            _ => std::fs::read(&self.file).unwrap_or_default(),
+        };
+        let text = String::from_utf8_lossy(&text);
+        let source: Vec<&str> = text.lines().collect();
+        let findings = look(&program, &machine, self.places, &source, self.quiet || self.json)?;
         for warning in program.warnings.iter().chain(&findings.advice) {
             eprintln!("{}: {warning}", paint("warning", "33", std::io::stderr().is_terminal()));
         }
         if self.json {
             println!("{}", serde_json::to_string_pretty(&findings)?);
         } else if !self.quiet {
-            // Lines are shown as the file has them; of a curve they say nothing.
-            let ending = self.file.extension().and_then(|ending| ending.to_str()).unwrap_or("");
-            let is_curve = matches!(ending, "json" | "toml");
-            let text = if is_curve { Vec::new() } else { std::fs::read(&self.file)? };
-            let text = String::from_utf8_lossy(&text);
-            print(&findings, &text.lines().collect::<Vec<_>>());
+            print(&findings, &source);
         }
         Ok(())
     }
@@ -93,13 +100,13 @@ fn print(findings: &Findings, source: &[&str]) {
         return;
     }
     println!("{}", bold("  line   lost, s   time, s  slowest / feed, mm/s"));
-    // Lines that run on as one count under the last of them.
+    // Time that is lost on the way down to the slowest place, and up again, counts there.
     for place in &findings.slowest {
         let text = (place.line as usize).checked_sub(1).and_then(|n| source.get(n)).unwrap_or(&"");
         let text: String = text.trim().chars().take(48).collect();
         println!(
-            "{:>6} {:>9.3} {:>9.3}  {:>8.2} / {:<8.2} {text}",
-            place.line, place.lost, place.time, place.slowest, place.feed
+            "{:>6} {:>9.3} {:>9.3}  {:>8.2} / {:<8.2} {text}  ({})",
+            place.line, place.lost, place.time, place.slowest, place.feed, place.cause
         );
     }
 }

@@ -1,9 +1,10 @@
 //! `splineway simulate`: a file through the core, cycle by cycle.
 
+use super::files::{self, named};
 use crate::baseline::{self, Law};
 use crate::machine::{Axis, Machine, Mode};
 use crate::program::{self, LETTERS, Program, ReadOptions, Speed};
-use crate::run::{Events, Judge, Observer, Precision, Track, run_with};
+use crate::run::{Events, Happenings, Judge, Observer, Precision, Stops, Track, run_with};
 use crate::view::{CsvOut, Curve, Progress, Report, Scene, Trace, plot, plot_speeds, violations};
 use anyhow::{Context, Result, bail};
 use std::path::PathBuf;
@@ -28,7 +29,8 @@ pub struct Simulate {
     /// Machine description (TOML); a small milling machine if left out.
     #[arg(long, value_name = "TOML")]
     pub machine: Option<PathBuf>,
-    /// Greatest distance from the programmed path, mm.
+    /// Greatest distance from the programmed path, mm: in place of the machine's, and of those that
+    /// the program names (G64 P).
     #[arg(long, value_name = "MM")]
     pub tolerance: Option<f64>,
     /// Feed of all moves but rapids, mm/s.
@@ -115,38 +117,30 @@ impl Simulate {
         {
             bail!("--feed {feed}: it must be greater than 0");
         }
-        let options = ReadOptions {
-            feed: self.feed.unwrap_or(DEFAULT_FEED),
-            segments: self.segments,
-            ..ReadOptions::DEFAULT
-        };
-        let mut program = program::read(&self.file, options)?;
-        if let Some(feed) = self.feed {
-            for step in &mut program.moves {
-                if step.speed != Speed::Rapid {
-                    step.speed = Speed::PerSecond(feed);
-                }
-            }
-        }
+        self.check_files()?;
+        let program = self.program()?;
         let machine = self.machine(&program)?;
+        program::refuse(&program::validate(&program, &machine))
+            .with_context(|| self.file.display().to_string())?;
         let events = match &self.events {
             Some(path) => Events::read(path)?,
             None => Events::default(),
         };
-        for warning in &program.warnings {
-            eprintln!("warning: {}: {warning}", self.file.display());
-        }
         let limits = machine.axes_of(&program)?;
         let letters: Vec<char> = program.axes().into_iter().map(|axis| LETTERS[axis]).collect();
         let track = Track::new(&program);
-        let mut judge = Judge::new(&track, &limits, machine.cycle, machine.tolerance);
+        let judge = Judge::new(&track, &limits, machine.cycle, machine.tolerance);
+        let stops = Stops::new(&program, &machine)?;
+        let mut judge = judge.timed(&stops, 0.0);
+        let mut happenings = Happenings::new(&program);
         let mut trace = Trace::new(machine.cycle);
         let mut progress = Progress::new(track.length(), self.quiet || self.json);
         let mut csv = match &self.setpoints {
             Some(path) => Some(CsvOut::new(path, &letters)?),
             None => None,
         };
-        let mut observers: Vec<&mut dyn Observer> = vec![&mut judge, &mut progress];
+        let mut observers: Vec<&mut dyn Observer> =
+            vec![&mut judge, &mut progress, &mut happenings];
         if self.plot.is_some() || self.compare {
             observers.push(&mut trace);
         }
@@ -164,7 +158,8 @@ impl Simulate {
             // It was not meant to get to the end.
             verdict.end_error = 0.0;
         }
-        let report = Report::new(&program, &machine, self.scalar, &track, &verdict, &stats);
+        let mut report = Report::new(&program, &machine, self.scalar, &track, &verdict, &stats);
+        report.events = happenings.seen;
         if let Some(path) = &self.report {
             let text = serde_json::to_string_pretty(&report)?;
             std::fs::write(path, text)
@@ -210,6 +205,46 @@ impl Simulate {
 }
 
 impl Simulate {
+    /// The program, with what flags put in the place of its own words.
+    fn program(&self) -> Result<Program> {
+        let options = ReadOptions {
+            feed: self.feed.unwrap_or(DEFAULT_FEED),
+            segments: self.segments,
+            ..ReadOptions::DEFAULT
+        };
+        let mut program = program::read(&self.file, options)?;
+        if let Some(feed) = self.feed {
+            for step in &mut program.moves {
+                if step.speed != Speed::Rapid {
+                    step.speed = Speed::PerSecond(feed);
+                }
+            }
+        }
+        super::override_tolerance(&mut program, self.tolerance);
+        for warning in &program.warnings {
+            eprintln!("warning: {}: {warning}", self.file.display());
+        }
+        Ok(program)
+    }
+
+    /// Before anything is read or run: what is to be written can be, and is no input.
+    fn check_files(&self) -> Result<()> {
+        let plot = named("--plot", self.plot.as_ref());
+        files::check_ending(plot, &["html", "svg", "png"])?;
+        files::check(
+            &[
+                Some(("the program", &self.file)),
+                named("--machine", self.machine.as_ref()),
+                named("--events", self.events.as_ref()),
+            ],
+            &[
+                named("--setpoints", self.setpoints.as_ref()),
+                named("--report", self.report.as_ref()),
+                plot,
+            ],
+        )
+    }
+
     /// Other speed laws on the same path: a table, and a plot if one is wanted.
     fn compare(
         &self,
@@ -281,6 +316,13 @@ fn print_summary(report: &Report) {
         "cost            {:.0} ns per block planned, {:.0} ns per tick",
         report.ns_per_block.mean, report.ns_per_tick.mean
     );
+    for event in &report.events {
+        let pause = if event.pause { ", pause" } else { "" };
+        println!(
+            "event           {:.3} s, line {}: {}{pause}",
+            event.time_s, event.line, event.code
+        );
+    }
     if report.starved > 0 {
         println!("stops for want of blocks: {}", report.starved);
     }

@@ -1,5 +1,6 @@
 //! `splineway smooth`: lowers the curvature of a spline file inside a tube.
 
+use super::files::{self, named};
 use crate::smoothing::{
     Figures, Method, Path, Request, Smoothed, SplineFile, measure, profile, read, run, smooth,
     write,
@@ -101,6 +102,7 @@ impl Smooth {
     /// # Errors
     /// What is wrong with a file or an option, and where.
     pub fn execute(&self) -> Result<()> {
+        self.check_files()?;
         let mut file = read(&self.file)?;
         file.closed |= self.closed;
         let name = self.file.display();
@@ -150,6 +152,14 @@ impl Smooth {
             )?;
         }
         Ok(())
+    }
+
+    fn check_files(&self) -> Result<()> {
+        let (out, plot) = (named("--out", self.out.as_ref()), named("--plot", self.plot.as_ref()));
+        files::check_ending(out, &["json", "toml", "txt"])?;
+        files::check_ending(plot, &["html", "svg", "png"])?;
+        let report = named("--report", self.report.as_ref());
+        files::check(&[Some(("the spline", &self.file))], &[out, report, plot])
     }
 
     fn report(

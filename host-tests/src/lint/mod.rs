@@ -1,20 +1,23 @@
 //! What the core will do with a program, before a machine does it.
 
+mod blame;
+
+use self::blame::{AT_FEED, Blame};
 use crate::machine::Machine;
+use crate::program::arc::Spiral;
 use crate::program::{Course, Point, Program, Speed};
-use crate::run::{Observer, Precision, Sample, run};
+use crate::run::{Observer, Precision, Sample, Track, run};
+use crate::view::Progress;
 use anyhow::Result;
 use serde::Serialize;
 use splineway::Activity;
 use std::collections::BTreeMap;
 
-/// A move counts as run at its feed from this share of it on.
-const AT_FEED: f64 = 0.98;
 /// Lines shorter than this, mm, are left out by the core.
 const NOTHING: f64 = 0.5e-6;
 
 /// What a line of the file costs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Place {
     /// Line of the file.
     pub line: u32,
@@ -24,10 +27,12 @@ pub struct Place {
     pub feed: f64,
     /// Time, s.
     pub time: f64,
-    /// Time beyond what its feed would take, s.
+    /// Time lost against the feed around its slowest place, s, be it on other lines.
     pub lost: f64,
     /// Least speed, mm/s.
     pub slowest: f64,
+    /// What held the motion back there.
+    pub cause: String,
 }
 
 /// What was found.
@@ -100,27 +105,63 @@ fn length(here: &Point, course: &Course, axes: &[usize]) -> f64 {
                 })
                 .sum()
         }
-        Course::Arc { to, plane: (p, q), centre, clockwise, extra_turns } => {
-            let (sx, sy) = (here[*p] - centre.0, here[*q] - centre.1);
-            let (ex, ey) = (to[*p] - centre.0, to[*q] - centre.1);
-            let sign = if *clockwise { -1.0 } else { 1.0 };
-            let mut sweep = sign * (ey.atan2(ex) - sy.atan2(sx));
-            if sweep <= 1e-9 {
-                sweep += std::f64::consts::TAU;
+        Course::Arc { .. } => Spiral::of(course, here).map_or(0.0, |arc| arc.length(axes)),
+    }
+}
+
+/// Least and greatest coordinates over the axes: of arcs and curves, too, not of their ends alone.
+fn extent(program: &Program, track: &Track, axes: &[usize]) -> Vec<(f64, f64)> {
+    let mut extent: Vec<(f64, f64)> =
+        axes.iter().map(|&axis| (program.start[axis], program.start[axis])).collect();
+    let mut see = |n: usize, x: f64| {
+        let (least, greatest) = &mut extent[n];
+        (*least, *greatest) = (least.min(x), greatest.max(x));
+    };
+    for k in 0..track.len() {
+        track.point(k).iter().enumerate().for_each(|(n, x)| see(n, *x));
+    }
+    let mut here = program.start;
+    for step in &program.moves {
+        if let Some(arc) = Spiral::of(&step.path, &here) {
+            for u in arc.extremes() {
+                let point = arc.point(u);
+                axes.iter().enumerate().for_each(|(n, &axis)| see(n, point[axis]));
             }
-            sweep += std::f64::consts::TAU * f64::from(*extra_turns);
-            let rest: Vec<usize> =
-                axes.iter().copied().filter(|axis| axis != p && axis != q).collect();
-            (sx.hypot(sy) * sweep).hypot(distance(here, to, &rest))
+        }
+        if let Some(to) = step.path.end() {
+            here = *to;
+            axes.iter().enumerate().for_each(|(n, &axis)| see(n, to[axis]));
         }
     }
+    extent
+}
+
+/// Whether a line of the file pushes or pulls filament (an E word): without a way, it is not useless.
+fn is_extrusion(text: &str) -> bool {
+    let code = text.split([';', '(']).next().unwrap_or("");
+    let letters = code.char_indices().filter(|(_, letter)| letter.eq_ignore_ascii_case(&'e'));
+    let number = |rest: &str| {
+        rest.trim_start().starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c))
+    };
+    letters.into_iter().any(|(at, _)| {
+        let before = code[..at].chars().next_back();
+        !before.is_some_and(|c| c.is_ascii_digit() || c == '.') && number(&code[at + 1..])
+    })
 }
 
 /// Looks at a program and runs it.
 ///
+/// `source` are the lines of its file; a bar on a terminal shows how far it is, unless it is to be `quiet`.
+///
 /// # Errors
 /// It cannot be run on this machine.
-pub fn look(program: &Program, machine: &Machine, places: usize) -> Result<Findings> {
+pub fn look(
+    program: &Program,
+    machine: &Machine,
+    places: usize,
+    source: &[&str],
+    quiet: bool,
+) -> Result<Findings> {
     let axes = program.axes();
     let limits = machine.axes_of(program)?;
     let fastest = |way: f64, from: &Point, to: &Point| {
@@ -133,7 +174,6 @@ pub fn look(program: &Program, machine: &Machine, places: usize) -> Result<Findi
     let mut findings = Findings::default();
     let mut lines: BTreeMap<u32, Place> = BTreeMap::new();
     let mut here = program.start;
-    let mut extent: Vec<(f64, f64)> = axes.iter().map(|&axis| (here[axis], here[axis])).collect();
     let (mut nothing, mut beyond) = (0, 0);
     for step in &program.moves {
         let way = length(&here, &step.path, &axes);
@@ -145,32 +185,36 @@ pub fn look(program: &Program, machine: &Machine, places: usize) -> Result<Findi
         };
         findings.moves[kind] += 1;
         findings.stops += usize::from(step.exact_stop);
-        nothing += usize::from(kind == 0 && way < NOTHING);
-        let most = if kind == 0 { fastest(way, &here, to) } else { f64::INFINITY };
+        let empty = kind == 0 && way < NOTHING;
+        let text = (step.line as usize).checked_sub(1).and_then(|n| source.get(n)).unwrap_or(&"");
+        nothing += usize::from(empty && !is_extrusion(text));
+        let most = if kind == 0 && !empty { fastest(way, &here, to) } else { f64::INFINITY };
         let wanted = match step.speed {
             Speed::PerSecond(feed) => feed,
             Speed::Duration(seconds) => way / seconds,
             Speed::Rapid => most,
         };
+        let wanted = if empty { 0.0 } else { wanted };
         beyond += usize::from(step.speed != Speed::Rapid && wanted > most * 1.001);
         let place = lines.entry(step.line).or_default();
         place.line = step.line;
         place.length += way;
-        place.feed = wanted.min(most);
+        place.feed = place.feed.max(wanted.min(most));
         findings.length += way;
-        for ((least, greatest), &axis) in extent.iter_mut().zip(&axes) {
-            (*least, *greatest) = (least.min(to[axis]), greatest.max(to[axis]));
-        }
         here = *to;
     }
+    let track = Track::new(program);
     findings.extent = axes
         .iter()
-        .zip(extent)
+        .zip(extent(program, &track, &axes))
         .map(|(&axis, (least, greatest))| (crate::program::LETTERS[axis], least, greatest))
         .collect();
-    let feeds = lines.values().map(|place| (place.line, place.feed)).collect();
+    let feeds: BTreeMap<u32, f64> = lines.values().map(|place| (place.line, place.feed)).collect();
+    let mut blame = Blame::new(program, &limits, machine.cycle, feeds.clone());
     let mut clock = Clock { cycle: machine.cycle, feeds, ..Clock::default() };
-    run(program, machine, Precision::F64, &mut [&mut clock])?;
+    let mut progress = Progress::new(track.length(), quiet);
+    run(program, machine, Precision::F64, &mut [&mut clock, &mut blame, &mut progress])?;
+    progress.finish();
     findings.time = clock.total;
     let total = clock.total.max(machine.cycle);
     let slow = (total - clock.at_feed - clock.resting).max(0.0);
@@ -178,8 +222,10 @@ pub fn look(program: &Program, machine: &Machine, places: usize) -> Result<Findi
     for (line, (time, slowest)) in clock.time {
         let place = lines.entry(line).or_default();
         (place.line, place.time, place.slowest) = (line, time, slowest);
-        let at_feed = if place.feed > 0.0 { place.length / place.feed } else { 0.0 };
-        place.lost = time - at_feed;
+    }
+    for (line, (lost, cause)) in blame.finish() {
+        let place = lines.entry(line).or_default();
+        (place.line, place.lost, place.cause) = (line, lost, cause);
     }
     let mut slowest: Vec<Place> = lines.into_values().collect();
     slowest.sort_by(|a, b| b.lost.total_cmp(&a.lost));

@@ -3,6 +3,7 @@
 pub mod duration;
 pub mod events;
 pub mod geometry;
+pub mod happenings;
 pub mod judge;
 pub mod runner;
 pub mod track;
@@ -11,6 +12,7 @@ pub mod witness;
 pub use duration::{Overtime, Pace, Stops, Stopwatch};
 pub use events::{Action, Event, Events, FORMAT};
 pub use geometry::Geometry;
+pub use happenings::{Happening, Happenings};
 pub use judge::{Judge, Verdict};
 pub use runner::{Observer, Precision, Sample, Stats, Timing, block, run, run_with};
 pub use track::Track;

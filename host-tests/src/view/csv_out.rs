@@ -10,6 +10,7 @@ use std::path::Path;
 pub struct CsvOut {
     writer: csv::Writer<File>,
     row: Vec<String>,
+    name: String,
 }
 
 impl CsvOut {
@@ -24,7 +25,7 @@ impl CsvOut {
         let mut header = vec!["t".to_owned()];
         header.extend(letters.iter().map(|letter| letter.to_ascii_lowercase().to_string()));
         writer.write_record(&header)?;
-        Ok(Self { writer, row: Vec::new() })
+        Ok(Self { writer, row: Vec::new(), name: path.display().to_string() })
     }
 
     /// Writes what is buffered.
@@ -32,7 +33,7 @@ impl CsvOut {
     /// # Errors
     /// If it cannot be written.
     pub fn finish(mut self) -> Result<()> {
-        Ok(self.writer.flush()?)
+        self.writer.flush().with_context(|| format!("cannot write {}", self.name))
     }
 }
 
@@ -41,6 +42,6 @@ impl Observer for CsvOut {
         self.row.clear();
         self.row.push(format!("{:.9}", sample.time));
         self.row.extend(sample.position.iter().map(|x| format!("{x:.14e}")));
-        Ok(self.writer.write_record(&self.row)?)
+        self.writer.write_record(&self.row).with_context(|| format!("cannot write {}", self.name))
     }
 }

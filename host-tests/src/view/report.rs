@@ -3,7 +3,7 @@
 use crate::machine::Machine;
 use crate::program::Program;
 use crate::run::judge::Outside;
-use crate::run::{Overtime, Precision, Stats, Timing, Track, Verdict};
+use crate::run::{Happening, Overtime, Precision, Stats, Timing, Track, Verdict};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -95,6 +95,8 @@ pub struct Report {
     pub starved: u32,
     /// What was noticed.
     pub warnings: Vec<String>,
+    /// What the program asked of the machine besides motion, in order.
+    pub events: Vec<Happening>,
 }
 
 impl Report {
@@ -149,6 +151,7 @@ impl Report {
             late_plans: stats.counters.late,
             starved: stats.counters.starved,
             warnings: program.warnings.clone(),
+            events: Vec::new(),
         }
     }
 }
