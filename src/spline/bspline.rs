@@ -196,23 +196,31 @@ impl<S: Scalar, const N: usize, const CAP: usize> Spline<S, N, CAP> {
         if rest == 0 { turn } else { turn + self.knots[rest.cast_unsigned() - 1] }
     }
 
-    /// Parameters at the ends of a span.
+    /// The number of a span that there is: beyond the last, the last.
+    fn known(&self, span: usize) -> usize {
+        span.min(self.spans().saturating_sub(1))
+    }
+
+    /// Parameters at the ends of a span; of the last, if there are not so many.
     pub fn range(&self, span: usize) -> (S, S) {
+        let span = self.known(span);
         (self.knot(span.cast_signed() + 2), self.knot(span.cast_signed() + 3))
     }
 
     /// What a span depends on.
     pub(super) fn local(&self, span: usize) -> Local<S> {
+        let span = self.known(span);
         let start = self.knot(span.cast_signed() + 2);
         Local::from_knots(from_fn(|i| self.knot((span + i).cast_signed()) - start))
     }
 
     /// The four control points of a span.
     pub(super) fn polygon(&self, span: usize) -> [Vector<S, N>; 4] {
+        let span = self.known(span);
         from_fn(|j| self.controls[(span + j) % self.controls.len()])
     }
 
-    /// Point at the share `u` (0 to 1) of a span.
+    /// Point at the share `u` (0 to 1) of a span. Here and below, a span beyond the last is the last.
     pub fn point(&self, span: usize, u: S) -> Vector<S, N> {
         let local = self.local(span);
         let (basis, polygon) = (local.values(local.step() * u), self.polygon(span));
@@ -242,6 +250,7 @@ impl<S: Scalar, const N: usize, const CAP: usize> Spline<S, N, CAP> {
 
     /// Bezier points of a span.
     pub fn bezier(&self, span: usize) -> [Vector<S, N>; 4] {
+        let span = self.known(span);
         let t: [S; 6] = from_fn(|i| self.knot((span + i).cast_signed()));
         let c = self.polygon(span);
         // Boehm: the polar values at (a, a, a), (a, a, b), (a, b, b), (b, b, b).
@@ -439,6 +448,19 @@ mod tests {
 
     fn near(a: [f64; 2], b: [f64; 2], most: f64) {
         assert!(norm(&sub(&a, &b)) <= most, "{a:?} {b:?}");
+    }
+
+    #[test]
+    fn a_span_beyond_the_last_is_the_last() {
+        for spline in [open(), closed()] {
+            let last = spline.spans() - 1;
+            for span in [last + 1, 77, usize::MAX] {
+                near(spline.point(span, 0.3), spline.point(last, 0.3), 0.0);
+                assert_eq!(spline.range(span), spline.range(last));
+                assert_eq!(spline.bezier(span), spline.bezier(last));
+                assert_eq!(spline.derivatives(span, 0.3), spline.derivatives(last, 0.3));
+            }
+        }
     }
 
     #[test]

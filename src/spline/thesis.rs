@@ -231,7 +231,8 @@ pub fn categories<S: Scalar, const N: usize, const CAP: usize>(
 }
 
 /// The direction in which every control point moves, of length 1 or null (section 3.6). `start` is the
-/// spline as it was given.
+/// spline as it was given. A control point without a category, or with one that names points that there are
+/// not, does not move: as none does if the splines are not of the same size.
 pub fn directions<S: Scalar, const N: usize, const CAP: usize>(
     spline: &Spline<S, N, CAP>,
     start: &Spline<S, N, CAP>,
@@ -240,6 +241,11 @@ pub fn directions<S: Scalar, const N: usize, const CAP: usize>(
     let points = spline.controls();
     let m = points.len();
     let at = |i: usize, by: isize| neighbour(spline, i, by).map(|j| &points[j]);
+    let same = start.controls().len() == m && m > 3;
+    let known = |category: &Category| match *category {
+        Category::Smooth { first, second } => first < m && second < m,
+        _ => true,
+    };
     // Equations 3-23 to 3-25.
     let bisector = |i: usize| -> Vector<S, N> {
         let (Some(before), Some(after)) = (at(i, -1), at(i, 1)) else { return zero() };
@@ -270,7 +276,12 @@ pub fn directions<S: Scalar, const N: usize, const CAP: usize>(
         normalised(&mix(S::ONE, &way, -dot(&way, &path), &path))
     };
     let mut out = Vec::new();
-    for (i, category) in categories.iter().enumerate() {
+    for i in 0..m {
+        let category = categories.get(i).filter(|category| same && known(category));
+        let Some(category) = category else {
+            let _ = out.push(zero());
+            continue;
+        };
         let direction = match *category {
             Category::End if i == 0 => end(0, 1, 2),
             Category::End => end(m - 1, m - 2, m - 3),
@@ -443,6 +454,19 @@ mod tests {
         let mut moves = [0.0, 0.5];
         move_distances(&mut moves, 4.0);
         assert!(moves == [2.0, 4.0], "{moves:?}");
+    }
+
+    /// Categories of another spline move nothing that is not there.
+    #[test]
+    fn categories_of_another_size_do_not_move() {
+        let points: [[f64; 2]; 9] = from_fn(|k| [k as f64, (k % 3) as f64]);
+        let (long, short) = (even(&points), even(&points[..5]));
+        let kinds = categories(&long);
+        assert_eq!(directions(&short, &short, &kinds).len(), 5);
+        assert!(directions(&short, &long, &kinds).iter().all(|way| *way == [0.0; 2]));
+        let few = directions(&long, &long, &categories(&short));
+        assert!(few.len() == 9 && few[5..].iter().all(|way| *way == [0.0; 2]));
+        assert!(directions(&long, &long, &[]).iter().all(|way| *way == [0.0; 2]));
     }
 
     fn even<const N: usize>(points: &[[f64; N]]) -> Spline<f64, N, 32> {
