@@ -1,7 +1,11 @@
 //! **splineway** takes tool paths - thousands of short lines, arcs, curves and dwells - and gives one
 //! position setpoint per servo cycle for every axis: inside the tolerance band, within every axis's
 //! velocity, acceleration and jerk at every instant, and always able to stop. It is `no_std`, never
-//! allocates, cannot panic (the linker proves it), and runs the same code in `f32` on a Cortex-M4F and in `f64` on a PC.
+//! allocates, and runs the same code in `f32` on a Cortex-M4F and in `f64` on a PC. What a controller calls cannot
+//! panic: the images of `src/bin/proof` call planner, interpolator, commands, checks, outputs and the interface for
+//! C, and link only if no panic can be reached. (Not in the proof: `wire`, for the crates it encodes with, and of
+//! [`spline`] what the planner does not use.) `unsafe` is one instruction, the target's square root, and the
+//! border of the interface for C.
 //!
 //! # The way of a block
 //!
@@ -16,7 +20,8 @@
 //! - [`block`]: what comes in. A [`Block`] is plain data, checked as a whole when it is pushed.
 //! - [`spline`]: cubic B-splines and their smoothing inside a tube; for splines that come as such, and for
 //!   the runs of `path`.
-//! - `path`: geometry, which knows no time. Blocks wait until their neighbours are known; corners
+//! - `path`: geometry. It knows no speed law; of feed and limits it takes what it needs to choose lengths: how
+//!   far a start from rest reaches, and how long a cell may be (`path::cut`). Blocks wait until their neighbours are known; corners
 //!   become cubic B-splines inside the tolerance band (shaped for least time, or as in Guo, Yan, Wang
 //!   2023), runs of short lines one cubic B-spline that is smoothed inside the band in a set number of
 //!   sweeps (after Naseath 2007), joints with arcs quintic blends. Everything is cut into *cells*

@@ -1,0 +1,194 @@
+//! The proof of `proof` for what lies around the core: outputs, the checks of a program, and the interface for C.
+//! It links only if no panic can be reached from any of them. The wire is not among them: the crates it encodes
+//! with keep bounds checks that the compiler cannot remove.
+#![no_std]
+#![no_main]
+// Names for the linker, and the interface for C.
+#![allow(unsafe_code)]
+
+use core::convert::Infallible;
+use core::hint::black_box;
+use core::panic::PanicInfo;
+use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use cortex_m_rt::entry;
+use embedded_hal::digital::{ErrorType, OutputPin};
+use embedded_hal::pwm;
+use splineway::block::centre_from_radius;
+use splineway::c;
+use splineway::output::{Analogue, Drive, PositionLoop, Scale, StepDir, StepTiming};
+use splineway::{
+    AxisLimits, Block, Config, Coord, CornerMode, Interpolator, Limits, Link, Planner, Setpoint,
+    Turn,
+};
+
+unsafe extern "C" {
+    /// Defined nowhere.
+    fn a_panic_can_be_reached() -> !;
+}
+
+#[panic_handler]
+fn panic(_: &PanicInfo<'_>) -> ! {
+    // SAFETY: never linked, so never called.
+    unsafe { a_panic_can_be_reached() }
+}
+
+/// A pin, as far as a compiler can know.
+struct Pin(&'static AtomicU32);
+
+impl ErrorType for Pin {
+    type Error = Infallible;
+}
+
+impl OutputPin for Pin {
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        self.0.store(0, Relaxed);
+        Ok(())
+    }
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        self.0.store(1, Relaxed);
+        Ok(())
+    }
+}
+
+impl pwm::ErrorType for Pin {
+    type Error = Infallible;
+}
+
+impl pwm::SetDutyCycle for Pin {
+    fn max_duty_cycle(&self) -> u16 {
+        black_box(1000)
+    }
+    fn set_duty_cycle(&mut self, duty: u16) -> Result<(), Infallible> {
+        self.0.store(u32::from(duty), Relaxed);
+        Ok(())
+    }
+}
+
+static PORT: AtomicU32 = AtomicU32::new(0);
+static mut LINK: Link<f32, 3, 64> = Link::new();
+static mut CORE: c::splineway_core = c::splineway_core { words: [0; c::SPLINEWAY_STORAGE_WORDS] };
+
+/// Steps and a laser, as a drive.
+struct Axis(StepDir<Pin, Pin>, Analogue<Pin, f32>, PositionLoop<f32>);
+
+impl Drive<f32, 3> for Axis {
+    type Error = ();
+    fn drive(&mut self, setpoint: &Setpoint<f32, 3>) -> Result<(), ()> {
+        let left = self.0.begin(setpoint.position(black_box(0)));
+        for _ in 0..black_box(100) {
+            self.0.tick().map_err(drop)?;
+        }
+        let asked = self.2.velocity(setpoint.path_speed, black_box(0.1)).map_err(drop)?;
+        self.1.set(asked).map_err(drop)?;
+        if left == 0 { Ok(()) } else { Err(()) }
+    }
+}
+
+fn axis() -> Option<Axis> {
+    let scale = Scale::new(black_box(400), black_box(1_000_000)).ok()?;
+    let timing = StepTiming::from_ns(black_box(100_000), black_box(1000), black_box([1000; 4]));
+    let start = (black_box(Coord::ZERO), black_box(timing.most_steps()));
+    let steps = StepDir::new(Pin(&PORT), Pin(&PORT), scale, timing, start).ok()?;
+    black_box(steps.steps());
+    let laser = Analogue::unipolar(Pin(&PORT), black_box(100.0));
+    let position = PositionLoop { gain: black_box(20.0), most_error: black_box(0.5) };
+    Some(Axis(steps, laser, position))
+}
+
+fn config() -> Option<Config<f32, 3>> {
+    let axis = AxisLimits {
+        velocity: black_box(200.0),
+        acceleration: black_box(2000.0),
+        jerk: black_box(50_000.0),
+        rotary: black_box(false),
+    };
+    let mut config = black_box(Config::new(Limits::new([axis; 3]).ok()?));
+    config.corner = black_box(CornerMode::Paper { lambda: 0.3 });
+    config.check().ok()?;
+    Some(config)
+}
+
+/// A controller's loop with drives.
+fn drives(
+    planner: &mut Planner<'_, f32, 3, 16, 64>,
+    interpolator: &mut Interpolator<'_, f32, 3>,
+) -> Option<()> {
+    let mut drive = axis()?;
+    loop {
+        black_box(planner.poll());
+        black_box(drive.drive(&interpolator.tick())).ok()?;
+    }
+}
+
+/// Blocks checked before a program is run.
+fn checks(config: &Config<f32, 3>) -> Option<()> {
+    let block: Block<f32, 3> = black_box(Block::line([Coord::ZERO; 3], 1.0, 1));
+    block.check(&black_box([Coord::ZERO; 3]), config).ok()?;
+    let at = black_box((Coord::ZERO, Coord::from_mm(black_box(1.0))?));
+    black_box(centre_from_radius(at, at, black_box(2.0), black_box(Turn::Clockwise)).ok()?);
+    Some(())
+}
+
+/// Everything a C program may call.
+fn interface() {
+    let core = &raw mut CORE;
+    let mut config = core::mem::MaybeUninit::uninit();
+    let to = black_box([0; c::SPLINEWAY_AXES]);
+    let options = black_box(c::splineway_block {
+        feed: 1.0,
+        duration: 0.0,
+        tolerance: -1.0,
+        exact_stop: false,
+        tag: 1,
+    });
+    let arc = black_box(c::splineway_arc {
+        plane: [0, 1],
+        centre: [0, 0],
+        clockwise: true,
+        extra_turns: 0,
+    });
+    let mut setpoint = core::mem::MaybeUninit::uninit();
+    let mut report = core::mem::MaybeUninit::uninit();
+    // SAFETY: pointers to what is there, from one context.
+    unsafe {
+        let (bytes, version) = (black_box(size_of::<c::splineway_config>()), black_box(2));
+        let limits = black_box([200.0, 2000.0, 50_000.0]);
+        let config: *mut c::splineway_config = config.as_mut_ptr();
+        c::splineway_config_init_sized(config, bytes, version, limits[0], limits[1], limits[2]);
+        black_box(c::splineway_init(core, size_of::<c::splineway_core>(), config, to.as_ptr()));
+        black_box(c::splineway_push_line(core, to.as_ptr(), &raw const options));
+        black_box(c::splineway_push_arc(core, to.as_ptr(), &raw const arc, &raw const options));
+        let p = to.as_ptr();
+        black_box(c::splineway_push_cubic(core, p, p, p, &raw const options));
+        black_box(c::splineway_push_dwell(core, black_box(1.0), 1));
+        black_box(c::splineway_push_event(core, black_box(true), 1));
+        black_box(c::splineway_finish(core));
+        black_box(c::splineway_poll(core));
+        black_box(c::splineway_acknowledge_abort(core));
+        black_box(c::splineway_tick(core, setpoint.as_mut_ptr()));
+        black_box(c::splineway_status(core, report.as_mut_ptr()));
+        black_box((c::splineway_hold(core), c::splineway_resume(core), c::splineway_stop(core)));
+        black_box((c::splineway_abort(core), c::splineway_single_block(core, black_box(true))));
+        black_box(c::splineway_feed_override(core, black_box(50)));
+        black_box(c::splineway_rapid_override(core, black_box(50)));
+    }
+    black_box(c::splineway_result_text(black_box(3)));
+}
+
+fn run() -> Option<()> {
+    let config = config()?;
+    // SAFETY: called once, and nothing else knows the link.
+    let link = unsafe { &mut *(&raw mut LINK) };
+    let (mut planner, mut interpolator) = link.handles(config, black_box([Coord::ZERO; 3])).ok()?;
+    checks(&config)?;
+    interface();
+    drives(&mut planner, &mut interpolator)
+}
+
+#[entry]
+fn main() -> ! {
+    black_box(run());
+    loop {
+        black_box(());
+    }
+}
