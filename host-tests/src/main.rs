@@ -42,10 +42,23 @@ enum Command {
     },
 }
 
+impl Command {
+    fn has_a_machine(&self) -> bool {
+        #[cfg(unix)]
+        if matches!(self, Self::Controller(_)) {
+            return true;
+        }
+        matches!(self, Self::Stream(_))
+    }
+}
+
 fn main() -> ExitCode {
-    // `splineway ... | head` ends quietly.
-    sigpipe::reset();
-    let outcome = match Arguments::parse().command {
+    let command = Arguments::parse().command;
+    // `splineway ... | head` ends quietly; but a machine is not left alone because nobody reads any more.
+    if !command.has_a_machine() {
+        sigpipe::reset();
+    }
+    let outcome = match command {
         Command::Simulate(simulate) => simulate.execute(),
         Command::Check(check) => check.execute(),
         Command::Stream(stream) => stream.execute(),

@@ -3,12 +3,10 @@
 
 use proptest::prelude::*;
 use splineway::wire::{
-    Axes, Command, FRAME, Inlet, Item, Move, Path, Refusal, Reply, Request, Sender, Situation,
-    Speed, State, Station, Step, encode,
+    Command, Events, FRAME, Inlet, Item, Move, Path, Refusal, Reply, Sender, Speed, State, Station,
+    Step, Target, encode,
 };
-use splineway::{
-    Activity, AxisLimits, Block, Config, Coord, Limits, Link, Planner, Progress, PushError,
-};
+use splineway::{AxisLimits, Block, Config, Coord, Limits, Link, Planner, PushError};
 use std::collections::VecDeque;
 
 const BLOCKS: usize = 16;
@@ -75,7 +73,7 @@ fn program(count: u32) -> Vec<Item> {
     let mut items: Vec<Item> = (1..=count)
         .map(|tag| {
             let nm = i64::from(tag) * 300_000;
-            let to: Axes = [nm, nm % 700_000, 0].into_iter().collect();
+            let to = Target::from([Some(nm), Some(nm % 700_000), None]);
             Item::Move(Move {
                 path: Path::Line { to },
                 speed: Speed::PerSecond(100.0),
@@ -105,8 +103,9 @@ fn stream(items: &[Item], mut lines: [Line; 2], commands: &[(u64, Command)], hea
         link.handles(config(), [Coord::ZERO; 3]).unwrap();
     let controls = planner.controls();
     let mut station = Station::<f32, 3, QUEUE>::new();
-    let mut sender = Sender::new(77, items.len() as u32);
+    let mut sender = Sender::new(77, items.len() as u32, 0);
     let mut inlet = Inlet::new();
+    let events = Events::<4>::new();
     let mut out = [0; FRAME];
     let mut outcome =
         Outcome { positions: Vec::new(), commands: Vec::new(), refused: None, done: false };
@@ -140,26 +139,21 @@ fn stream(items: &[Item], mut lines: [Line; 2], commands: &[(u64, Command)], hea
                 command.send(controls);
             }
         }
-        station.feed(&mut planner);
-        let progress = planner.poll();
+        station.poll(&mut planner, &events, now as u32);
         let setpoint = interpolator.tick();
         outcome.positions.push([0, 1, 2].map(|axis| setpoint.position_nm(axis)));
-        let idle = setpoint.activity == Activity::Idle;
-        let situation = || Situation {
-            state: if idle { State::Idle } else { State::Running },
-            ..Situation::default()
-        };
+        let state = station.state(&setpoint);
         loop {
-            let length = station.reply(situation, &mut out);
+            let length = station.reply(&setpoint, &mut out);
             if length == 0 {
                 break;
             }
             lines[1].send(&out[..length]);
         }
         outcome.refused = sender.refused();
-        outcome.done =
-            commands.peek().is_none() && sender.is_done() && progress == Progress::Done && idle;
-        if outcome.done || (outcome.refused.is_some() && idle && now > heal + 3000) {
+        outcome.done = commands.peek().is_none() && sender.is_done() && state == State::Idle;
+        let rests = matches!(state, State::Idle | State::Aborted);
+        if outcome.done || (outcome.refused.is_some() && rests && now > heal + 3000) {
             break;
         }
     }
@@ -169,7 +163,7 @@ fn stream(items: &[Item], mut lines: [Line; 2], commands: &[(u64, Command)], hea
 /// The positions of the program pushed without any line.
 fn direct(items: &[Item]) -> [i64; 3] {
     let Some(Item::Move(last)) = items.iter().rev().nth(1) else { panic!("a program has moves") };
-    let block: Block<f32, 3> = last.block().unwrap();
+    let block: Block<f32, 3> = last.block(&[Coord::ZERO; 3]).unwrap();
     match block.motion {
         splineway::Motion::Line { to } => to.map(Coord::to_nm),
         _ => panic!("a line"),
@@ -245,37 +239,8 @@ fn a_refused_block_is_named_and_what_came_before_is_run() {
     assert_eq!(outcome.refused, Some(Refusal::Block { tag: 31 }));
     let Item::Move(last) = &items[29] else { panic!("a move") };
     let Path::Line { to } = &last.path else { panic!("a line") };
-    assert_eq!(outcome.positions.last().unwrap()[..], to[..]);
-}
-
-/// Frames of another session are dropped, and a second copy of a request to open changes nothing.
-#[test]
-fn sessions_do_not_mix() {
-    let mut station = Station::<f32, 3, QUEUE>::new();
-    let mut out = [0; FRAME];
-    let mut say = |station: &mut Station<f32, 3, QUEUE>, request: &Request| {
-        let length = encode(request, &mut out).unwrap();
-        out[..length].iter().filter_map(|&byte| station.receive(byte)).count()
-    };
-    let item = |session, number| {
-        let item = program(3).swap_remove(number as usize);
-        Request::Item { session, number, item }
-    };
-    say(&mut station, &Request::Open { session: 1 });
-    say(&mut station, &item(1, 0));
-    say(&mut station, &item(2, 1));
-    assert_eq!(station.taken(), 1);
-    say(&mut station, &Request::Open { session: 1 });
-    say(&mut station, &item(1, 1));
-    assert_eq!(station.taken(), 2);
-    let hold = |session| Request::Command { session, number: 0, command: Command::Hold };
-    assert_eq!(say(&mut station, &hold(2)), 0);
-    assert_eq!(say(&mut station, &hold(1)), 1);
-    assert_eq!(say(&mut station, &hold(1)), 0);
-    say(&mut station, &Request::Open { session: 2 });
-    assert_eq!(station.taken(), 0);
-    // What had been taken is still run.
-    assert!(station.is_waiting());
+    let wanted = [to[0].unwrap(), to[1].unwrap(), 0];
+    assert_eq!(*outcome.positions.last().unwrap(), wanted);
 }
 
 /// A move survives the line to the nanometre.
@@ -287,9 +252,9 @@ fn blocks_come_back_as_they_were() {
         Block::dwell(0.25, 9),
     ];
     for block in blocks {
-        assert_eq!(Move::from(&block).block(), Ok(block));
+        assert_eq!(Move::from(&block).block(&[Coord::from_raw(7); 3]), Ok(block));
     }
-    let wrong: Result<Block<f32, 4>, _> = Move::from(&blocks[0]).block();
+    let wrong: Result<Block<f32, 4>, _> = Move::from(&blocks[0]).block(&[Coord::ZERO; 4]);
     assert_eq!(wrong.unwrap_err().to_string(), "the move gives 3 axes; the controller has 4");
     let mut link = Box::new(Link::<f32, 3, NODES>::new());
     let (mut planner, _) = link.handles::<BLOCKS>(config(), [Coord::ZERO; 3]).unwrap();

@@ -8,8 +8,8 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 /// Most bytes of a frame, its zero byte included: a cubic block over nine axes with every number at its
-/// longest, CRC and COBS take 309.
-pub const FRAME: usize = 320;
+/// longest, CRC and COBS take 336.
+pub const FRAME: usize = 340;
 
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);
 
@@ -76,10 +76,10 @@ fn decode<T: DeserializeOwned>(bytes: &mut [u8]) -> Option<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wire::{Axes, Item, Move, Path, Request, Speed};
+    use crate::wire::{Item, Move, Path, Request, Speed, Target};
 
     fn longest() -> Request {
-        let far = Axes::from([i64::MIN; 9]);
+        let far = Target::from([Some(i64::MIN); 9]);
         let path = Path::Cubic { controls: [far.clone(), far.clone()], to: far };
         let step = Move {
             path,
@@ -99,7 +99,7 @@ mod tests {
     fn the_longest_message_fits_into_a_frame_and_comes_back() {
         let mut out = [0; FRAME];
         let length = encode(&longest(), &mut out).unwrap();
-        assert_eq!(length, 309);
+        assert_eq!(length, 336);
         assert_eq!(receive(&mut Inlet::new(), &out[..length]), [longest()]);
         assert_eq!(encode(&longest(), &mut out[..100]), None);
     }

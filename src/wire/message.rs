@@ -1,199 +1,16 @@
 //! What host and controller say to each other.
 
-use crate::block::{Block, BlockError, Feed, Motion, Turn};
-use crate::number::{Coord, Scalar};
+use super::moves::{Axes, Move};
 use core::fmt;
-use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-/// Version of the protocol.
-pub const VERSION: u8 = 1;
+/// Version of the protocol. [`Request::Hello`] and [`Reply::Hello`] are the same in every version, so
+/// that two ends of different versions can say so.
+pub const VERSION: u8 = 2;
 
-/// Positions of up to nine axes, nm (1e-6 degrees on a rotary axis).
-pub type Axes = Vec<i64, 9>;
-
-/// Where a move goes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Path {
-    /// Straight to a point.
-    Line {
-        /// End point, absolute.
-        to: Axes,
-    },
-    /// Along a circle or helix.
-    Arc {
-        /// End point, absolute.
-        to: Axes,
-        /// The plane's two axes.
-        plane: (u8, u8),
-        /// Centre in these axes, nm.
-        centre: (i64, i64),
-        /// G2.
-        clockwise: bool,
-        /// Full turns beyond the first arrival.
-        extra_turns: u16,
-    },
-    /// Along a cubic curve.
-    Cubic {
-        /// The two Bezier points between, absolute.
-        controls: [Axes; 2],
-        /// End point, absolute.
-        to: Axes,
-    },
-    /// Stand still.
-    Dwell {
-        /// Duration, s.
-        seconds: f32,
-    },
-    /// Rest, and report an event.
-    Event {
-        /// Whether to rest until the operator resumes.
-        pause: bool,
-    },
-}
-
-/// How fast a move runs.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Speed {
-    /// mm/s, or degrees/s.
-    PerSecond(f32),
-    /// Duration of the move, s.
-    Duration(f32),
-    /// As fast as the axes can.
-    Rapid,
-}
-
-/// A block as it is sent: to the nanometre, for any number of axes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Move {
-    /// Where.
-    pub path: Path,
-    /// How fast.
-    pub speed: Speed,
-    /// Tolerance, mm; `None` takes the controller's.
-    pub tolerance: Option<f32>,
-    /// Whether it ends in an exact stop.
-    pub exact_stop: bool,
-    /// The caller's mark.
-    pub tag: u32,
-}
-
-/// Why a move is not a block of this controller.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum MoveError {
-    /// It does not give as many axes as the controller has.
-    Axes {
-        /// Axes given.
-        given: usize,
-        /// Axes of the controller.
-        axes: usize,
-    },
-    /// A coordinate is out of range.
-    Coordinate(BlockError),
-}
-
-impl fmt::Display for MoveError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Axes { given, axes } => {
-                write!(f, "the move gives {given} axes; the controller has {axes}")
-            }
-            Self::Coordinate(error) => error.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for MoveError {}
-
-fn coord(axis: usize, nm: i64) -> Result<Coord, MoveError> {
-    let error = BlockError::Coordinate { axis, value: nm as f64 * 1.0e-6 };
-    Coord::from_nm(nm).ok_or(MoveError::Coordinate(error))
-}
-
-fn point<const N: usize>(axes: &Axes) -> Result<[Coord; N], MoveError> {
-    if axes.len() != N {
-        return Err(MoveError::Axes { given: axes.len(), axes: N });
-    }
-    let mut to = [Coord::ZERO; N];
-    for (axis, (to, &nm)) in to.iter_mut().zip(axes).enumerate() {
-        *to = coord(axis, nm)?;
-    }
-    Ok(to)
-}
-
-fn axes<const N: usize>(point: &[Coord; N]) -> Axes {
-    point.iter().map(|coord| coord.to_nm()).take(9).collect()
-}
-
-impl Move {
-    /// As a block of a controller with `N` axes.
-    ///
-    /// # Errors
-    /// [`MoveError`] if it has another number of axes, or a coordinate beyond [`Coord::LIMIT_MM`].
-    pub fn block<S: Scalar, const N: usize>(&self) -> Result<Block<S, N>, MoveError> {
-        let motion = match &self.path {
-            Path::Line { to } => Motion::Line { to: point(to)? },
-            Path::Arc { to, plane, centre, clockwise, extra_turns } => Motion::Arc {
-                to: point(to)?,
-                plane: (usize::from(plane.0), usize::from(plane.1)),
-                centre: (
-                    coord(usize::from(plane.0), centre.0)?,
-                    coord(usize::from(plane.1), centre.1)?,
-                ),
-                turn: if *clockwise { Turn::Clockwise } else { Turn::CounterClockwise },
-                extra_turns: *extra_turns,
-            },
-            Path::Cubic { controls: [first, second], to } => {
-                Motion::Cubic { controls: [point(first)?, point(second)?], to: point(to)? }
-            }
-            Path::Dwell { seconds } => Motion::Dwell { seconds: scalar(*seconds) },
-            Path::Event { pause } => Motion::Event { pause: *pause },
-        };
-        let feed = match self.speed {
-            Speed::PerSecond(feed) => Feed::PerSecond(scalar(feed)),
-            Speed::Duration(seconds) => Feed::Duration(scalar(seconds)),
-            Speed::Rapid => Feed::Rapid,
-        };
-        let tolerance = self.tolerance.map(scalar);
-        Ok(Block { motion, feed, tolerance, exact_stop: self.exact_stop, tag: self.tag })
-    }
-}
-
-fn scalar<S: Scalar>(x: f32) -> S {
-    S::of(f64::from(x))
-}
-
-fn single<S: Scalar>(x: S) -> f32 {
-    x.to_f64() as f32
-}
-
-impl<S: Scalar, const N: usize> From<&Block<S, N>> for Move {
-    /// Rounds to nanometres and `f32`.
-    fn from(block: &Block<S, N>) -> Self {
-        let path = match &block.motion {
-            Motion::Line { to } => Path::Line { to: axes(to) },
-            Motion::Arc { to, plane, centre, turn, extra_turns } => Path::Arc {
-                to: axes(to),
-                plane: (plane.0 as u8, plane.1 as u8),
-                centre: (centre.0.to_nm(), centre.1.to_nm()),
-                clockwise: *turn == Turn::Clockwise,
-                extra_turns: *extra_turns,
-            },
-            Motion::Cubic { controls: [first, second], to } => {
-                Path::Cubic { controls: [axes(first), axes(second)], to: axes(to) }
-            }
-            Motion::Dwell { seconds } => Path::Dwell { seconds: single(*seconds) },
-            Motion::Event { pause } => Path::Event { pause: *pause },
-        };
-        let speed = match block.feed {
-            Feed::PerSecond(feed) => Speed::PerSecond(single(feed)),
-            Feed::Duration(seconds) => Speed::Duration(single(seconds)),
-            Feed::Rapid => Speed::Rapid,
-        };
-        let tolerance = block.tolerance.map(single);
-        Self { path, speed, tolerance, exact_stop: block.exact_stop, tag: block.tag }
-    }
-}
+/// Silence after which a controller counts a sender as lost, if the sender does not ask for another
+/// time, ms.
+pub const SILENCE: u16 = 1000;
 
 /// What is taken in order.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -239,12 +56,25 @@ impl Command {
     }
 }
 
+/// What a sender asks for who wants to begin a session.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Opening {
+    /// Its [`VERSION`].
+    pub version: u8,
+    /// The session's number, of the sender's choosing; it must differ from the one before.
+    pub session: u32,
+    /// Silence of the sender after which the machine is stopped, ms; 0: it runs on with what it has.
+    pub silence: u16,
+    /// Whether to abort what a dead session has left; without it such an opening is denied.
+    pub abort: bool,
+}
+
 /// From the host.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Request {
-    /// Begin a session.
-    Open {
-        /// Its number.
+    /// Say which protocol you speak. Opens nothing.
+    Hello {
+        /// Comes back in the reply.
         session: u32,
     },
     /// A block, or the end.
@@ -265,8 +95,20 @@ pub enum Request {
         /// The command.
         command: Command,
     },
-    /// Say how things are.
+    /// Say how things are. Anybody may ask, in any session or none.
     Ask,
+    /// Begin a session.
+    Open(Opening),
+    /// The sender of the session is there; say how things are.
+    Alive {
+        /// The session.
+        session: u32,
+    },
+    /// The sender leaves. What it leaves unfinished is stopped as if it had fallen silent.
+    Close {
+        /// The session.
+        session: u32,
+    },
 }
 
 /// Why the controller takes no more items in this session.
@@ -282,6 +124,34 @@ pub enum Refusal {
     Aborted,
     /// The emergency stop, a limit switch, or an output that did not follow.
     Alarm,
+}
+
+/// Why the controller does not begin a session.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Denial {
+    /// It speaks another version of the protocol.
+    Version,
+    /// The session of another sender is alive.
+    Busy,
+    /// Blocks of a session whose sender is gone are left; [`Opening::abort`] would drop them.
+    Left,
+    /// An abort is under way. Not a refusal: ask again.
+    Stopping,
+    /// The session with this number is over.
+    Over,
+}
+
+impl fmt::Display for Denial {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Version => "it speaks another version of the protocol",
+            Self::Busy => "another sender has the machine",
+            Self::Left => "blocks of another program are left whose sender is gone",
+            Self::Stopping => "an abort is under way",
+            Self::Over => "the session is over",
+        })
+    }
 }
 
 /// How far the controller is.
@@ -310,10 +180,15 @@ pub enum State {
     Idle,
     /// In motion, or about to be.
     Running,
-    /// At rest because an operator asked for it.
+    /// At rest because an operator or a pause of the program asked for it.
     Held,
-    /// Stopped by the emergency stop, a limit switch, or an output that did not follow.
+    /// Stopped, or stopping, by the emergency stop, a limit switch, or an output that did not follow.
     Alarm,
+    /// At rest on the path because the sender has fallen silent: goes on when it sends
+    /// [`Command::Resume`].
+    SenderLost,
+    /// At rest after an abort; everything is dropped. Lasts until a new session.
+    Aborted,
 }
 
 /// What the controller tells of the machine.
@@ -329,23 +204,25 @@ pub struct Situation {
     pub tag: u32,
     /// Stops because blocks did not come in time.
     pub starved: u32,
+    /// Events of the session that have happened.
+    pub events: u32,
 }
 
 /// From the controller.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Reply {
-    /// The session is open.
-    Opened {
+    /// The answer to [`Request::Hello`].
+    Hello {
         /// [`VERSION`] of the controller.
         version: u8,
         /// Its number of axes.
         axes: u8,
-        /// How far it is.
+        /// Its [`Taken::session`] is that of the request; the rest says nothing.
         taken: Taken,
     },
     /// Items or commands have come.
     Taken(Taken),
-    /// The answer to [`Request::Ask`].
+    /// The answer to [`Request::Ask`] and [`Request::Alive`].
     Status {
         /// How far it is; `None` before the first session.
         taken: Option<Taken>,
@@ -353,5 +230,14 @@ pub enum Reply {
         situation: Situation,
         /// Frames that arrived damaged.
         damaged: u32,
+    },
+    /// The session is open.
+    Opened(Taken),
+    /// The session is not open.
+    Denied {
+        /// The session that was asked for.
+        session: u32,
+        /// Why.
+        reason: Denial,
     },
 }

@@ -12,6 +12,7 @@
 //!
 //! The host sends [`Request`]s, the controller answers with [`Reply`]s:
 //!
+//! - [`Request::Hello`] asks which protocol is spoken: the same in every version.
 //! - [`Request::Open`] begins a session under a number of the host's choosing. Frames of any other
 //!   session are dropped.
 //! - [`Request::Item`] carries a block, or the end of the program, and its running number from 0. The
@@ -22,29 +23,59 @@
 //! - [`Request::Command`] is an operator's command. It has a running number of its own and is repeated
 //!   until it is acknowledged, and obeyed once. It does not wait for the items before it: the
 //!   controller gives it to [`Controls`](crate::Controls) as soon as the frame is complete.
-//! - [`Request::Ask`] asks for [`Reply::Status`].
+//! - [`Request::Ask`] asks for [`Reply::Status`], in a session or without one.
 //!
-//! So cut, garbled, doubled and lost frames cost time and nothing else. After an abort, a refused block
-//! or an emergency stop the controller takes no more items in this session: what the host still had on
-//! the line cannot be run by mistake. A new session starts clean.
+//! So cut, garbled, doubled and lost frames cost time and nothing else.
+//!
+//! # Who may move the machine
+//!
+//! - One sender at a time. While its session is alive, every other is denied ([`Denial::Busy`]).
+//! - A sender that has not been heard of for as long as it said in [`Opening::silence`] (any frame of its
+//!   session counts; [`Request::Alive`] is there for when nothing else is to be said) is lost: with the
+//!   next [`Station::poll`] the machine is held, and rests on the path as soon as its limits allow:
+//!   [`State::SenderLost`]. It goes on when the same sender comes back and sends [`Command::Resume`],
+//!   never by itself. A sender that leaves ([`Request::Close`]) with blocks unfinished is lost at once.
+//! - The session of a lost sender may be followed by another. What it has left is never run in that:
+//!   the new one is denied ([`Denial::Left`]) unless it asks for an abort ([`Opening::abort`]); then
+//!   the machine comes to rest, everything is dropped, and only then does the session begin.
+//! - After an abort, a refused block or an emergency stop the controller takes no more items in this
+//!   session: what the host still had on the line cannot be run by mistake. A new session starts where
+//!   the machine stands, and acknowledges the abort
+//!   ([`Planner::acknowledge_abort`](crate::Planner::acknowledge_abort)).
+//! - Overrides, single block mode and holds that an operator has pressed outlast the session: a new one
+//!   finds [`State::Held`] and has to resume.
+//!
+//! A move names the axes that move ([`Target`]); the others stay exactly where they are, to the last of
+//! the core's units.
+//!
+//! # Events
+//!
+//! What is not motion - spindle, coolant, tool - goes through the queue of items in its place
+//! ([`Path::Event`]), and comes out of [`Events`] in the servo cycle in which the motion has come to it.
+//! [`Situation::events`] tells the host how many have happened.
 //!
 //! # Both ends
 //!
 //! [`Station`] is the controller's end and [`Sender`] the host's. Neither knows a port or a clock; bytes
 //! and times go in, bytes come out.
 
+mod events;
 mod frame;
 // Messages live on the stack for the length of a call; there is no heap to box them on.
 #[allow(clippy::large_enum_variant)]
 mod message;
 #[allow(clippy::large_enum_variant)]
+mod moves;
+#[allow(clippy::large_enum_variant)]
 mod sender;
 mod station;
 
+pub use events::{Event, Events};
 pub use frame::{FRAME, Inlet, encode};
 pub use message::{
-    Axes, Command, Item, Move, MoveError, Path, Refusal, Reply, Request, Situation, Speed, State,
-    Taken, VERSION,
+    Command, Denial, Item, Opening, Refusal, Reply, Request, SILENCE, Situation, State, Taken,
+    VERSION,
 };
+pub use moves::{Axes, Move, MoveError, Path, Speed, Target};
 pub use sender::{Sender, Step};
 pub use station::Station;

@@ -1,12 +1,14 @@
 //! The host's end.
 
-use super::message::{Command, Refusal, Reply, Request, Taken};
+use super::message::{Command, Denial, Opening, Refusal, Reply, Request, Taken, VERSION};
 use heapless::Deque;
 
 /// Silence after which the host sends again what is not acknowledged, ms.
 const PATIENCE: u64 = 100;
-/// Silence after which it asks how things are, ms.
+/// Silence after which it says that it is there, ms; but at least so many times in the silence that the
+/// controller allows.
 const IDLE: u64 = 50;
+const SIGNS: u64 = 5;
 /// Commands that may wait for their acknowledgement.
 const COMMANDS: usize = 16;
 
@@ -25,14 +27,15 @@ pub enum Step {
 /// with the caller, who is asked for them by number.
 #[derive(Debug)]
 pub struct Sender {
-    session: u32,
+    opening: Opening,
     /// Whether the request to open it has been sent.
-    opening: bool,
+    opened: bool,
     /// The last word of the controller; `None` before the session is open.
     taken: Option<Taken>,
-    /// Axes of the controller.
-    axes: u8,
-    version: u8,
+    /// Why the session is not open, if so.
+    denied: Option<Denial>,
+    /// Whether no more items are to be sent.
+    ended: bool,
     /// Number of items in all.
     items: u32,
     /// Next item to be sent.
@@ -53,14 +56,14 @@ pub struct Sender {
 
 impl Sender {
     /// A sender of `items` items. `session` should differ from that of other runs: a clock's time will
-    /// do.
-    pub const fn new(session: u32, items: u32) -> Self {
+    /// do. When the controller has not heard from it for `silence` ms, it stops the machine; at 0 never.
+    pub const fn new(session: u32, items: u32, silence: u16) -> Self {
         Self {
-            session,
-            opening: false,
+            opening: Opening { version: VERSION, session, silence, abort: false },
+            opened: false,
             taken: None,
-            axes: 0,
-            version: 0,
+            denied: None,
+            ended: false,
             items,
             item: 0,
             back: None,
@@ -73,14 +76,26 @@ impl Sender {
         }
     }
 
-    /// Sets the number of items, for a caller who must know the controller's axes first.
+    /// One that has what a dead session has left aborted first.
+    #[must_use]
+    pub const fn aborting(mut self) -> Self {
+        self.opening.abort = true;
+        self
+    }
+
+    /// Sets the number of items, for a caller who must know where the machine stands first.
     pub fn set_items(&mut self, items: u32) {
         self.items = items;
     }
 
-    /// Axes of the controller, and the version of its protocol, once the session is open.
-    pub fn controller(&self) -> Option<(u8, u8)> {
-        self.taken.map(|_| (self.axes, self.version))
+    /// Whether the session is open.
+    pub fn is_open(&self) -> bool {
+        self.taken.is_some() && self.denied.is_none()
+    }
+
+    /// Why the session is not open, or is no more. While that is [`Denial::Stopping`], it goes on asking.
+    pub fn denied(&self) -> Option<Denial> {
+        self.denied
     }
 
     /// Items the controller has taken.
@@ -103,9 +118,24 @@ impl Sender {
         self.commands.push_back(command).is_ok()
     }
 
+    /// Sends nothing more of the program, and queues an abort in place of the commands that wait.
+    pub fn abort(&mut self) {
+        self.ended = true;
+        // The first may have been obeyed already: its number cannot be given to another.
+        while self.commands.len() > 1 {
+            self.commands.pop_back();
+        }
+        let _ = self.commands.push_back(Command::Abort);
+    }
+
+    /// What to say at the end, when everything is done. Should it be lost, the session ends by silence.
+    pub fn farewell(&self) -> Request {
+        Request::Close { session: self.opening.session }
+    }
+
     /// Wraps an item for the line.
     pub fn item(&self, number: u32, item: super::Item) -> Request {
-        Request::Item { session: self.session, number, item }
+        Request::Item { session: self.opening.session, number, item }
     }
 
     /// What to do at the time `now`, ms.
@@ -113,7 +143,7 @@ impl Sender {
         let step = self.choose(now);
         if step != Step::Wait {
             self.spoke = now;
-            if step != Step::Send(Request::Ask) {
+            if !matches!(step, Step::Send(Request::Alive { .. })) {
                 self.sent = now;
             }
         }
@@ -122,11 +152,14 @@ impl Sender {
 
     fn choose(&mut self, now: u64) -> Step {
         let silent = now.saturating_sub(self.progress.max(self.sent)) >= PATIENCE;
-        let session = self.session;
+        let session = self.opening.session;
+        if !matches!(self.denied, None | Some(Denial::Stopping)) {
+            return Step::Wait;
+        }
         let Some(taken) = self.taken else {
-            let open = !self.opening || silent;
-            self.opening = true;
-            return if open { Step::Send(Request::Open { session }) } else { Step::Wait };
+            let open = !self.opened || silent;
+            self.opened = true;
+            return if open { Step::Send(Request::Open(self.opening)) } else { Step::Wait };
         };
         if silent {
             self.commanded = false;
@@ -140,24 +173,40 @@ impl Sender {
             return Step::Send(Request::Command { session, number: self.first, command });
         }
         let room = taken.limit.wrapping_sub(self.item).cast_signed() > 0;
-        if self.item < self.items && room && taken.refused.is_none() {
+        if self.item < self.items && room && taken.refused.is_none() && !self.ended {
             self.item += 1;
             return Step::Item(self.item - 1);
         }
-        if now.saturating_sub(self.spoke) >= IDLE { Step::Send(Request::Ask) } else { Step::Wait }
+        let idle = match self.opening.silence {
+            0 => IDLE,
+            silence => IDLE.min(u64::from(silence) / SIGNS),
+        };
+        let quiet = now.saturating_sub(self.spoke) >= idle;
+        if quiet { Step::Send(Request::Alive { session }) } else { Step::Wait }
     }
 
     /// Takes a reply of the controller at the time `now`, ms.
     pub fn hear(&mut self, reply: &Reply, now: u64) {
+        let session = self.opening.session;
         let taken = match reply {
-            Reply::Opened { version, axes, taken } if taken.session == self.session => {
-                (self.version, self.axes) = (*version, *axes);
+            Reply::Denied { session: denied, reason } if *denied == session => {
+                self.denied = Some(*reason);
+                return;
+            }
+            Reply::Opened(taken) if taken.session == session => {
+                self.denied = None;
                 *taken
             }
-            Reply::Taken(taken) | Reply::Status { taken: Some(taken), .. } => *taken,
+            Reply::Taken(taken) | Reply::Status { taken: Some(taken), .. }
+                if self.taken.is_some() =>
+            {
+                *taken
+            }
             _ => return,
         };
-        if taken.session != self.session || self.version == 0 {
+        if taken.session != session {
+            // Someone else has the machine.
+            self.denied = Some(Denial::Over);
             return;
         }
         let before = self.taken;

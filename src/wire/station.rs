@@ -1,38 +1,91 @@
 //! The controller's end.
 
+use super::events::{Event, Events};
 use super::frame::{FRAME, Inlet, encode};
-use super::message::{Command, Item, Refusal, Reply, Request, Situation, Taken, VERSION};
-use crate::block::{Block, PushError};
-use crate::number::Scalar;
-use crate::planner::Planner;
+use super::message::{
+    Command, Denial, Item, Opening, Refusal, Reply, Request, SILENCE, Situation, State, Taken,
+    VERSION,
+};
+use super::moves::{Move, Path};
+use crate::block::{Block, Motion, PushError};
+use crate::number::{Coord, Scalar};
+use crate::planner::{Planner, Progress};
+use crate::servo::{Activity, Setpoint};
 use heapless::Deque;
 
 /// What waits for the planner.
 #[derive(Clone, Copy, Debug)]
 enum Waiting<S, const N: usize> {
     Block(Block<S, N>),
+    Event(Event),
     End,
 }
 
-/// The controller's end of the line: bytes in, blocks to the planner, commands out, replies out.
+/// The session of the sender that has the machine.
+#[derive(Clone, Copy, Debug)]
+struct Session {
+    number: u32,
+    /// Numbers of the item and of the command that come next.
+    next: u32,
+    commands: u32,
+    refused: Option<Refusal>,
+    /// Silence after which the sender is lost, ms; 0: never.
+    silence: u16,
+    /// When it was last heard of, ms.
+    heard: u32,
+    /// It has been silent for too long: another may have the machine, if nothing is left to run.
+    lapsed: bool,
+    /// It has left.
+    closed: bool,
+    /// Events that had happened when it began.
+    events: u32,
+}
+
+/// Replies that are due.
+#[derive(Clone, Copy, Debug)]
+struct Due {
+    hello: Option<u32>,
+    denied: Option<(u32, Denial)>,
+    opened: bool,
+    taken: bool,
+    status: bool,
+    gap: bool,
+}
+
+impl Due {
+    const NONE: Self =
+        Self { hello: None, denied: None, opened: false, taken: false, status: false, gap: false };
+}
+
+/// The controller's end of the line: bytes in, blocks to the planner, commands out, replies out; and the
+/// rules of who may move the machine: see [the module](super).
 ///
 /// `QUEUE` items wait until the planner has room; that is the window the host may fill. It holds
-/// 100 bytes per item and 350 bytes besides (three axes, `f32`).
+/// 100 bytes per item and 550 bytes besides (three axes, `f32`).
 #[derive(Debug)]
 pub struct Station<S: Scalar, const N: usize, const QUEUE: usize> {
     inlet: Inlet,
     queue: Deque<Waiting<S, N>, QUEUE>,
-    session: Option<u32>,
-    next: u32,
-    commands: u32,
-    refused: Option<Refusal>,
-    /// Whether the session has not begun on the planner: an abort before it is still to be acknowledged.
-    fresh: bool,
-    /// Replies that are due.
-    opened: bool,
-    taken: bool,
-    asked: bool,
-    gap: bool,
+    /// Where the last move taken ends: the next begins there.
+    end: [Coord; N],
+    session: Option<Session>,
+    /// A request to open a session that has not been answered.
+    knock: Option<Opening>,
+    /// The session has been heard of since the last look at the clock.
+    heard: bool,
+    /// What runs is to be dropped.
+    aborting: bool,
+    /// An abort that no command of the session has asked for.
+    alarm: bool,
+    /// The machine is held because the sender has fallen silent.
+    lost: bool,
+    /// Blocks are left that have not been run.
+    left: bool,
+    progress: Progress,
+    starved: u32,
+    /// Events of the session that have happened.
+    happened: u32,
+    due: Due,
 }
 
 impl<S: Scalar, const N: usize, const QUEUE: usize> Default for Station<S, N, QUEUE> {
@@ -47,140 +100,297 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
         Self {
             inlet: Inlet::new(),
             queue: Deque::new(),
+            end: [Coord::ZERO; N],
             session: None,
-            next: 0,
-            commands: 0,
-            refused: None,
-            fresh: false,
-            opened: false,
-            taken: false,
-            asked: false,
-            gap: false,
+            knock: None,
+            heard: false,
+            aborting: false,
+            alarm: false,
+            lost: false,
+            left: false,
+            progress: Progress::NeedsBlocks,
+            starved: 0,
+            happened: 0,
+            due: Due::NONE,
         }
     }
 
     /// Takes a byte from the line. Gives the command it completes, to be obeyed now: see
-    /// [`Command::send`]. Everything else is remembered until [`Station::feed`] and
+    /// [`Command::send`]. Everything else is remembered until [`Station::poll`] and
     /// [`Station::reply`].
     ///
     /// Cost: that of [`Inlet::push`].
     pub fn receive(&mut self, byte: u8) -> Option<Command> {
         match self.inlet.push::<Request>(byte)? {
-            Request::Ask => self.asked = true,
-            Request::Open { session } => self.open(session),
-            Request::Item { session, number, item } if self.session == Some(session) => {
-                self.take(number, &item);
-            }
-            Request::Command { session, number, command } if self.session == Some(session) => {
-                self.taken = true;
-                if number == self.commands {
-                    self.commands = self.commands.wrapping_add(1);
-                    if command == Command::Abort {
-                        self.close(Refusal::Aborted);
-                    }
-                    return Some(command);
+            Request::Hello { session } => self.due.hello = Some(session),
+            Request::Ask => self.due.status = true,
+            Request::Open(opening) => self.knock = Some(opening),
+            Request::Item { session, number, item } => {
+                if self.owner(session).is_some() {
+                    self.take(number, &item);
                 }
             }
-            Request::Item { .. } | Request::Command { .. } => {}
+            Request::Command { session, number, command } => {
+                return self.command(session, number, command);
+            }
+            Request::Alive { session } => {
+                self.due.status = true;
+                // Only to hear that it is there.
+                let _ = self.owner(session);
+            }
+            Request::Close { session } => {
+                if let Some(owner) = self.owner(session) {
+                    owner.closed = true;
+                }
+            }
         }
         None
     }
 
-    fn open(&mut self, session: u32) {
-        self.opened = true;
-        // A second copy of the same request must not begin anew.
-        if self.session != Some(session) {
-            self.session = Some(session);
-            self.next = 0;
-            self.commands = 0;
-            self.refused = None;
-            self.fresh = true;
-            self.gap = false;
+    /// The session, if it is this one and its sender has not left; and its sender has been heard.
+    fn owner(&mut self, number: u32) -> Option<&mut Session> {
+        let owner = self.session.as_mut().filter(|owner| owner.number == number && !owner.closed);
+        self.heard |= owner.is_some();
+        owner
+    }
+
+    fn command(&mut self, session: u32, number: u32, command: Command) -> Option<Command> {
+        let owner = self.owner(session)?;
+        let fresh = number == owner.commands;
+        if fresh {
+            owner.commands = owner.commands.wrapping_add(1);
         }
+        self.due.taken = true;
+        if !fresh {
+            return None;
+        }
+        match command {
+            Command::Abort => self.close(Refusal::Aborted),
+            Command::Resume => self.lost = false,
+            _ => {}
+        }
+        Some(command)
     }
 
     fn take(&mut self, number: u32, item: &Item) {
-        self.taken = true;
-        if number != self.next {
-            self.gap |= number.wrapping_sub(self.next) <= u32::MAX / 2;
+        self.due.taken = true;
+        let Some(owner) = self.session else { return };
+        if number != owner.next {
+            self.due.gap |= number.wrapping_sub(owner.next) <= u32::MAX / 2;
             return;
         }
         // Without room the host has sent beyond the window: it will have to send it again.
-        if self.refused.is_some() || self.queue.is_full() {
+        if owner.refused.is_some() || self.queue.is_full() {
             return;
         }
         let waiting = match item {
             Item::End => Waiting::End,
-            Item::Move(step) => match step.block() {
-                Ok(block) => Waiting::Block(block),
-                Err(_) => return self.refuse(step.tag),
+            Item::Move(step) => match self.prepare(step) {
+                Some(waiting) => waiting,
+                None => return self.refuse(step.tag),
             },
         };
-        if self.queue.push_back(waiting).is_ok() {
-            self.next = self.next.wrapping_add(1);
+        if self.queue.push_back(waiting).is_ok()
+            && let Some(owner) = &mut self.session
+        {
+            owner.next = owner.next.wrapping_add(1);
         }
+    }
+
+    /// A move as it waits; `None` if it is no block of this controller.
+    fn prepare(&mut self, step: &Move) -> Option<Waiting<S, N>> {
+        if let Path::Event { letter, tenths, value, pause } = step.path {
+            return Some(Waiting::Event(Event { tag: step.tag, letter, tenths, value, pause }));
+        }
+        let block = step.block(&self.end).ok()?;
+        if let Motion::Line { to } | Motion::Arc { to, .. } | Motion::Cubic { to, .. } =
+            &block.motion
+        {
+            self.end = *to;
+        }
+        Some(Waiting::Block(block))
     }
 
     /// What has been taken before is run to its end; no more is taken.
     fn refuse(&mut self, tag: u32) {
-        self.refused = Some(Refusal::Block { tag });
+        self.no_more(Refusal::Block { tag });
         // There is room: the refused block itself would have needed it.
         let _ = self.queue.push_back(Waiting::End);
     }
 
-    /// Drops what waits and takes nothing more until a new session is opened.
-    pub fn close(&mut self, reason: Refusal) {
-        self.queue.clear();
-        self.refused = Some(reason);
-        self.taken = true;
+    fn no_more(&mut self, reason: Refusal) {
+        if let Some(owner) = &mut self.session {
+            owner.refused = Some(reason);
+        }
+        self.due.taken = true;
     }
 
-    /// Hands items to the planner as long as it has room. Call it before every
-    /// [`Planner::poll`].
+    /// Drops what waits and takes nothing more until a new session is opened. For aborts that come from
+    /// somewhere else than the line, together with [`Controls::abort`](crate::Controls::abort); with
+    /// [`Refusal::Alarm`] it shows as [`State::Alarm`] until then.
+    pub fn close(&mut self, reason: Refusal) {
+        self.queue.clear();
+        (self.aborting, self.lost) = (true, false);
+        self.alarm |= reason == Refusal::Alarm;
+        self.no_more(reason);
+    }
+
+    /// Hands items to the planner as long as it has room, lets it plan, and keeps the rules: call it in
+    /// place of [`Planner::poll`]. `now` is the time in ms, from any beginning; it may wrap around. A sender
+    /// that has been silent for longer than its session allows is lost with this call, and the machine is
+    /// held. `events` are the firmware's.
     ///
-    /// The first call in a new session acknowledges an abort from before it, and waits until that is
-    /// complete; an abort later on, whoever asked for it, closes the session.
-    pub fn feed<const BLOCKS: usize, const NODES: usize>(
+    /// Cost: at most `QUEUE` times that of [`Planner::push`], and that of [`Planner::poll`].
+    pub fn poll<const BLOCKS: usize, const NODES: usize, const M: usize>(
         &mut self,
         planner: &mut Planner<'_, S, N, BLOCKS, NODES>,
-    ) {
-        if planner.is_aborted() {
-            let waits = self.fresh && self.refused.is_none();
-            if !waits {
-                if self.session.is_some() && self.refused.is_none() {
-                    self.close(Refusal::Aborted);
-                }
-                return;
-            }
-            if !planner.acknowledge_abort() {
-                return;
+        events: &Events<M>,
+        now: u32,
+    ) -> Progress {
+        self.watch(planner, now);
+        self.feed(planner, events);
+        self.progress = planner.poll();
+        if self.progress == Progress::Aborted && !self.aborting {
+            self.close(Refusal::Aborted);
+        }
+        let ahead = planner.blocks_waiting() > 0 || planner.nodes_ahead() > 0;
+        self.left = ahead || !self.queue.is_empty();
+        self.starved = planner.counters().starved;
+        let before = self.session.map_or(0, |owner| owner.events);
+        self.happened = events.happened().wrapping_sub(before);
+        if let Some(opening) = self.knock.take() {
+            match self.admit(opening, planner, events, now) {
+                Ok(()) => self.due.opened = true,
+                Err(reason) => self.due.denied = Some((opening.session, reason)),
             }
         }
-        self.fresh = false;
+        self.progress
+    }
+
+    /// Holds the machine if its sender is gone.
+    fn watch<const BLOCKS: usize, const NODES: usize>(
+        &mut self,
+        planner: &Planner<'_, S, N, BLOCKS, NODES>,
+        now: u32,
+    ) {
+        let heard = core::mem::take(&mut self.heard);
+        let Some(owner) = &mut self.session else { return };
+        if heard {
+            owner.heard = now;
+            owner.lapsed = false;
+        }
+        let silence = if owner.silence > 0 { owner.silence } else { SILENCE };
+        let silent = now.wrapping_sub(owner.heard) > u32::from(silence);
+        if owner.lapsed || !(silent || owner.closed) {
+            return;
+        }
+        owner.lapsed = true;
+        let watched = owner.silence > 0 || owner.closed;
+        if watched && self.left && !self.aborting {
+            self.lost = true;
+            planner.controls().hold();
+        }
+    }
+
+    /// Opens a session, if that may be.
+    fn admit<const BLOCKS: usize, const NODES: usize, const M: usize>(
+        &mut self,
+        opening: Opening,
+        planner: &mut Planner<'_, S, N, BLOCKS, NODES>,
+        events: &Events<M>,
+        now: u32,
+    ) -> Result<(), Denial> {
+        if opening.version != VERSION {
+            return Err(Denial::Version);
+        }
+        if let Some(owner) = self.session {
+            if owner.number == opening.session {
+                // A second copy of the same request must not begin anew.
+                return self.owner(opening.session).map(|_| ()).ok_or(Denial::Over);
+            }
+            if !owner.lapsed {
+                return Err(Denial::Busy);
+            }
+        }
+        if self.left && !self.aborting {
+            if !opening.abort {
+                return Err(Denial::Left);
+            }
+            planner.controls().abort();
+            self.close(Refusal::Aborted);
+        }
+        if self.left || (planner.is_aborted() && !planner.acknowledge_abort()) {
+            return Err(Denial::Stopping);
+        }
+        if core::mem::take(&mut self.lost) {
+            // It came to rest by itself before the hold could be obeyed, which is in force still.
+            planner.controls().resume();
+        }
+        (self.aborting, self.alarm, self.heard) = (false, false, false);
+        self.progress = Progress::NeedsBlocks;
+        self.end = *planner.end();
+        events.clear();
+        self.happened = 0;
+        self.due = Due { hello: self.due.hello, status: self.due.status, ..Due::NONE };
+        self.session = Some(Session {
+            number: opening.session,
+            next: 0,
+            commands: 0,
+            refused: None,
+            silence: opening.silence,
+            heard: now,
+            lapsed: false,
+            closed: false,
+            events: events.happened(),
+        });
+        Ok(())
+    }
+
+    /// Hands items to the planner as long as it has room.
+    fn feed<const BLOCKS: usize, const NODES: usize, const M: usize>(
+        &mut self,
+        planner: &mut Planner<'_, S, N, BLOCKS, NODES>,
+        events: &Events<M>,
+    ) {
         for _ in 0..QUEUE {
-            match self.queue.front() {
+            let (block, event) = match self.queue.front() {
                 None => return,
-                Some(Waiting::End) => planner.finish(),
-                Some(Waiting::Block(block)) => match planner.push(block) {
-                    Ok(()) => {}
-                    Err(PushError::Full | PushError::Aborted) => return,
-                    Err(PushError::Rejected { tag, .. }) => {
-                        self.queue.clear();
-                        self.refuse(tag);
-                        self.taken = true;
-                        continue;
+                Some(Waiting::End) => (None, None),
+                Some(Waiting::Block(block)) => (Some(*block), None),
+                // It comes when one before it has happened.
+                Some(Waiting::Event(_)) if !events.has_room() => return,
+                Some(Waiting::Event(event)) => (Some(event.block()), Some(*event)),
+            };
+            match block.map(|block| planner.push(&block)) {
+                None => planner.finish(),
+                Some(Ok(())) => {
+                    if let Some(event) = &event {
+                        events.put(event);
                     }
-                },
+                }
+                Some(Err(PushError::Full)) => return,
+                Some(Err(PushError::Aborted)) => {
+                    if !self.aborting {
+                        self.close(Refusal::Aborted);
+                    }
+                    self.queue.clear();
+                    return;
+                }
+                Some(Err(PushError::Rejected { tag, .. })) => {
+                    self.queue.clear();
+                    self.refuse(tag);
+                    continue;
+                }
             }
             self.queue.pop_front();
             // Room has come: the host wants to know.
-            self.taken = true;
+            self.due.taken = true;
         }
     }
 
     /// Items taken in this session.
     pub fn taken(&self) -> u32 {
-        self.next
+        self.session.map_or(0, |owner| owner.next)
     }
 
     /// Whether no further item can be taken now.
@@ -193,38 +403,78 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
         !self.queue.is_empty()
     }
 
-    fn progress(&self) -> Option<Taken> {
+    /// What the machine is doing, by the last [`Station::poll`] and the last setpoint.
+    pub fn state(&self, setpoint: &Setpoint<S, N>) -> State {
+        let rests = setpoint.activity == Activity::Idle;
+        match self.progress {
+            _ if self.alarm => State::Alarm,
+            Progress::Held if self.lost => State::SenderLost,
+            Progress::Held => State::Held,
+            Progress::Aborted if rests => State::Aborted,
+            Progress::Done | Progress::NeedsBlocks if rests && !self.left => State::Idle,
+            _ => State::Running,
+        }
+    }
+
+    fn situation(&self, setpoint: &Setpoint<S, N>) -> Situation {
+        Situation {
+            state: self.state(setpoint),
+            position: (0..N).map(|axis| setpoint.position_nm(axis)).collect(),
+            speed: setpoint.path_speed.to_f64() as f32,
+            tag: setpoint.tag,
+            starved: self.starved,
+            events: self.happened,
+        }
+    }
+
+    fn account(&self) -> Option<Taken> {
+        let owner = self.session?;
         let room = QUEUE - self.queue.len();
         Some(Taken {
-            session: self.session?,
-            next: self.next,
-            limit: self.next.wrapping_add(room as u32),
-            commands: self.commands,
-            gap: self.gap,
-            refused: self.refused,
+            session: owner.number,
+            next: owner.next,
+            limit: owner.next.wrapping_add(room as u32),
+            commands: owner.commands,
+            gap: self.due.gap,
+            refused: owner.refused,
         })
     }
 
     /// Writes the next reply that is due and gives its length; 0 if none is. Call it until then,
     /// whenever the line is free.
-    pub fn reply(&mut self, situation: impl FnOnce() -> Situation, out: &mut [u8; FRAME]) -> usize {
-        let taken = self.progress();
-        let reply = match taken {
-            Some(taken) if self.opened => {
-                (self.opened, self.taken) = (false, false);
-                Reply::Opened { version: VERSION, axes: N as u8, taken }
+    pub fn reply(&mut self, setpoint: &Setpoint<S, N>, out: &mut [u8; FRAME]) -> usize {
+        let reply = match (self.account(), self.due) {
+            (_, Due { hello: Some(session), .. }) => {
+                self.due.hello = None;
+                let taken =
+                    Taken { session, next: 0, limit: 0, commands: 0, gap: false, refused: None };
+                Reply::Hello { version: VERSION, axes: N as u8, taken }
             }
-            taken if self.asked => {
-                (self.asked, self.taken) = (false, false);
-                Reply::Status { taken, situation: situation(), damaged: self.inlet.damaged() }
+            (_, Due { denied: Some((session, reason)), .. }) => {
+                self.due.denied = None;
+                Reply::Denied { session, reason }
             }
-            Some(taken) if self.taken => {
-                self.taken = false;
+            (Some(taken), Due { opened: true, .. }) => {
+                (self.due.opened, self.due.taken, self.due.gap) = (false, false, false);
+                Reply::Opened(taken)
+            }
+            (taken, Due { status: true, .. }) => {
+                (self.due.status, self.due.taken, self.due.gap) = (false, false, false);
+                let situation = self.situation(setpoint);
+                Reply::Status { taken, situation, damaged: self.inlet.damaged() }
+            }
+            (Some(taken), Due { taken: true, .. }) => {
+                (self.due.taken, self.due.gap) = (false, false);
                 Reply::Taken(taken)
             }
             _ => return 0,
         };
-        self.gap = false;
         encode(&reply, out).unwrap_or(0)
+    }
+}
+
+impl Event {
+    fn block<S: Scalar, const N: usize>(&self) -> Block<S, N> {
+        if self.pause { Block::pause(self.tag) } else { Block::event(self.tag) }
     }
 }

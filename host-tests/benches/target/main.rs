@@ -21,7 +21,7 @@ use anyhow::{Context, Result, ensure};
 use image::Image;
 use replay::{Meter, Outcome, Part, Setup};
 use splineway::Link;
-use splineway::wire::{self, FRAME, Inlet, Request};
+use splineway::wire::{self, FRAME, Inlet, Opening, Request, VERSION};
 use splineway_host::program::{self, Course, Point, Program, ReadOptions};
 use splineway_host::stream;
 use std::path::{Path, PathBuf};
@@ -70,7 +70,8 @@ fn frame(bytes: &mut Vec<u8>, message: &impl serde::Serialize) -> Result<()> {
 fn frames(program: &Program, setup: &Setup) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     frame(&mut bytes, setup)?;
-    frame(&mut bytes, &Request::Open { session: 1 })?;
+    let opening = Opening { version: VERSION, session: 1, silence: 0, abort: false };
+    frame(&mut bytes, &Request::Open(opening))?;
     let items = stream::items(&program.with_approach(), usize::from(setup.axes))?;
     for (item, number) in items.into_iter().zip(0..) {
         frame(&mut bytes, &Request::Item { session: 1, number, item })?;

@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use splineway::wire::{FRAME, Inlet, Reply, Request, Sender, Situation, Station, encode};
+use splineway::wire::{Events, FRAME, Inlet, Reply, Request, Sender, Station, encode};
 use splineway::{AxisLimits, Config, Coord, Limits, Link, Planner};
 
 fuzz_target!(|data: &[u8]| {
@@ -15,18 +15,24 @@ fuzz_target!(|data: &[u8]| {
     };
     let _: &Planner<'_, f32, 3, 8, 48> = &planner;
     let mut station = Station::<f32, 3, 8>::new();
-    let (mut inlet, mut sender) = (Inlet::new(), Sender::new(7, 100));
+    let (mut inlet, mut sender) = (Inlet::new(), Sender::new(7, 100, 1000));
     let mut out = [0; FRAME];
+    let events = Events::<4>::new();
+    let mut ms = 0;
+    let mut answers = Inlet::new();
     let mut step = |station: &mut Station<f32, 3, 8>, byte: u8| {
         if let Some(command) = station.receive(byte) {
             command.send(planner.controls());
         }
         if byte == 0 {
-            station.feed(&mut planner);
-            planner.poll();
-            interpolator.tick();
-            let _ = station.reply(Situation::default, &mut out);
+            station.poll(&mut planner, &events, ms);
+            ms += 1;
+            let setpoint = interpolator.tick();
+            let _ = events.take(&setpoint);
+            let length = station.reply(&setpoint, &mut out);
+            return out[..length].iter().filter_map(|&byte| answers.push::<Reply>(byte)).last();
         }
+        None
     };
     for (now, &byte) in (0..).zip(data) {
         step(&mut station, byte);
@@ -37,10 +43,8 @@ fuzz_target!(|data: &[u8]| {
     }
     // What is well formed gets through, whatever came before.
     let mut frame = [0; FRAME];
-    let length = encode(&Request::Open { session: 9 }, &mut frame).unwrap_or(0);
+    let length = encode(&Request::Hello { session: 9 }, &mut frame).unwrap_or(0);
     step(&mut station, 0);
-    for &byte in &frame[..length] {
-        step(&mut station, byte);
-    }
-    assert_eq!(station.taken(), 0);
+    let answer = frame[..length].iter().filter_map(|&byte| step(&mut station, byte)).last();
+    assert!(matches!(answer, Some(Reply::Hello { .. })));
 });

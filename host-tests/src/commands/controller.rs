@@ -2,7 +2,9 @@
 
 use crate::machine::Machine;
 use crate::program::LETTERS;
-use crate::stream::{Controller, Faults};
+use crate::stream::{
+    Controller, Faults, Happening, describe_event, describe_place, describe_state,
+};
 use anyhow::{Result, ensure};
 use std::io::Write;
 use std::path::PathBuf;
@@ -44,12 +46,28 @@ impl ControllerCommand {
         println!("port: {}", controller.name());
         std::io::stdout().flush()?;
         let faults = Faults { share: self.faults };
-        controller.run(&machine, self.axes, self.speed, faults, |ends| {
-            let axes = LETTERS.iter().zip(ends);
-            let place: Vec<String> =
-                axes.map(|(letter, &nm)| format!("{letter}{:.6}", nm as f64 * 1.0e-6)).collect();
-            println!("program run, at {}", place.join(" "));
-            self.once
+        // Nobody may be reading: the machine runs on without.
+        let mut out = std::io::stdout();
+        let mut tell = |line: String| {
+            let _ = writeln!(out, "{line}").and_then(|()| out.flush());
+        };
+        controller.run(&machine, self.axes, self.speed, faults, |happening| match happening {
+            Happening::State { state, position } => {
+                tell(format!("{}, at {}", describe_state(*state), describe_place(position)));
+                false
+            }
+            Happening::Event(event) => {
+                tell(format!("line {}: {}", event.tag, describe_event(event)));
+                false
+            }
+            Happening::Run(ends) => {
+                let axes = LETTERS.iter().zip(ends);
+                let place: Vec<String> = axes
+                    .map(|(letter, &nm)| format!("{letter}{:.6}", nm as f64 * 1.0e-6))
+                    .collect();
+                tell(format!("program run, at {}", place.join(" ")));
+                self.once
+            }
         })
     }
 }

@@ -24,7 +24,7 @@ fn of_nurbs(curve: &Nurbs, options: ReadOptions<'_>) -> Result<Program> {
     if let Some(segments) = options.segments {
         return chords(curve, segments, options.feed);
     }
-    let mut program = Program { start: at(curve, curve.domain().0), ..Program::default() };
+    let mut program = empty(curve);
     for span in curve.pieces() {
         let (here, from) = (program.end(), span.point(0.0));
         ensure!(
@@ -37,6 +37,13 @@ fn of_nurbs(curve: &Nurbs, options: ReadOptions<'_>) -> Result<Program> {
     }
     ensure!(!program.moves.is_empty(), "the curve has no length");
     Ok(program)
+}
+
+/// A program that begins where the curve does, and names the axes that it names.
+fn empty(curve: &Nurbs) -> Program {
+    let mut program = Program { start: at(curve, curve.domain().0), ..Program::default() };
+    program.uses[..curve.axes().min(3)].fill(true);
+    program
 }
 
 fn at(curve: &Nurbs, u: f64) -> Point {
@@ -76,7 +83,7 @@ fn chords(curve: &Nurbs, segments: usize, feed: f64) -> Result<Program> {
     }
     let (begin, end) = curve.domain();
     let parameter = |k: f64| begin + (end - begin) * k / segments as f64;
-    let mut program = Program { start: at(curve, begin), ..Program::default() };
+    let mut program = empty(curve);
     let (mut here, mut off) = (program.start, 0.0f64);
     for k in 1..=segments {
         let to = at(curve, parameter(k as f64));
@@ -120,6 +127,8 @@ pub fn parse_spline(file: &SplineFile, options: ReadOptions<'_>) -> Result<Progr
         point
     };
     let mut program = Program { start: point(path.point(0, 0.0)), ..Program::default() };
+    let named = file.control_points.iter().map(Vec::len).max().unwrap_or(0);
+    program.uses[..named.min(3)].fill(true);
     for span in 0..path.spans() {
         let [_, first, second, to] = path.bezier(span).map(point);
         push(&mut program, Course::Cubic { controls: [first, second], to }, feed)?;

@@ -30,6 +30,7 @@ pub fn parse(text: &str) -> Result<Program> {
         if !started {
             started = true;
             program.start = to;
+            program.uses[..3].fill(true);
             continue;
         }
         if !(feed > 0.0) {

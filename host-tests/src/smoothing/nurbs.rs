@@ -88,6 +88,11 @@ impl Nurbs {
         Ok(())
     }
 
+    /// Axes that its points name: one to three.
+    pub fn axes(&self) -> usize {
+        self.control_points.iter().map(Vec::len).max().unwrap_or(0)
+    }
+
     /// First and last parameter.
     pub fn domain(&self) -> (f64, f64) {
         (self.knots[self.degree], self.knots[self.knots.len() - 1 - self.degree])

@@ -3,8 +3,8 @@
 use crate::machine::Machine;
 use anyhow::{Context, Result, bail};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
-use splineway::wire::{FRAME, Situation, State, Station};
-use splineway::{Activity, Coord, Link, Planner, Progress, Setpoint};
+use splineway::wire::{Event, Events, FRAME, State, Station};
+use splineway::{Activity, Coord, Link, Planner, Progress};
 use std::fs::File;
 use std::io::{Read, Write};
 use std::sync::mpsc::{Receiver, channel};
@@ -14,6 +14,8 @@ const BLOCKS: usize = 16;
 const NODES: usize = 64;
 /// Items that wait for the planner.
 const QUEUE: usize = 16;
+/// Events that may be on their way to the firmware.
+const EVENTS: usize = 8;
 /// Most servo cycles that are made up for in one go.
 const MOST_CYCLES: u64 = 1000;
 
@@ -45,6 +47,22 @@ impl Faults {
     }
 }
 
+/// What a controller without a machine has to tell.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Happening {
+    /// The machine does something else than before.
+    State {
+        /// What.
+        state: State,
+        /// Where it is, nm.
+        position: Vec<i64>,
+    },
+    /// Something that is not motion is to be done.
+    Event(Event),
+    /// A program has been run to its end, with the axes here, nm.
+    Run(Vec<i64>),
+}
+
 /// A controller on a pseudo-terminal.
 #[derive(Debug)]
 pub struct Controller {
@@ -60,7 +78,11 @@ impl Controller {
     /// # Errors
     /// The system has none left.
     pub fn open() -> Result<Self> {
-        let terminal = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY)?;
+        let flags = OpenptFlags::RDWR | OpenptFlags::NOCTTY;
+        // Nobody else's: a child process that has it too would keep it from hanging up.
+        #[cfg(target_os = "linux")]
+        let flags = flags | OpenptFlags::CLOEXEC;
+        let terminal = openpt(flags)?;
         grantpt(&terminal)?;
         unlockpt(&terminal)?;
         let name = ptsname(&terminal, Vec::new())?.into_string().context("name of the terminal")?;
@@ -77,8 +99,8 @@ impl Controller {
         &self.name
     }
 
-    /// Runs what comes, `speed` times as fast as the clock, until `done` says so after a program: it is
-    /// told the end points of the axes, nm.
+    /// Runs what comes, `speed` times as fast as the clock, and tells what happens, until `tell` says that
+    /// this is enough.
     ///
     /// # Errors
     /// The machine cannot be used; the terminal fails.
@@ -88,12 +110,12 @@ impl Controller {
         axes: usize,
         speed: f64,
         faults: Faults,
-        done: impl FnMut(&[i64]) -> bool,
+        tell: impl FnMut(&Happening) -> bool,
     ) -> Result<()> {
         match axes {
-            3 => self.run_axes::<3>(machine, speed, faults, done),
-            6 => self.run_axes::<6>(machine, speed, faults, done),
-            9 => self.run_axes::<9>(machine, speed, faults, done),
+            3 => self.run_axes::<3>(machine, speed, faults, tell),
+            6 => self.run_axes::<6>(machine, speed, faults, tell),
+            9 => self.run_axes::<9>(machine, speed, faults, tell),
             _ => bail!("axes is {axes}; this controller has 3, 6 or 9"),
         }
     }
@@ -118,7 +140,7 @@ impl Controller {
         machine: &Machine,
         speed: f64,
         faults: Faults,
-        mut done: impl FnMut(&[i64]) -> bool,
+        mut tell: impl FnMut(&Happening) -> bool,
     ) -> Result<()> {
         let all: Vec<usize> = (0..N).collect();
         let config = machine.config::<f32, N>(&all)?;
@@ -126,12 +148,13 @@ impl Controller {
         let (mut planner, mut interpolator): (Planner<'_, f32, N, BLOCKS, NODES>, _) =
             link.handles(config, [Coord::ZERO; N])?;
         let mut station = Station::<f32, N, QUEUE>::new();
+        let events = Events::<EVENTS>::new();
         let bytes = self.listen()?;
         let mut frame = [0; FRAME];
         let mut setpoint = interpolator.tick();
         let (began, mut cycles) = (Instant::now(), 0);
         let (mut ran, mut leaves, mut heard) = (false, false, began);
-        let mut progress = Progress::NeedsBlocks;
+        let mut state = State::Idle;
         loop {
             // A short wait stands for the time the processor has nothing to do.
             let first = bytes.recv_timeout(Duration::from_micros(500)).unwrap_or_default();
@@ -145,50 +168,38 @@ impl Controller {
                     }
                 }
             }
-            let target = (began.elapsed().as_secs_f64() * speed / machine.cycle) as u64;
+            let now = began.elapsed();
+            let target = (now.as_secs_f64() * speed / machine.cycle) as u64;
+            let mut progress = Progress::Waiting;
             for _ in 0..(target.saturating_sub(cycles)).min(MOST_CYCLES) {
-                station.feed(&mut planner);
-                progress = planner.poll();
+                progress = station.poll(&mut planner, &events, now.as_millis() as u32);
                 setpoint = interpolator.tick();
+                if let Some(event) = events.take(&setpoint) {
+                    leaves |= tell(&Happening::Event(event));
+                }
             }
             cycles = target;
-            let rests = setpoint.activity == Activity::Idle;
-            let state = match progress {
-                Progress::Held => State::Held,
-                Progress::Aborted if rests => State::Idle,
-                Progress::NeedsBlocks | Progress::Done if rests && !station.is_waiting() => {
-                    State::Idle
-                }
-                _ => State::Running,
-            };
-            let situation = || situation(&setpoint, state, planner.counters().starved);
             loop {
-                let length = station.reply(situation, &mut frame);
+                let length = station.reply(&setpoint, &mut frame);
                 if length == 0 {
                     break;
                 }
                 self.terminal.write_all(&faults.pass(&frame[..length]))?;
             }
-            ran |= !rests;
-            if ran && progress == Progress::Done && rests && !station.is_waiting() {
+            let position = || (0..N).map(|axis| setpoint.position_nm(axis)).collect();
+            let before = std::mem::replace(&mut state, station.state(&setpoint));
+            if state != before {
+                leaves |= tell(&Happening::State { state, position: position() });
+            }
+            ran |= setpoint.activity != Activity::Idle;
+            if ran && progress == Progress::Done && state == State::Idle {
                 ran = false;
-                let ends: Vec<i64> = (0..N).map(|axis| setpoint.position_nm(axis)).collect();
-                leaves |= done(&ends);
+                leaves |= tell(&Happening::Run(position()));
             }
             // Only when the host has nothing more to ask.
             if leaves && heard.elapsed() > SILENCE {
                 return Ok(());
             }
         }
-    }
-}
-
-fn situation<const N: usize>(setpoint: &Setpoint<f32, N>, state: State, starved: u32) -> Situation {
-    Situation {
-        state,
-        position: (0..N).map(|axis| setpoint.position_nm(axis)).collect(),
-        speed: setpoint.path_speed,
-        tag: setpoint.tag,
-        starved,
     }
 }

@@ -2,8 +2,16 @@
 
 #[cfg(unix)]
 mod controller;
+mod convert;
+mod order;
+mod place;
 mod send;
+mod talk;
 
 #[cfg(unix)]
-pub use controller::{Controller, Faults};
-pub use send::{Command, Summary, items, parse_command, send};
+pub use controller::{Controller, Faults, Happening};
+pub use convert::{check, items};
+pub use order::{Command, Order, parse_command};
+pub use place::{describe_event, describe_place, describe_state, open_port, placed};
+pub use send::{Settings, Summary, send};
+pub use talk::{Controlled, News};

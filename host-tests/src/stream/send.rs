@@ -1,21 +1,33 @@
 //! Sending a program to a controller.
 
-use crate::program::{self, Course, LETTERS, Point, Program};
+use super::order::Order;
+use super::talk::{Controlled, News, Talk};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use serial2::SerialPort;
-use splineway::Coord;
-pub use splineway::wire::Command;
-use splineway::wire::{
-    Axes, FRAME, Inlet, Item, Move, Path, Refusal, Reply, Request, Sender, Situation, Speed, State,
-    Step, VERSION, encode,
-};
+use splineway::wire::{Command, Item, Refusal, SILENCE, Sender, Situation, State};
 use std::sync::mpsc::Receiver;
+use std::thread;
 use std::time::{Duration, Instant};
 
-/// Silence after which a controller counts as gone.
-const GONE: Duration = Duration::from_secs(5);
-/// How long the machine must have been idle before the program counts as run.
-const SETTLED: Duration = Duration::from_millis(200);
+/// Time in which an aborted machine must have come to rest. Nothing that is driven by it needs so long.
+const STOPS: Duration = Duration::from_secs(10);
+/// Time for the abort to get through when nobody waits for the machine.
+const HASTE: Duration = Duration::from_millis(200);
+
+/// How it is sent.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// Silence after which the controller stops the machine, ms; 0: never.
+    pub silence: u16,
+    /// Whether to abort what a lost sender has left.
+    pub abort: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { silence: SILENCE, abort: false }
+    }
+}
 
 /// What came of it.
 #[derive(Clone, Debug, Default)]
@@ -28,196 +40,234 @@ pub struct Summary {
     pub sent: u32,
     /// What the machine did at the end.
     pub situation: Situation,
-    /// Whether an operator has aborted the program.
-    pub aborted: bool,
+    /// Whether the program has been aborted, and by whom.
+    pub aborted: Option<&'static str>,
 }
 
-/// A command as a word: hold, resume, stop, abort, "feed 50", "rapid 25", "single on".
+/// How the run ended, if not by an error.
+enum End {
+    Run,
+    /// By an abort, which the controller has taken.
+    Aborted,
+    /// The operator leaves: the abort is still to be sent.
+    Leaves(&'static str),
+}
+
+/// Sends a program and waits until it has been run. `make` gives its items when the session is open and it
+/// is known where the machine stands. Orders come from `orders`; `watch` hears what happens.
+///
+/// Whatever goes wrong once a block has been sent, and if an order says so, the machine is aborted before
+/// this returns, and it waits until it stands: at most ten seconds.
 ///
 /// # Errors
-/// Names what is not understood.
-pub fn parse_command(text: &str) -> Result<Command> {
-    let mut words = text.split_whitespace();
-    let (word, value) = (words.next().unwrap_or(""), words.next());
-    let percent = || -> Result<u16> {
-        let text = value.with_context(|| format!("\"{word}\" needs a number, per cent"))?;
-        text.trim_end_matches('%').parse().map_err(|_| anyhow!("{text} is no number of per cent"))
+/// No controller answers; it speaks another protocol or has another sender; `make` fails; it refuses a block,
+/// or stops for an alarm; the port fails. The message says where the machine stands.
+pub fn send<F>(
+    port: &mut SerialPort,
+    settings: Settings,
+    make: F,
+    orders: &Receiver<Order>,
+    watch: &mut dyn FnMut(News<'_>),
+) -> Result<Summary>
+where
+    F: FnOnce(&Controlled) -> Result<Vec<Item>> + Send,
+{
+    let clock = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH)?;
+    let sender = Sender::new(clock.as_millis() as u32, 0, settings.silence);
+    let sender = if settings.abort { sender.aborting() } else { sender };
+    let mut talk = Talk::new(port, sender)?;
+    let begun = begin(&mut talk, make, orders);
+    let end = begun.and_then(|early| match early {
+        Some(reason) => Ok(End::Leaves(reason)),
+        None => run(&mut talk, orders, watch),
+    });
+    let aborted = match end {
+        Ok(End::Run) => None,
+        Ok(End::Aborted) => Some("an abort"),
+        Ok(End::Leaves(reason)) => {
+            if talk.sent > 0 {
+                watch(News::Notice(&format!("{reason}: the machine is being stopped")));
+                stop(&mut talk, orders)?;
+            }
+            Some(reason)
+        }
+        Err(error) if talk.sent > 0 => {
+            let after = match stop(&mut talk, orders) {
+                Ok(()) => format!("the machine stands at {}", talk.place()),
+                Err(worse) => format!("{worse:#}"),
+            };
+            talk.leave();
+            return Err(anyhow!("{error:#}; {after}"));
+        }
+        Err(error) => {
+            talk.leave();
+            return Err(error);
+        }
     };
-    Ok(match word {
-        "hold" | "!" => Command::Hold,
-        "resume" | "~" => Command::Resume,
-        "stop" => Command::Stop,
-        "abort" => Command::Abort,
-        "feed" => Command::FeedOverride(percent()?),
-        "rapid" => Command::RapidOverride(percent()?),
-        "single" => Command::SingleBlock(value != Some("off")),
-        _ => bail!(
-            "\"{text}\" is no command; known are hold, resume, stop, abort, feed, rapid, single"
-        ),
+    talk.leave();
+    Ok(Summary {
+        blocks: talk.sender.taken().min(talk.items.len().saturating_sub(1) as u32),
+        damaged: talk.damaged,
+        sent: talk.sent,
+        situation: talk.situation().cloned().unwrap_or_default(),
+        aborted,
     })
 }
 
-/// The program as a controller with a number of axes takes it.
-///
-/// # Errors
-/// It moves an axis that the controller lacks; a coordinate is out of range.
-pub fn items(program: &Program, axes: usize) -> Result<Vec<Item>> {
-    for axis in program.axes() {
-        ensure!(
-            axis < axes || !program.uses[axis],
-            "the program moves {}; the controller has only {}",
-            LETTERS[axis],
-            LETTERS[..axes].iter().collect::<String>()
-        );
-    }
-    let mut items = Vec::with_capacity(program.moves.len() + 1);
-    for step in &program.moves {
-        let step = wire_move(step, axes).with_context(|| format!("line {}", step.line))?;
-        items.push(Item::Move(step));
-    }
-    items.push(Item::End);
-    Ok(items)
-}
-
-fn nm(mm: f64) -> Result<i64> {
-    ensure!(mm.abs() <= Coord::LIMIT_MM, "coordinate {mm} mm is out of range (+-1e6)");
-    Ok((mm * 1.0e6).round() as i64)
-}
-
-/// A move as it is sent.
-fn wire_move(step: &program::Move, axes: usize) -> Result<Move> {
-    let point =
-        |point: &Point| -> Result<Axes> { point[..axes].iter().map(|&mm| nm(mm)).collect() };
-    let path = match &step.path {
-        Course::Line { to } => Path::Line { to: point(to)? },
-        Course::Arc { to, plane, centre, clockwise, extra_turns } => Path::Arc {
-            to: point(to)?,
-            plane: (plane.0 as u8, plane.1 as u8),
-            centre: (nm(centre.0)?, nm(centre.1)?),
-            clockwise: *clockwise,
-            extra_turns: *extra_turns,
-        },
-        Course::Cubic { controls: [first, second], to } => {
-            Path::Cubic { controls: [point(first)?, point(second)?], to: point(to)? }
-        }
-        Course::Dwell { seconds } => Path::Dwell { seconds: *seconds as f32 },
-        Course::Event { pause, .. } => Path::Event { pause: *pause },
-    };
-    let speed = match step.speed {
-        program::Speed::PerSecond(feed) => Speed::PerSecond(feed as f32),
-        program::Speed::Duration(seconds) => Speed::Duration(seconds as f32),
-        program::Speed::Rapid => Speed::Rapid,
-    };
-    let tolerance = step.tolerance.map(|mm| mm as f32);
-    Ok(Move { path, speed, tolerance, exact_stop: step.exact_stop, tag: step.line })
-}
-
-struct Line<'a> {
-    port: &'a SerialPort,
-    inlet: Inlet,
-    frame: [u8; FRAME],
-}
-
-impl Line<'_> {
-    fn write(&mut self, request: &Request) -> Result<()> {
-        let length = encode(request, &mut self.frame).context("a block is too long for a frame")?;
-        self.port.write_all(&self.frame[..length]).context("the port does not take what is sent")
-    }
-
-    /// Replies that have come, after waiting a little for the first.
-    fn read(&mut self) -> Result<Vec<Reply>> {
-        let mut bytes = [0; 1024];
-        let count = match self.port.read(&mut bytes) {
-            Ok(count) => count,
-            Err(error) if error.kind() == std::io::ErrorKind::TimedOut => 0,
-            Err(error) => return Err(error).context("the port cannot be read"),
-        };
-        Ok(bytes[..count].iter().filter_map(|&byte| self.inlet.push(byte)).collect())
-    }
-}
-
-/// Sends a program and waits until it has been run. Commands come from `commands`; `watch` is told how
-/// many of how many items have been taken, and what the machine does.
-///
-/// # Errors
-/// No controller answers; it speaks another protocol or lacks an axis; it refuses a block, or stops for
-/// an alarm; the port fails.
-pub fn send(
-    port: &mut SerialPort,
-    program: &Program,
-    commands: &Receiver<Command>,
-    mut watch: impl FnMut(u32, u32, &Situation),
-) -> Result<Summary> {
-    port.set_read_timeout(Duration::from_millis(2))?;
-    let mut line = Line { port, inlet: Inlet::new(), frame: [0; FRAME] };
-    // Ends whatever half of a frame stood on the line before.
-    line.port.write_all(&[0])?;
-    let began = Instant::now();
-    let clock = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH)?;
-    let session = clock.as_millis() as u32;
-    // The number of items is known as soon as the number of axes is.
-    let mut sender = Sender::new(session, 0);
-    let mut items = Vec::new();
-    let mut summary = Summary::default();
-    let mut heard = began;
-    let mut idle: Option<Instant> = None;
-    loop {
-        let now = began.elapsed().as_millis() as u64;
-        for reply in line.read()? {
-            heard = Instant::now();
-            sender.hear(&reply, now);
-            if let Reply::Status { situation, damaged, .. } = reply {
-                summary.damaged = damaged + line.inlet.damaged();
-                summary.situation = situation;
-                watch(sender.taken(), items.len() as u32, &summary.situation);
-                let rests = matches!(summary.situation.state, State::Idle | State::Alarm);
-                idle = if rests { idle.or(Some(Instant::now())) } else { None };
+/// Orders before the program runs: the reason of the first to leave; commands wait for the machine.
+fn leaves(talk: &mut Talk<'_>, orders: &Receiver<Order>) -> Option<&'static str> {
+    for order in orders.try_iter() {
+        match order {
+            Order::Leave(reason) => return Some(reason),
+            Order::Command(Command::Abort) => return Some("an abort"),
+            Order::Command(command) => {
+                talk.sender.command(command);
             }
         }
-        if let Some((axes, version)) = sender.controller()
-            && items.is_empty()
+    }
+    None
+}
+
+/// Opens the session, and gets the items. `Some` if the operator leaves before that is done.
+fn begin<F>(talk: &mut Talk<'_>, make: F, orders: &Receiver<Order>) -> Result<Option<&'static str>>
+where
+    F: FnOnce(&Controlled) -> Result<Vec<Item>> + Send,
+{
+    let axes = loop {
+        if let Some(axes) = talk.greet()? {
+            break axes;
+        }
+        if let Some(reason) = leaves(talk, orders) {
+            return Ok(Some(reason));
+        }
+    };
+    let situation = loop {
+        talk.turn()?;
+        if talk.is_open()?
+            && let Some(situation) = talk.situation()
         {
-            ensure!(
-                version == VERSION,
-                "the controller speaks version {version}, this is {VERSION}"
-            );
-            items = self::items(program, usize::from(axes))?;
-            sender.set_items(items.len() as u32);
+            break situation.clone();
         }
-        summary.blocks = sender.taken().min(items.len().saturating_sub(1) as u32);
-        let rests = idle.is_some_and(|since| since.elapsed() >= SETTLED);
-        match sender.refused() {
-            Some(Refusal::Aborted) if rests => {
-                summary.aborted = true;
-                return Ok(summary);
+        if let Some(reason) = leaves(talk, orders) {
+            return Ok(Some(reason));
+        }
+    };
+    ensure!(
+        situation.speed == 0.0 && situation.state != State::Running,
+        "the machine moves, though its controller says that nothing is left to run"
+    );
+    let controlled = Controlled { axes, situation };
+    // The controller hears from here while a long program is read.
+    thread::scope(|scope| {
+        let making = scope.spawn(|| make(&controlled));
+        while !making.is_finished() {
+            talk.turn()?;
+            talk.is_open()?;
+        }
+        let items = making.join().map_err(|_| anyhow!("the program could not be read"))??;
+        talk.set_items(items);
+        Ok(leaves(talk, orders))
+    })
+}
+
+/// Sends the items, and waits until they have been run.
+fn run(
+    talk: &mut Talk<'_>,
+    orders: &Receiver<Order>,
+    watch: &mut dyn FnMut(News<'_>),
+) -> Result<End> {
+    let mut before = State::Idle;
+    let mut paused = None;
+    // What was said before the first item was sent says nothing of the program.
+    talk.forget();
+    loop {
+        talk.turn()?;
+        talk.is_open()?;
+        while let Some((line, event)) = talk.news() {
+            paused = event.pause.then_some(line);
+            watch(News::Event { line, event });
+        }
+        if let Some(situation) = talk.situation() {
+            let (taken, items) = (talk.sender.taken(), talk.items.len() as u32);
+            watch(News::Status { taken, items, situation });
+            if situation.state != before {
+                before = situation.state;
+                if let Some(notice) = notice(before, paused) {
+                    watch(News::Notice(&notice));
+                }
+                paused = None;
             }
+        }
+        match talk.sender.refused() {
+            Some(Refusal::Aborted) if talk.is_stopped() => return Ok(End::Aborted),
             Some(Refusal::Block { tag }) => bail!("the controller refuses the block of line {tag}"),
             Some(Refusal::Alarm) => {
-                bail!("the controller has stopped: emergency stop or limit switch")
+                bail!(
+                    "the controller has stopped: emergency stop, limit switch, or an output that did not follow"
+                )
             }
             _ => {}
         }
-        if !items.is_empty() && sender.is_done() && rests {
-            return Ok(summary);
+        if talk.is_run() {
+            return Ok(End::Run);
         }
-        ensure!(heard.elapsed() < GONE, "the controller does not answer");
-        for command in commands.try_iter() {
-            ensure!(sender.command(command), "too many commands wait for the controller");
-        }
-        // As much as a window holds; what the controller says is looked at in between.
-        for _ in 0..32 {
-            match sender.step(now) {
-                Step::Wait => break,
-                Step::Send(request) => line.write(&request)?,
-                Step::Item(number) => {
-                    // Numbers are asked for below the count that was set.
-                    if let Some(item) = items.get(number as usize) {
-                        summary.sent += 1;
-                        line.write(&sender.item(number, item.clone()))?;
-                        idle = None;
+        for order in orders.try_iter() {
+            match order {
+                Order::Leave(reason) => return Ok(End::Leaves(reason)),
+                Order::Command(Command::Abort) => talk.sender.abort(),
+                Order::Command(command) => {
+                    if !talk.sender.command(command) {
+                        watch(News::Notice("too many commands wait; the last one is not sent"));
                     }
                 }
             }
         }
+    }
+}
+
+/// What the operator should know of a state.
+fn notice(state: State, paused: Option<u32>) -> Option<String> {
+    match (state, paused) {
+        (State::Held, Some(line)) => {
+            Some(format!("line {line}: the program pauses; \"resume\" goes on"))
+        }
+        (State::Held, None) => Some("the machine is held; \"resume\" goes on".to_owned()),
+        (State::SenderLost, _) => Some(
+            "the controller has not heard from here for too long and has stopped the machine; \"resume\" goes on, \
+             \"abort\" ends the program"
+                .to_owned(),
+        ),
+        _ => None,
+    }
+}
+
+/// Aborts, and waits until the machine stands.
+fn stop(talk: &mut Talk<'_>, orders: &Receiver<Order>) -> Result<()> {
+    let began = Instant::now();
+    let mut hasty: Option<Instant> = None;
+    talk.sender.abort();
+    talk.forget();
+    talk.hope();
+    loop {
+        talk.turn().and_then(|()| talk.is_open()).context(
+            "the abort was not acknowledged; a controller that misses its sender stops the machine by itself, \
+             unless --watchdog is 0",
+        )?;
+        if talk.is_stopped() {
+            return Ok(());
+        }
+        if orders.try_iter().any(|order| matches!(order, Order::Leave(_))) {
+            hasty = hasty.or(Some(Instant::now()));
+        }
+        if let Some(since) = hasty
+            && (talk.is_told_to_stop() || since.elapsed() >= HASTE)
+        {
+            bail!("the machine has been told to stop; nobody waits for it");
+        }
+        ensure!(
+            began.elapsed() < STOPS,
+            "the machine has not come to rest within {} s",
+            STOPS.as_secs()
+        );
     }
 }

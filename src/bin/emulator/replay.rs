@@ -3,7 +3,7 @@
 
 use crc::{CRC_32_ISCSI, Crc, Digest};
 use serde::{Deserialize, Serialize};
-use splineway::wire::Station;
+use splineway::wire::{Events, Station};
 use splineway::{
     Activity, AxisLimits, Config, ConfigError, Coord, Interpolator, Limits, Link, Planner,
     Progress, Scalar, Setpoint,
@@ -73,9 +73,10 @@ type Core<'a, S, const N: usize, const BLOCKS: usize, const NODES: usize> =
 fn plan<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
     station: &mut Station<S, N, 16>,
     planner: &mut Planner<'_, S, N, BLOCKS, NODES>,
+    events: &Events<4>,
 ) -> Progress {
-    station.feed(planner);
-    planner.poll()
+    // Time stands still: nobody is missed.
+    station.poll(planner, events, 0)
 }
 
 #[inline(never)]
@@ -118,6 +119,7 @@ pub fn run<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
     let mut digest = crc.digest();
     let mut outcome = Outcome::default();
     let mut station = Station::<S, N, 16>::new();
+    let events = Events::new();
     let mut idle = 0;
     while idle < PATIENCE {
         while !station.is_full() {
@@ -125,7 +127,7 @@ pub fn run<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
             station.receive(byte);
         }
         meter.begin();
-        let progress = plan(&mut station, planner);
+        let progress = plan(&mut station, planner, &events);
         meter.end(Part::Planning);
         meter.begin();
         let setpoint = tick(interpolator);

@@ -26,8 +26,8 @@ mod app {
     use super::board::{self, Board, Laser, Output, Stepper};
     use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
     use heapless::spsc::{Consumer, Producer, Queue};
-    use splineway::wire::{FRAME, Refusal, Situation, State, Station};
-    use splineway::{Activity, Controls, Coord, Interpolator, Link, Planner, Progress, Setpoint};
+    use splineway::wire::{Event, Events, FRAME, Refusal, Station};
+    use splineway::{Controls, Coord, Interpolator, Link, Planner, Progress, Setpoint};
     use stm32f4xx_hal::gpio::{ErasedPin, Input};
     use stm32f4xx_hal::pac::{Interrupt, TIM3, USART2};
     use stm32f4xx_hal::prelude::*;
@@ -51,6 +51,10 @@ mod app {
     static LAGGED: AtomicBool = AtomicBool::new(false);
     /// Bytes lost because there was no room.
     static LOST: AtomicU32 = AtomicU32::new(0);
+    /// Servo cycles since the start: the background's clock.
+    static CYCLES: AtomicU32 = AtomicU32::new(0);
+    /// Spindle, coolant, tool: from the line to the servo task.
+    static EVENTS: Events<8> = Events::new();
 
     #[shared]
     struct Shared {
@@ -146,11 +150,21 @@ mod app {
     #[task(binds = SPI3, priority = 3, local = [interpolator, laser], shared = [targets, setpoint])]
     fn servo(mut context: servo::Context) {
         let setpoint = context.local.interpolator.tick();
+        CYCLES.store(CYCLES.load(Relaxed).wrapping_add(1), Relaxed);
+        if let Some(event) = EVENTS.take(&setpoint) {
+            happen(&event);
+        }
         let targets = core::array::from_fn(|axis| setpoint.position(axis));
         context.shared.targets.lock(|shared| *shared = targets);
         context.shared.setpoint.lock(|shared| *shared = setpoint);
         let power = if EMERGENCY.load(Relaxed) { 0.0 } else { setpoint.path_speed };
         let _ = context.local.laser.set(power);
+    }
+
+    /// What is to be done at a place of the path. This board has nothing to switch: a machine's relays go
+    /// here, or what a longer reaction is to be told by.
+    fn happen(event: &Event) {
+        defmt::info!("{}", event);
     }
 
     /// A byte from the line.
@@ -184,6 +198,26 @@ mod app {
         context.local.limit_controls.abort();
     }
 
+    /// Milliseconds, out of servo cycles; both may wrap around.
+    #[derive(Default)]
+    struct Clock {
+        cycles: u32,
+        /// Cycles that do not make a millisecond yet.
+        rest: u32,
+        ms: u32,
+    }
+
+    impl Clock {
+        fn ms(&mut self, cycles: u32) -> u32 {
+            const PER_MS: u32 = board::SERVO_HZ / 1000;
+            self.rest += cycles.wrapping_sub(self.cycles);
+            self.cycles = cycles;
+            self.ms = self.ms.wrapping_add(self.rest / PER_MS);
+            self.rest %= PER_MS;
+            self.ms
+        }
+    }
+
     #[idle(
         local = [bytes_out, tx, planner, station, watchdog, led, frame: [u8; FRAME] = [0; FRAME]],
         shared = [setpoint, enable]
@@ -193,6 +227,7 @@ mod app {
             context.local;
         let (mut next, mut length) = (0, 0);
         let mut progress = Progress::NeedsBlocks;
+        let mut clock = Clock::default();
         watchdog.start(board::WATCHDOG_MS.millis());
         // Unless the emergency stop was open at the start.
         if !EMERGENCY.load(Relaxed) {
@@ -212,8 +247,8 @@ mod app {
                 lost = LOST.load(Relaxed);
                 defmt::warn!("{} bytes came faster than they could be read", lost);
             }
-            let emergency = EMERGENCY.load(Relaxed);
-            if emergency || LIMIT.swap(false, Relaxed) {
+            // The emergency stop lasts: no session may move anything.
+            if EMERGENCY.load(Relaxed) || LIMIT.swap(false, Relaxed) {
                 station.close(Refusal::Alarm);
             }
             if LAGGED.swap(false, Relaxed) {
@@ -221,8 +256,8 @@ mod app {
                 planner.controls().abort();
                 station.close(Refusal::Alarm);
             }
-            station.feed(planner);
-            let now = planner.poll();
+            let ms = clock.ms(CYCLES.load(Relaxed));
+            let now = station.poll(planner, &EVENTS, ms);
             if now != progress {
                 defmt::trace!("{}", now);
                 progress = now;
@@ -231,10 +266,7 @@ mod app {
             if next == length {
                 let setpoint = context.shared.setpoint.lock(|setpoint| *setpoint);
                 next = 0;
-                length = station.reply(
-                    || situation(&setpoint, state(progress, &setpoint, emergency), planner),
-                    frame,
-                );
+                length = station.reply(&setpoint, frame);
             }
             while let Some(&byte) = frame.get(next)
                 && next < length
@@ -245,30 +277,6 @@ mod app {
             if progress == Progress::Planned {
                 led.toggle();
             }
-        }
-    }
-
-    fn state(progress: Progress, setpoint: &Setpoint<f32, AXES>, emergency: bool) -> State {
-        let rests = setpoint.activity == Activity::Idle;
-        match progress {
-            _ if emergency => State::Alarm,
-            Progress::Held => State::Held,
-            Progress::Done | Progress::NeedsBlocks | Progress::Aborted if rests => State::Idle,
-            _ => State::Running,
-        }
-    }
-
-    fn situation(
-        setpoint: &Setpoint<f32, AXES>,
-        state: State,
-        planner: &Planner<'static, f32, AXES, BLOCKS, NODES>,
-    ) -> Situation {
-        Situation {
-            state,
-            position: (0..AXES).map(|axis| setpoint.position_nm(axis)).collect(),
-            speed: setpoint.path_speed,
-            tag: setpoint.tag,
-            starved: planner.counters().starved,
         }
     }
 }
