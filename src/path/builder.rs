@@ -6,7 +6,7 @@
 use super::blend::{self, Blend};
 use super::chords::Chords;
 use super::corner::Corner;
-use super::cut::{Emitted, next_way, rest_cell, standstill};
+use super::cut::{Emitted, dwell_part, next_way, rest_cell, standstill};
 use super::item::{Item, Joint};
 use super::joint::{Taken, bent_lengths, corner_mode, joint, mean_node, reach};
 use super::node::{Node, Order};
@@ -176,9 +176,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         for _ in 0..4 * BLOCKS {
             let item = *self.items.front()?;
             let Some(segment) = item.segment else {
-                self.items.pop_front();
+                let dwell = dwell_part(item.dwell, config.cycle);
+                match self.items.front_mut() {
+                    Some(front) if dwell < item.dwell => front.dwell = item.dwell - dwell,
+                    _ => drop(self.items.pop_front()),
+                }
                 self.rested = true;
-                return Some(standstill(last, &item));
+                return Some(standstill(last, &Item { dwell, ..item }));
             };
             match self.stage {
                 Stage::Waiting => {

@@ -22,6 +22,23 @@ pub struct Emitted<S, const N: usize> {
     pub rest: bool,
 }
 
+/// Most servo cycles of a standstill in one cell: they are counted exactly, in `f32` too.
+const MOST_DWELL_CYCLES: f64 = 1_048_576.0;
+/// Halvings of 2^20 s down to a dwell of that many of the shortest cycles.
+const HALVINGS: u32 = 20;
+
+/// The part of a dwell, s, that goes into one cell: a power of two, so that what is left is exact.
+pub fn dwell_part<S: Scalar>(dwell: S, cycle: S) -> S {
+    let most = cycle * S::of(MOST_DWELL_CYCLES);
+    let mut part = S::of(MOST_DWELL_CYCLES);
+    for _ in 0..HALVINGS {
+        if part > most {
+            part = part * S::of(0.5);
+        }
+    }
+    dwell.least(part)
+}
+
 /// A cell without length, for a standstill.
 pub fn standstill<S: Scalar, const N: usize>(
     from: &Node<S, N>,

@@ -1,6 +1,6 @@
 //! Coming to rest on the path as soon as the limits allow.
 
-use super::stop::{DEPTHS, Stop};
+use super::stop::{DEPTHS, SHARES, Stop};
 use super::{Halt, Planner};
 use crate::number::Scalar;
 use crate::profile::law::State;
@@ -8,7 +8,11 @@ use crate::profile::solver::{Aim, Stretch};
 use crate::servo::link::Branch;
 
 /// Places tried for a stop.
-const STOP_TRIES: u32 = 8;
+const STOP_TRIES: u32 = 12;
+/// The rest that the plan comes to anyway is taken if the shortest stop takes as long but for this factor and
+/// so many servo cycles.
+const LATER: f64 = 1.1;
+const LATER_CYCLES: f64 = 3.0;
 /// Braking distances within which a stop is wanted; if there is none, it is looked for again a
 /// little later.
 const FURTHEST_STOP: f64 = 3.0;
@@ -22,19 +26,45 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 {
     /// A plan that comes to rest as soon as the limits allow.
     pub(super) fn brake(&mut self) -> bool {
+        if self.stands(self.side.progress()) {
+            let Some((stretch, branch)) = self.cut_dwell() else {
+                return self.rest_next(Halt::Hold);
+            };
+            self.publish(stretch, branch, self.overrides, Some(Halt::Hold));
+            return true;
+        }
         if let Some((stretch, branch)) = self.prepare() {
+            if self.rests_soon(stretch) {
+                self.undo();
+                return self.rest_as_agreed();
+            }
             // At once, as on a straight; or from somewhere on the motion that brakes hardest.
             if self.stop(stretch, branch) {
                 return true;
             }
             self.improve(stretch, Aim::Halt);
-            if self.stop(stretch, branch) {
+            if self.stop(stretch, branch) || self.rest_at(stretch, branch, Halt::Hold, |_, _| true)
+            {
                 return true;
             }
         }
         // The rest that the plan comes to anyway may be nearer than any other.
         self.undo();
-        self.rest_next()
+        self.rest_next(Halt::Hold)
+    }
+
+    /// Whether the motion as agreed comes to rest hardly later than the shortest stop.
+    fn rests_soon(&self, stretch: Stretch) -> bool {
+        let mut agreed = S::ZERO;
+        for i in stretch.first..stretch.last {
+            agreed += self.agreed_time(i);
+        }
+        let Some((i, stop)) = self.next_stop(stretch, S::ZERO) else { return false };
+        let mut least = stop.time() + self.config.cycle * S::of(LATER_CYCLES);
+        for i in stretch.first..i {
+            least += self.agreed_time(i);
+        }
+        agreed <= least * S::of(LATER)
     }
 
     /// A plan that ends in the nearest stop that keeps the limits, if there is one near.
@@ -51,7 +81,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             let mut states = heapless::Vec::new();
             let end = self.put_stop(i, &stop, stretch.last, &mut states);
             let held = Stretch { last: end.unwrap_or(i), ..stretch };
-            if end.is_some() && self.solver.holds(&self.window, held, &self.config.limits) {
+            if end.is_some()
+                && self.solver.holds(&self.window, held, &self.config.limits)
+                && self.crawl_in(held).is_none()
+            {
                 self.publish(held, branch, self.overrides, Some(Halt::Hold));
                 return true;
             }
@@ -70,18 +103,37 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// If the motion comes to rest at the end of the piece under way, lets it stay there.
-    fn rest_next(&mut self) -> bool {
-        let next = self.side.progress().wrapping_add(1);
-        let i = self.window.index(next);
-        let rests = self.window.get(i).is_some_and(|station| station.rest);
-        if next == self.planned_end {
-            self.halt = Some(Halt::Hold);
-        } else if rests && self.window.serial(i) == next {
-            let stretch = Stretch { first: i, last: i, open: false };
-            self.publish(stretch, Branch::Node(next), self.overrides, Some(Halt::Hold));
-            return true;
+    pub(super) fn rest_next(&mut self, halt: Halt) -> bool {
+        let at = self.side.progress();
+        if at == self.planned_end {
+            return false;
         }
-        false
+        let next = at.wrapping_add(1);
+        let i = self.window.index(next);
+        if halt == Halt::Block && !self.ends_block(i) {
+            return false;
+        }
+        let rests = self.window.get(i).is_some_and(|station| station.rest);
+        (rests || next == self.planned_end) && self.rest_there(next, halt)
+    }
+
+    /// Lets the motion stay at the next rest of the plan.
+    fn rest_as_agreed(&mut self) -> bool {
+        let at = self.side.progress();
+        let last = self.stretch_from(self.window.index(at)).last;
+        at != self.planned_end && self.rest_there(self.window.serial(last), Halt::Hold)
+    }
+
+    /// Lets the motion stay at a node at which it rests; whether a plan was made for it.
+    fn rest_there(&mut self, node: u32, halt: Halt) -> bool {
+        if node == self.planned_end {
+            self.halt = Some(halt);
+            return false;
+        }
+        let i = self.window.index(node);
+        let stretch = Stretch { first: i, last: i, open: false };
+        self.publish(stretch, Branch::Node(node), self.overrides, Some(halt));
+        true
     }
 
     /// The station from which the motion can come to rest nearest, but further than `beyond`, and
@@ -92,7 +144,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         for i in stretch.first..stretch.last {
             let station = self.window.get(i)?;
             for depth in DEPTHS {
-                if let Some(stop) = Stop::new(station, way, depth)
+                // The hardest that ends clear of all nodes.
+                let stops =
+                    SHARES.iter().filter_map(|share| Stop::new(station, way, depth, S::of(*share)));
+                if let Some(stop) = { stops }.find(|stop| self.is_clear(stretch, stop.at))
                     && stop.at > beyond
                     && best.as_ref().is_none_or(|(_, least)| stop.at < least.at)
                 {
@@ -102,6 +157,21 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             way += station.cell.length;
         }
         best
+    }
+
+    /// Whether a place, mm from the start of a stretch, is not too near to a node of it.
+    fn is_clear(&self, stretch: Stretch, place: S) -> bool {
+        let mut way = S::ZERO;
+        for i in stretch.first..stretch.last {
+            let Some(station) = self.window.get(i) else { return false };
+            let apart = self.apart(station.bounds.jerk);
+            let end = way + station.cell.length;
+            if place < end + apart {
+                return place - way >= apart && end - place >= apart;
+            }
+            way = end;
+        }
+        false
     }
 
     /// Puts a stop into the window: stations on the way there get its states, what they had goes
@@ -117,6 +187,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         loop {
             let length = self.window.get(cell)?.cell.length;
             if way + length > stop.length() {
+                let apart = self.apart(self.window.get(cell)?.bounds.jerk);
+                let (before, behind) = (stop.length() - way, way + length - stop.length());
+                if before < apart || behind < apart {
+                    return None;
+                }
                 self.insert(cell, (stop.length() - way) / length, State::REST)?;
                 break;
             }
@@ -136,8 +211,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 let length = self.window.get(k)?.cell.length;
                 let share = (change - way) / length;
                 if share > S::of(LEAST_PART) && share < S::of(1.0 - LEAST_PART) {
-                    self.insert(k, share, stop.state(change))?;
-                    end += 1;
+                    // Without room it may do without.
+                    if self.insert(k, share, stop.state(change)).is_some() {
+                        end += 1;
+                    }
                     break;
                 }
                 way += length;

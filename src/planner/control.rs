@@ -12,14 +12,15 @@
 
 use super::{Halt, Planner, Progress};
 use crate::number::Scalar;
+use crate::path::node::Cell;
 use crate::profile::law::State;
 use crate::profile::rows::Pace;
 use crate::profile::solver::{Aim, Stretch};
 use crate::servo::control::Wish;
 use crate::servo::link::Branch;
 
-/// Ends of blocks tried for a stop.
-const END_TRIES: u32 = 4;
+/// Nodes tried for a stop.
+const END_TRIES: u32 = 6;
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     Planner<'_, S, N, BLOCKS, NODES>
@@ -61,7 +62,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.halt = None;
             self.checkpoint = at;
         }
-        if wish.overrides != self.overrides && self.revoke() && self.retune(wish.overrides) {
+        if wish.overrides != self.overrides && self.revoke() && self.retune(wish.overrides, at) {
             return Some(Progress::Planned);
         }
         if self.pending.is_some() {
@@ -71,7 +72,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             if matches!(self.halt, Some(Halt::Block)) {
                 return Some(Progress::Waiting);
             }
-            if self.tried != self.counters.plans {
+            if self.stands(at) {
+                if self.rest_next(Halt::Block) {
+                    return Some(Progress::Planned);
+                }
+            } else if self.tried != self.counters.plans {
                 self.tried = self.counters.plans;
                 if self.rest_at_block_end() {
                     return Some(Progress::Planned);
@@ -90,10 +95,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         if wish.overrides != self.overrides {
             self.overrides = wish.overrides;
-            let pace = self.pace();
-            for i in 0..self.window.len() {
-                self.window.bound(i, &pace);
-            }
+            self.bound_all();
         }
         let end = self.window.index(self.planned_end);
         let pauses = self.window.get_mut(end).is_some_and(|end| core::mem::take(&mut end.pause));
@@ -139,7 +141,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// The stretch from a branch to the end of the plan, or to the first rest in it.
-    fn stretch_from(&self, first: usize) -> Stretch {
+    pub(super) fn stretch_from(&self, first: usize) -> Stretch {
         let end = self.window.index(self.planned_end);
         let rests = |i: &usize| self.window.get(*i).is_some_and(|station| station.rest);
         let last = (first + 1..end).find(rests).unwrap_or(end);
@@ -161,12 +163,16 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// Whether a block ends at station `i`.
-    fn ends_block(&self, i: usize) -> bool {
+    pub(super) fn ends_block(&self, i: usize) -> bool {
         let Some((before, here)) = i.checked_sub(1).and_then(|i| self.window.pair(i)) else {
             return false;
         };
         let last = i + 1 == self.window.len();
-        here.rest || (!last && before.cell.order.tag != here.cell.order.tag)
+        let (before, after) = (&before.cell, &here.cell);
+        let differs = !last && before.order.tag != after.order.tag;
+        // A long dwell is many cells.
+        let dwells = |cell: &Cell<S, N>| !(cell.length > S::ZERO) && cell.event.is_none();
+        differs || (here.rest && (last || !(dwells(before) && dwells(after))))
     }
 
     /// A plan that rests at the end of the block under way, or of the first one that is possible.
@@ -175,10 +181,29 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.undo();
             return false;
         };
+        if self.is_stopping(stretch.first) {
+            self.undo();
+            return false;
+        }
         self.improve(stretch, Aim::Halt);
+        let done = self.rest_at(stretch, branch, Halt::Block, Self::ends_block);
+        if !done {
+            self.undo();
+        }
+        done
+    }
+
+    /// A plan that rests at the first node that can be and that is fit for it.
+    pub(super) fn rest_at(
+        &mut self,
+        stretch: Stretch,
+        branch: Branch,
+        halt: Halt,
+        fits: impl Fn(&Self, usize) -> bool,
+    ) -> bool {
         let mut tries = 0;
         for end in stretch.first + 1..=stretch.last {
-            if !self.ends_block(end) {
+            if !fits(self, end) {
                 continue;
             }
             let state = self.window.get(end).map_or(State::REST, |station| station.state);
@@ -186,7 +211,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             let held = Stretch { last: end, ..stretch };
             if self.solver.holds(&self.window, held, &self.config.limits) {
                 self.improve(held, Aim::Time);
-                self.publish(held, branch, self.overrides, Some(Halt::Block));
+                self.publish(held, branch, self.overrides, Some(halt));
                 return true;
             }
             self.window.set_state(end, state);
@@ -195,21 +220,49 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 break;
             }
         }
-        self.undo();
         false
     }
 
-    /// A plan at other overrides.
-    fn retune(&mut self, overrides: (u16, u16)) -> bool {
-        let before = self.overrides;
-        self.overrides = overrides;
-        let Some((first, branch)) = self.cut_in() else {
-            self.overrides = before;
+    /// A plan at other overrides: from the next servo cycle on, or else from a node on.
+    fn retune(&mut self, overrides: (u16, u16), at: u32) -> bool {
+        let before = core::mem::replace(&mut self.overrides, overrides);
+        let cut = self.cut_in();
+        let stops = cut.is_some_and(|(first, _)| self.is_stopping(first));
+        if let Some((first, branch)) = cut
+            && !stops
+            && self.retune_from(first, branch, before)
+        {
+            return true;
+        }
+        self.undo();
+        let node = self.branch(at).filter(|node| *node != self.planned_end);
+        if !stops && let Some(node) = node {
+            if self.retune_from(self.window.index(node), Branch::Node(node), before) {
+                return true;
+            }
             self.undo();
-            return false;
-        };
+        }
+        if !stops {
+            self.overrides = before;
+        }
+        // A stop under way is finished; what comes after it goes at the new pace.
+        self.bound_all();
+        false
+    }
+
+    /// Bounds of all cells anew, for other overrides.
+    pub(super) fn bound_all(&mut self) {
+        let pace = self.pace();
+        for i in 0..self.window.len() {
+            self.window.bound(i, &pace);
+        }
+    }
+
+    /// A plan at the pace that is set now.
+    fn retune_from(&mut self, first: usize, branch: Branch, before: (u16, u16)) -> bool {
         let end = self.window.index(self.planned_end);
-        let last = self.refine(first, end);
+        let by_cycle = matches!(branch, Branch::Cycle(_));
+        let last = if by_cycle { self.refine(first, end) } else { end };
         let pace = self.pace();
         for i in first..self.window.len() {
             self.window.bound(i, &pace);
@@ -228,9 +281,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.improve(stretch, aim);
             self.loosen(first, last);
         }
-        if !self.solver.holds(&self.window, stretch, &self.config.limits) {
-            self.overrides = before;
-            self.undo();
+        let holds = self.solver.holds(&self.window, stretch, &self.config.limits);
+        if !holds || self.crawl_in(stretch).is_some() {
             return false;
         }
         self.publish(stretch, branch, before, self.halt);

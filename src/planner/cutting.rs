@@ -12,6 +12,7 @@ use crate::path::hermite::{self, Hermite};
 use crate::path::node::{Cell, Node};
 use crate::profile::law::State;
 use crate::profile::rows::Pace;
+use crate::profile::solver::Stretch;
 use crate::profile::window::Station;
 use crate::servo::link::Branch;
 use crate::servo::piece::{Piece, Sequel};
@@ -39,6 +40,12 @@ const LEAST_CYCLES: f64 = 2.0;
 const CRAWL: f64 = 4.0;
 /// Share of a crawl below which a motion is not cut: it comes to rest or gets going in a moment.
 const LEAST_SPEED: f64 = 1.0e-3;
+/// Nodes of the path lie at least as far apart as jerk takes a motion from rest in this many servo cycles:
+/// nearer ones would be passed no faster than they lie apart.
+const APART_CYCLES: f64 = 2.0;
+/// Share of a servo cycle that is left of a dwell when it is suspended: then it is over in the cycle that
+/// takes it up.
+const DWELL_END: f64 = 0.5;
 /// Cells in the distance that it takes to stop.
 const BRAKE_CELLS: f64 = 4.0;
 
@@ -74,6 +81,47 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             began = began.wrapping_add(count);
         }
         None
+    }
+
+    /// Cuts the dwell under way where it will be when an answer can take effect: the motion rests there,
+    /// and what is left of the dwell follows. Returns the stretch up to that rest and the branch; `None` if
+    /// there is none, or if it is as good as over.
+    pub(super) fn cut_dwell(&mut self) -> Option<(Stretch, Branch)> {
+        self.changes = Changes::NONE;
+        let line = self.side.timeline()?;
+        let i = self.window.index(line.serial);
+        let original = *self.window.get(i)?;
+        let Cell { length, dwell, event, .. } = original.cell;
+        let runs = self.window.serial(i) == line.serial && line.serial != self.planned_end;
+        if length > S::ZERO || event.is_some() || !runs {
+            return None;
+        }
+        let cycle = self.config.cycle;
+        let when = self.side.cycles().wrapping_add(self.reaction);
+        let left = dwell - (line.lag + S::from_u32(when.wrapping_sub(line.began)) * cycle);
+        if !(left >= cycle * S::of(LEAST_CYCLES)) {
+            return None;
+        }
+        let rest = Cell { dwell: left, ..original.cell };
+        let rest = Station { cell: rest, rest: true, pause: false, ..original };
+        if !self.add(i, rest) {
+            return None;
+        }
+        self.changes.replaced = Some((line.serial, original));
+        self.window.get_mut(i)?.cell.dwell = cycle * S::of(DWELL_END);
+        Some((Stretch { first: i, last: i + 1, open: false }, Branch::Cycle(when)))
+    }
+
+    /// Whether the node under way, and the motion with it, stands still.
+    pub(super) fn stands(&self, at: u32) -> bool {
+        let cell = self.window.get(self.window.index(at)).map(|station| station.cell.length);
+        at != self.planned_end && cell.is_some_and(|length| !(length > S::ZERO))
+    }
+
+    /// Least distance of two nodes in a cell, mm.
+    pub(super) fn apart(&self, jerk: S) -> S {
+        let time = self.config.cycle * S::of(APART_CYCLES);
+        jerk * time * time * time * S::of(1.0 / 6.0)
     }
 
     /// Cuts the cell of station `i`, `t` seconds after its start.
@@ -283,6 +331,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 *station = original;
             }
         }
+        self.window.measure(0);
         let last = self.window.index(self.planned_end);
         for i in 0..self.window.len() {
             if let Some(station) = self.window.get_mut(i) {

@@ -28,6 +28,10 @@ pub struct Pending {
 /// Share by which a bound lies above a speed that exceeds what is asked for; the limits of the axes
 /// have as much in reserve.
 const EXCESS: f64 = 1.0001;
+/// A cell that takes so many times as long as with stops at both ends is a crawl.
+const CRAWL: f64 = 10.0;
+/// Share of its speed that a motion must have left after letting go of the brake, to be taken on.
+const LEAST_LEFT: f64 = 0.3;
 /// New plans are asked for when this part of the present one has been run, and no more than this
 /// many cells of it are left: enough that its stop at the end does not show in what is run.
 const PLAN_PART: u32 = 2;
@@ -57,7 +61,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         defmt::warn!("the plan from node {} came too late", pending.first);
         self.undo();
         self.halt = pending.halt;
-        self.overrides = pending.overrides;
+        if self.overrides != pending.overrides {
+            self.overrides = pending.overrides;
+            self.bound_all();
+        }
         if pending.by_cycle {
             // Allow more time for the next attempt.
             self.reaction = (2 * self.reaction + 1).min(self.most_reaction());
@@ -120,6 +127,21 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
     }
 
+    /// Whether from station `first` on the plan does nothing but come to rest where it ends: even if it let
+    /// go of the brake as fast as the limits allow, hardly any speed would be left. To go on from there without
+    /// that rest would save nothing, and a motion that all but rests in the middle of its way is one that
+    /// no solver gets going again.
+    pub(super) fn is_stopping(&self, first: usize) -> bool {
+        let end = self.window.index(self.planned_end);
+        first < end
+            && (first..end).all(|i| {
+                let Some(from) = self.window.get(i) else { return false };
+                let State { b, a } = from.agreed;
+                let least = S::of(2.0 * (1.0 - LEAST_LEFT)) * from.bounds.jerk * b.sqrt();
+                from.cell.length > S::ZERO && a < S::ZERO && a * a > least
+            })
+    }
+
     /// The node from which a new plan can branch off: a lead ahead of the motion, or half of what is left
     /// of the plan if that is less. At its end the motion would rest.
     pub(super) fn branch(&self, at: u32) -> Option<u32> {
@@ -133,15 +155,50 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let mut time = S::ZERO;
         for i in first..=end {
             if time >= lead || i == end {
-                return Some(self.window.serial(i));
+                return Some(if self.is_stopping(i) {
+                    self.planned_end
+                } else {
+                    self.window.serial(i)
+                });
             }
             time += self.agreed_time(i);
         }
         None
     }
 
+    /// The first cell in a stretch that the motion crawls through: it takes many times as long as stopping
+    /// at both its ends would, and longer than the feed asks for.
+    pub(super) fn crawl_in(&self, stretch: Stretch) -> Option<usize> {
+        let most = S::of(CRAWL);
+        (stretch.first..stretch.last).find(|&i| {
+            let Some((station, after)) = self.window.pair(i) else { return false };
+            let (length, bounds) = (station.cell.length, &station.bounds);
+            let to = if i + 1 == stretch.last { State::REST } else { after.state };
+            let Some(law) = Law::new(length, station.state, to) else { return false };
+            // From rest to rest: (32 h / J)^(1/3) by jerk alone, 2 (h / A)^(1/2) by acceleration alone.
+            let t = law.time / most;
+            t > self.config.cycle
+                && t * bounds.goal > length
+                && t * t * bounds.acceleration > S::of(4.0) * length
+                && t * t * t * bounds.jerk > S::of(32.0) * length
+        })
+    }
+
     /// One planning step: states for everything behind the branch, handed over as a plan.
     pub(super) fn plan(&mut self, branch: u32, single: bool) -> Progress {
+        if branch != self.planned_end {
+            if let Some(progress) = self.plan_from(branch, single) {
+                return progress;
+            }
+            // The rest that is agreed comes first.
+            self.undo();
+        }
+        let progress = self.plan_from(self.planned_end, single);
+        progress.unwrap_or(Progress::Waiting)
+    }
+
+    /// A plan from a node on; `None` if it would crawl and the node is not a rest.
+    fn plan_from(&mut self, branch: u32, single: bool) -> Option<Progress> {
         let first = self.window.index(branch);
         let new = self.window.index(self.planned_end).max(first);
         let mut stretch = Stretch { first, last: self.window.len() - 1, open: true };
@@ -159,17 +216,20 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             stretch.last -= 1;
         }
         if self.window.serial(stretch.last) == self.planned_end {
-            return Progress::NeedsBlocks;
+            return Some(Progress::NeedsBlocks);
         }
         self.loosen(stretch.first, new);
         if !self.find(stretch, new) {
             self.counters.stuck += 1;
             #[cfg(feature = "defmt")]
             defmt::warn!("no motion found from node {}", branch);
-            return Progress::Waiting;
+            return Some(Progress::Waiting);
+        }
+        if branch != self.planned_end && self.crawl_in(stretch).is_some() {
+            return None;
         }
         self.publish(stretch, Branch::Node(branch), self.overrides, halt);
-        Progress::Planned
+        Some(Progress::Planned)
     }
 
     /// A cell from a rest inside a block to the next rest needs a node between.
@@ -229,6 +289,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         overrides: (u16, u16),
         halt: Option<Halt>,
     ) {
+        self.window.measure(stretch.first);
         for i in stretch.first..stretch.last {
             let Some(after) = self.window.get(i + 1) else { break };
             let at_end = i + 1 == stretch.last;

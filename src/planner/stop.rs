@@ -4,8 +4,9 @@ use crate::number::Scalar;
 use crate::profile::law::State;
 use crate::profile::window::Station;
 
-/// Share of acceleration and jerk limits that a stop uses.
-const SHARE: f64 = 0.97;
+/// Shares of acceleration and jerk limits that a stop uses: where one ends too near to a node, the next does
+/// not.
+pub const SHARES: [f64; 3] = [0.97, 0.92, 0.85];
 /// Halvings of the time in a search for the state at a place.
 const HALVINGS: u32 = 40;
 /// Most phases.
@@ -55,12 +56,17 @@ pub struct Stop<S> {
 
 impl<S: Scalar> Stop<S> {
     /// The stop from a station that is `way` mm from the branch, if there is one.
-    pub fn new<const N: usize>(station: &Station<S, N>, way: S, depth: Depth) -> Option<Self> {
+    pub fn new<const N: usize>(
+        station: &Station<S, N>,
+        way: S,
+        depth: Depth,
+        share: S,
+    ) -> Option<Self> {
         let State { b, a } = station.state;
         if !(b > S::ZERO && station.cell.length > S::ZERO) {
             return None;
         }
-        let (speed, share, half) = (b.sqrt(), S::of(SHARE), S::of(0.5));
+        let (speed, half) = (b.sqrt(), S::of(0.5));
         let jerk = station.bounds.jerk * share;
         // Where the depth p must give way to its release: v + a^2 / 2 J - p^2 / 2 J = p^2 / 2 J.
         let free = jerk * speed + a * a * half;
@@ -93,6 +99,11 @@ impl<S: Scalar> Stop<S> {
     /// Length, mm.
     pub fn length(&self) -> S {
         self.phases.iter().fold(S::ZERO, |sum, phase| sum + phase.length())
+    }
+
+    /// Duration, s.
+    pub fn time(&self) -> S {
+        self.phases.iter().fold(S::ZERO, |sum, phase| sum + phase.time)
     }
 
     /// Ends of the first two phases, mm from its beginning.

@@ -171,6 +171,15 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
         }
     }
 
+    /// Arc lengths behind a station anew, from its own.
+    pub fn measure(&mut self, index: usize) {
+        let mut way = None;
+        for station in self.stations.iter_mut().skip(index) {
+            station.way = way.unwrap_or(station.way);
+            way = Some(station.way.plus(station.cell.length));
+        }
+    }
+
     /// Bounds of the cell that leaves a station, anew.
     pub fn bound(&mut self, index: usize, pace: &Pace<S, N>) {
         let Some((from, to)) = self.pair(index) else { return };

@@ -1,0 +1,379 @@
+//! Operators who press whatever they like: every command is answered, nothing crawls, and the program ends in
+//! about the time that stopping everywhere would take.
+
+mod common;
+
+use common::config;
+use proptest::prelude::*;
+use splineway::{
+    Activity, AxisLimits, Block, Config, Controls, Coord, Limits, Link, Planner, Progress,
+    PushError, Scalar, Setpoint,
+};
+
+const BLOCKS: usize = 16;
+const NODES: usize = 64;
+const ACCELERATION: f64 = 2000.0;
+const JERK: f64 = 50_000.0;
+/// s.
+const CYCLE: f64 = 1.0e-3;
+/// What a command may cost, and the start: some stops from full speed, s.
+const ALLOWANCE: f64 = 0.4;
+/// A motion slower than this, mm/s, for so many cycles is a crawl: no feed here asks for it.
+const CRAWL: (f64, u32) = (1.0e-3, 20);
+/// A hold or an abort is answered within this time, s: twice v / A + A / J.
+const ANSWER: f64 = 0.2;
+
+fn setting<S: Scalar>(cycle: f64) -> Config<S, 2> {
+    let axis = AxisLimits {
+        velocity: S::of(200.0),
+        acceleration: S::of(ACCELERATION),
+        jerk: S::of(JERK),
+        rotary: false,
+    };
+    let mut config = Config::new(Limits::new([axis; 2]).unwrap());
+    config.tolerance = S::of(0.05);
+    config.cycle = S::of(cycle);
+    config
+}
+
+fn at(x: f64, y: f64) -> [Coord; 2] {
+    [Coord::from_mm(x).unwrap(), Coord::from_mm(y).unwrap()]
+}
+
+/// A command and the cycle in which it is given.
+#[derive(Clone, Copy, Debug)]
+enum Press {
+    Hold,
+    Resume,
+    Stop,
+    Abort,
+    Override(u16),
+    Single(bool),
+}
+
+impl Press {
+    fn send(self, controls: Controls<'_>) {
+        match self {
+            Self::Hold => controls.hold(),
+            Self::Resume => controls.resume(),
+            Self::Stop => controls.stop(),
+            Self::Abort => controls.abort(),
+            Self::Override(percent) => {
+                controls.feed_override(percent);
+                controls.rapid_override(percent);
+            }
+            Self::Single(on) => controls.single_block(on),
+        }
+    }
+}
+
+/// A short program: corners, and feeds (0: a rapid) or, below zero, dwells, ms.
+type Steps = Vec<((f64, f64), f64)>;
+
+fn blocks<S: Scalar>(steps: &Steps) -> (Vec<Block<S, 2>>, f64) {
+    let (mut time, mut from) = (0.0, (0.0, 0.0));
+    let mut list = Vec::new();
+    for (&(to, feed), tag) in steps.iter().zip(1..) {
+        if feed < 0.0 {
+            list.push(Block::dwell(S::of(-feed * 1.0e-3), tag));
+            time -= feed * 1.0e-3;
+            continue;
+        }
+        let length = f64::hypot(to.0 - from.0, to.1 - from.1);
+        let speed = if feed > 0.0 { feed } else { 200.0 };
+        time += length / speed + speed / ACCELERATION + ACCELERATION / JERK;
+        list.push(match feed {
+            0.0 => Block::rapid(at(to.0, to.1), tag),
+            _ => Block::line(at(to.0, to.1), S::of(feed), tag),
+        });
+        from = to;
+    }
+    (list, time)
+}
+
+/// How often the planner is polled in a cycle.
+fn polls(seed: u32, cycle: u32) -> u32 {
+    match seed {
+        0..=2 => seed + 1,
+        _ => (cycle.wrapping_mul(2_654_435_761) >> 16) % (seed - 1),
+    }
+}
+
+/// Runs a program with an operator. What has gone wrong, in words.
+fn operate<S: Scalar>(steps: &Steps, presses: &[(u32, Press)], seed: u32) -> Result<(), String> {
+    let (blocks, stops) = blocks::<S>(steps);
+    let mut link = Box::new(Link::<S, 2, NODES>::new());
+    let (mut planner, mut interpolator): (Planner<'_, S, 2, BLOCKS, NODES>, _) =
+        link.handles(setting(CYCLE), at(0.0, 0.0)).unwrap();
+    let controls = planner.controls();
+    let (mut next, mut slow, mut way) = (0, 0, 0.0);
+    // When a hold or an abort was pressed that is still in force and not answered.
+    let (mut held, mut aborts) = (None, false);
+    let last = presses.iter().map(|(cycle, _)| *cycle).max().unwrap_or(0);
+    let most = last + ((stops + ALLOWANCE) / CYCLE) as u32;
+    for cycle in 0.. {
+        for (_, press) in presses.iter().filter(|(when, _)| *when == cycle) {
+            press.send(controls);
+            match press {
+                Press::Abort => (held, aborts) = (held.or(Some(cycle)), true),
+                Press::Hold => held = held.or(Some(cycle)),
+                Press::Resume if !aborts => held = None,
+                _ => {}
+            }
+        }
+        let mut progress = Progress::Waiting;
+        for _ in 0..polls(seed, cycle) {
+            while next < blocks.len() {
+                match planner.push(&blocks[next]) {
+                    Ok(()) => next += 1,
+                    Err(PushError::Full | PushError::Aborted) => break,
+                    Err(error) => return Err(error.to_string()),
+                }
+            }
+            if next == blocks.len() {
+                planner.finish();
+            }
+            progress = planner.poll();
+        }
+        let setpoint = interpolator.tick();
+        let here = setpoint.path_mm();
+        if here < way - if S::of(1.0e-9) + S::ONE == S::ONE { 1.0e-5 } else { 1.0e-9 } {
+            return Err(format!("cycle {cycle}: path_mm runs back from {way} to {here}"));
+        }
+        way = here;
+        let crawls =
+            setpoint.activity == Activity::Running && setpoint.path_speed.to_f64().abs() < CRAWL.0;
+        slow = if crawls { slow + 1 } else { 0 };
+        if slow > CRAWL.1 {
+            return Err(format!(
+                "cycle {cycle}: crawls at {:e} mm/s",
+                setpoint.path_speed.to_f64()
+            ));
+        }
+        if let Some(since) = held {
+            if setpoint.activity == Activity::Idle {
+                held = aborts.then_some(since).filter(|_| progress != Progress::Aborted);
+            } else if f64::from(cycle - since) * CYCLE > ANSWER {
+                return Err(format!("cycle {cycle}: not at rest since {since}"));
+            }
+        }
+        if progress == Progress::Aborted {
+            return if planner.acknowledge_abort() { Ok(()) } else { Err("no abort".into()) };
+        }
+        if cycle > last && progress == Progress::Done && setpoint.activity == Activity::Idle {
+            return Ok(());
+        }
+        if cycle > most {
+            return Err(format!(
+                "{} s after the last command at {way} mm, {progress:?}, {:?}, {} mm/s: {:?}",
+                f64::from(cycle - last) * CYCLE,
+                setpoint.activity,
+                setpoint.path_speed.to_f64(),
+                planner.counters()
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn steps() -> impl Strategy<Value = Steps> {
+    let feed = prop_oneof![
+        4 => 20.0f64..150.0,
+        1 => Just(0.0),
+        1 => -80.0f64..-0.1,
+    ];
+    prop_oneof![
+        Just(vec![((20.0, 10.0), 100.0)]),
+        Just(vec![
+            ((10.0, 0.0), 100.0),
+            ((10.0, 10.0), 100.0),
+            ((0.0, 10.0), 100.0),
+            ((5.0, 5.0), 100.0)
+        ]),
+        prop::collection::vec(((0.0f64..30.0, 0.0f64..30.0), feed), 1..6),
+    ]
+}
+
+/// Hold and resume at any moment, now and then something else, and at last what lets the program run.
+fn presses() -> impl Strategy<Value = Vec<(u32, Press)>> {
+    let other = prop_oneof![
+        Just(Press::Stop),
+        prop::sample::select(vec![5u16, 20, 50, 100, 150]).prop_map(Press::Override),
+        prop::bool::ANY.prop_map(Press::Single),
+    ];
+    let round = (0.0f64..1.0, 0.0f64..1.0, prop::option::weighted(0.3, (0u32..100, other)));
+    (0u32..200, prop::collection::vec(round, 1..6), prop::bool::weighted(0.2)).prop_map(
+        |(start, rounds, aborts)| {
+            let (mut list, mut time) = (Vec::new(), start);
+            for (rest, run, other) in rounds {
+                list.push((time, Press::Hold));
+                list.extend(other.map(|(after, press)| (time + after, press)));
+                time += 1 + (rest * rest * 250.0) as u32;
+                list.push((time, Press::Resume));
+                time += 1 + (run * run * 100.0) as u32;
+            }
+            let end = list.iter().map(|(cycle, _)| *cycle).max().unwrap_or(0) + 1;
+            let last: &[Press] = match aborts {
+                true => &[Press::Abort],
+                false => &[Press::Single(false), Press::Override(100), Press::Resume],
+            };
+            list.extend(last.iter().map(|press| (end, *press)));
+            list
+        },
+    )
+}
+
+proptest! {
+    #![proptest_config(config(1500))]
+
+    #[test]
+    fn every_command_is_answered_and_nothing_crawls(
+        steps in steps(),
+        presses in presses(),
+        seed in 0u32..6,
+        single in prop::bool::ANY,
+    ) {
+        let outcome = match single {
+            true => operate::<f32>(&steps, &presses, seed),
+            false => operate::<f64>(&steps, &presses, seed),
+        };
+        prop_assert!(outcome.is_ok(), "{}", outcome.unwrap_err());
+    }
+}
+
+/// What once took 2,320 s: hold and resume three times on a line of 22 mm.
+#[test]
+fn hold_and_resume_three_times() {
+    use Press::{Hold, Resume};
+    let presses =
+        [(74, Hold), (119, Resume), (121, Hold), (146, Resume), (147, Hold), (157, Resume)];
+    operate::<f64>(&vec![((20.0, 10.0), 100.0)], &presses, 1).unwrap();
+    operate::<f32>(&vec![((20.0, 10.0), 100.0)], &presses, 1).unwrap();
+}
+
+/// Runs blocks at a servo cycle, one poll every `every` cycles, until `then` says stop.
+fn drive<S: Scalar>(
+    blocks: &[Block<S, 2>],
+    (cycle, every): (f64, u32),
+    mut then: impl FnMut(u32, Progress, &Setpoint<S, 2>, Controls<'_>) -> bool,
+) {
+    let mut link = Box::new(Link::<S, 2, NODES>::new());
+    let (mut planner, mut interpolator): (Planner<'_, S, 2, BLOCKS, NODES>, _) =
+        link.handles(setting(cycle), at(0.0, 0.0)).unwrap();
+    for block in blocks {
+        planner.push(block).unwrap();
+    }
+    planner.finish();
+    let controls = planner.controls();
+    let mut progress = Progress::Waiting;
+    for cycle in 0..20_000_000 {
+        if cycle % every == 0 {
+            progress = planner.poll();
+        }
+        let setpoint = interpolator.tick();
+        if !then(cycle, progress, &setpoint, controls) {
+            return;
+        }
+    }
+    panic!("the run did not end");
+}
+
+/// Hold and abort before the interrupt has taken up the first plan, whatever the program begins with.
+#[test]
+fn commands_before_the_first_plan_are_answered() {
+    for aborts in [false, true] {
+        for dwells in [false, true] {
+            let mut link = Box::new(Link::<f64, 2, NODES>::new());
+            let (mut planner, mut interpolator): (Planner<'_, f64, 2, BLOCKS, NODES>, _) =
+                link.handles(setting(CYCLE), at(0.0, 0.0)).unwrap();
+            interpolator.tick();
+            if dwells {
+                planner.push(&Block::dwell(0.1, 1)).unwrap();
+            }
+            planner.push(&Block::line(at(20.0, 10.0), 100.0, 2)).unwrap();
+            planner.finish();
+            assert_eq!(planner.poll(), Progress::Planned);
+            let controls = planner.controls();
+            if aborts {
+                controls.abort();
+                assert_eq!(planner.poll(), Progress::Aborted);
+                assert_eq!(interpolator.tick().activity, Activity::Idle);
+                assert!(planner.acknowledge_abort());
+                planner.push(&Block::line(at(20.0, 10.0), 100.0, 2)).unwrap();
+                planner.finish();
+            } else {
+                controls.hold();
+                assert_eq!(planner.poll(), Progress::Held);
+                assert_eq!(interpolator.tick().activity, Activity::Idle);
+                controls.resume();
+            }
+            let ends = (0..1000).any(|_| {
+                let progress = planner.poll();
+                let setpoint = interpolator.tick();
+                progress == Progress::Done && setpoint.activity == Activity::Idle
+            });
+            assert!(ends, "aborts {aborts}, dwells {dwells}");
+        }
+    }
+}
+
+/// A dwell is suspended by a hold and ended by an abort, at once; a hold takes nothing of it away.
+#[test]
+fn a_dwell_is_answered_at_once() {
+    let blocks = [
+        Block::line(at(1.0, 0.0), 100.0, 1),
+        Block::dwell(2.0, 2),
+        Block::line(at(2.0, 0.0), 100.0, 3),
+    ];
+    for wait in [1, 10, 500, 1990, 1997] {
+        let (mut dwelt, mut rested, mut since) = (0u32, 0u32, None);
+        drive::<f64>(&blocks, (CYCLE, 1), |cycle, progress, setpoint, controls| {
+            let dwells = setpoint.activity == Activity::Dwelling;
+            dwelt += u32::from(dwells);
+            if dwelt == wait && dwells {
+                controls.hold();
+                since = Some(cycle);
+            }
+            if let Some(pressed) = since {
+                assert!(setpoint.activity != Activity::Running);
+                rested += u32::from(progress == Progress::Held);
+                // A dwell that is as good as over ends.
+                assert!(cycle - pressed < 6 || rested > 0, "{wait}: {progress:?}");
+                if rested == 100 {
+                    controls.resume();
+                    since = None;
+                }
+            }
+            !(progress == Progress::Done && setpoint.activity == Activity::Idle)
+        });
+        assert!((1997..=2003).contains(&dwelt) && rested == 100, "{wait}: {dwelt} {rested}");
+        let mut pressed = None;
+        dwelt = 0;
+        drive::<f64>(&blocks, (CYCLE, 1), |cycle, progress, setpoint, controls| {
+            dwelt += u32::from(setpoint.activity == Activity::Dwelling);
+            if dwelt == wait && pressed.is_none() {
+                controls.abort();
+                pressed = Some(cycle);
+            }
+            assert!(pressed.is_none_or(|pressed| cycle - pressed < 6));
+            progress != Progress::Aborted
+        });
+    }
+}
+
+/// A dwell of more cycles than one cell of it holds: as long as it says, in `f32` too.
+#[test]
+fn long_dwells_take_their_time() {
+    fn check<S: Scalar>() {
+        let (cycle, seconds) = (2.0e-6, 7.4);
+        let blocks = [Block::dwell(S::of(seconds), 1), Block::rapid(at(0.001, 0.0), 2)];
+        let mut dwelt = 0u32;
+        drive::<S>(&blocks, (cycle, 1000), |_, progress, setpoint, _| {
+            dwelt += u32::from(setpoint.activity == Activity::Dwelling);
+            !(progress == Progress::Done && setpoint.activity == Activity::Idle)
+        });
+        assert!((f64::from(dwelt) * cycle - seconds).abs() < 2.0e-5, "{dwelt}");
+    }
+    check::<f32>();
+    check::<f64>();
+}
