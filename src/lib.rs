@@ -41,8 +41,9 @@
 //! - [`machine`]: limits and settings, checked once. [`number`]: the [`Scalar`], and fixed-point
 //!   [`Coord`]inates that never drift.
 //!
-//! An operator's commands ([`Controls`]) overtake all this: the planner answers with a plan that
-//! branches off at the next servo cycle.
+//! An operator's commands ([`Controls`]) overtake all this: the planner's next poll answers with a
+//! plan that branches off at a servo cycle to come, as a rule the next; one that comes too late is refused
+//! and made again.
 //!
 //! Lower modules never import higher ones: `number`, `machine`, `block`, `spline`, `path`, `servo`, `profile`,
 //! and on top the [`Planner`].

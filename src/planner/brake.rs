@@ -212,9 +212,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 let share = (change - way) / length;
                 if share > S::of(LEAST_PART) && share < S::of(1.0 - LEAST_PART) {
                     // Without room it may do without.
-                    if self.insert(k, share, stop.state(change)).is_some() {
-                        end += 1;
-                    }
+                    end += usize::from(self.insert(k, share, stop.state(change)).is_some());
                     break;
                 }
                 way += length;

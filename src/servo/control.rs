@@ -102,6 +102,9 @@ impl Requests {
 /// context; a command is noted at once and obeyed by the planner's next
 /// [`poll`](crate::Planner::poll), always within every limit and always on the path.
 ///
+/// As a rule the motion changes in the servo cycle after that poll. Where the path bends so that no answer
+/// is found at once, or if the interrupt was faster than the answer, the next polls try again.
+///
 /// No command is ever lost, however near to another or to a rest it comes: each stays in force until
 /// the one that ends it.
 ///
@@ -132,7 +135,8 @@ impl<'a> Controls<'a> {
         Self { requests }
     }
 
-    /// Feed hold: brake as hard as the limits allow, rest on the path, keep everything.
+    /// Feed hold: brake as hard as the limits allow, rest on the path, keep everything. In a dwell: rest at
+    /// once, and dwell for what is left of it when resumed.
     pub fn hold(self) {
         self.requests.pressed.fetch_or(HOLD, Release);
     }
