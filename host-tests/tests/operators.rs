@@ -20,6 +20,8 @@ const CYCLE: f64 = 1.0e-3;
 const ALLOWANCE: f64 = 0.4;
 /// A motion slower than this, mm/s, for so many cycles is a crawl: no feed here asks for it.
 const CRAWL: (f64, u32) = (1.0e-3, 20);
+/// The arc length may seem to run back by its rounding, mm.
+const BACK: f64 = 1.0e-5;
 /// A hold or an abort is answered within this time, s: twice v / A + A / J.
 const ANSWER: f64 = 0.2;
 
@@ -137,7 +139,7 @@ fn operate<S: Scalar>(steps: &Steps, presses: &[(u32, Press)], seed: u32) -> Res
         }
         let setpoint = interpolator.tick();
         let here = setpoint.path_mm();
-        if here < way - if S::of(1.0e-9) + S::ONE == S::ONE { 1.0e-5 } else { 1.0e-9 } {
+        if here < way - BACK {
             return Err(format!("cycle {cycle}: path_mm runs back from {way} to {here}"));
         }
         way = here;
