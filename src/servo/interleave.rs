@@ -14,8 +14,6 @@ pub use core::sync::atomic::{AtomicBool, AtomicU32};
 pub enum Fault {
     /// A plan is offered before it is said where it branches off.
     OfferFirst,
-    /// The time of the piece under way is read without a second look.
-    TornTimeline,
     /// A plan that was refused is taken for one that was taken.
     RefusedIsTaken,
 }

@@ -219,8 +219,7 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
             };
             let plan = self.flags().plan.load(Relaxed);
             fence(Acquire);
-            let torn = is_planted(Fault::TornTimeline);
-            if torn || (version & 1 == 0 && self.flags().version.load(Relaxed) == version) {
+            if version & 1 == 0 && self.flags().version.load(Relaxed) == version {
                 return (plan == self.taken).then_some(timeline);
             }
         }

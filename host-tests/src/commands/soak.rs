@@ -1,8 +1,9 @@
-//! `splineway soak`: random programs until a number of blocks has been judged.
+//! `splineway soak`: random programs, machines and operators until a number of cases has been judged.
 
-use crate::trial::{Case, Outcome};
+use crate::trial::soak::{Case, PLANTS, Plant, Run, run, shrunk};
 use anyhow::{Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
+use std::collections::BTreeMap;
 use std::io::IsTerminal;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -10,23 +11,29 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 /// Cases that are reported one by one.
 const SHOWN: usize = 20;
 
-/// Runs random programs on random machines, a quarter of them with an operator who presses anything,
-/// and judges every servo cycle: limits of every axis, band, end point; and tells how times compare with
-/// stopping everywhere.
+/// Runs random programs on random machines while an operator presses anything at any moment, the interrupt
+/// comes in between any two accesses to shared state and the background is late; and holds every servo
+/// cycle, command and answer against the rules.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Soak {
-    /// Blocks to be run.
-    #[arg(long, default_value_t = 1_000_000)]
-    pub blocks: u64,
+    /// Cases to be run.
+    #[arg(long, default_value_t = 100_000)]
+    pub cases: u64,
     /// Number of the first case; the same numbers give the same cases.
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
     /// Threads; as many as the machine has cores if left out.
     #[arg(long)]
     pub threads: Option<usize>,
-    /// Runs this case alone.
+    /// Runs this case alone, and tells what happens in it.
     #[arg(long)]
     pub case: Option<u64>,
+    /// Shows the least case that breaks the same rule.
+    #[arg(long, requires = "case")]
+    pub shrink: bool,
+    /// Puts a bug between the core and the rest, to see whether it is found (0: the first of the list).
+    #[arg(long, hide = true)]
+    pub plant: Option<usize>,
     /// Print nothing but what was broken.
     #[arg(long)]
     pub quiet: bool,
@@ -37,26 +44,30 @@ struct Tally {
     cases: u64,
     blocks: u64,
     cycles: u64,
-    broken: Vec<(u64, String)>,
+    broken: BTreeMap<u64, String>,
+    /// How often which rule.
+    rules: BTreeMap<String, u64>,
     /// Cases that took longer than with stops, and by which share at most, and which.
     slower: u64,
     slowest: (f64, u64),
 }
 
 impl Tally {
-    fn add(&mut self, number: u64, outcome: Result<Outcome>) {
+    fn add(&mut self, number: u64, run: &Run) {
         self.cases += 1;
-        let outcome = outcome.unwrap_or_else(|error| Outcome {
-            broken: vec![format!("{error:#}")],
-            ..Outcome::default()
-        });
-        self.blocks += outcome.blocks;
-        self.cycles += outcome.cycles;
-        self.slower += u64::from(outcome.against_stops > 1.0);
-        if outcome.against_stops > self.slowest.0 {
-            self.slowest = (outcome.against_stops, number);
+        self.blocks += run.blocks;
+        self.cycles += run.cycles;
+        if let Some(ratio) = run.against_stops {
+            self.slower += u64::from(ratio > 1.0);
+            if ratio > self.slowest.0 {
+                self.slowest = (ratio, number);
+            }
         }
-        self.broken.extend(outcome.broken.into_iter().map(|text| (number, text)));
+        if let Some(finding) = &run.finding {
+            *self.rules.entry(format!("{:?}", finding.rule)).or_default() += 1;
+            let text = format!("{:?}, cycle {}: {}", finding.rule, finding.cycle, finding.text);
+            self.broken.insert(number, text);
+        }
     }
 }
 
@@ -66,12 +77,12 @@ impl Soak {
     /// # Errors
     /// Something was broken.
     pub fn execute(&self) -> Result<()> {
-        let tally = Mutex::new(Tally::default());
+        let plant = self.plant.and_then(|n| PLANTS.get(n)).copied();
         if let Some(number) = self.case {
-            lock(&tally).add(number, Case::new(number).run());
-        } else {
-            self.run(&tally);
+            return self.one(number, plant);
         }
+        let tally = Mutex::new(Tally::default());
+        self.all(&tally, plant);
         let tally = lock(&tally);
         for (number, text) in tally.broken.iter().take(SHOWN) {
             println!("case {number}: {text}");
@@ -84,39 +95,61 @@ impl Soak {
                 tally.cycles,
                 tally.broken.len()
             );
-            // A rounded corner may be longer than a sharp one: where feeds are so slow that a stop costs
-            // nothing, that is time.
+            for (rule, count) in &tally.rules {
+                println!("{count:8} {rule}");
+            }
             println!(
                 "slower than with a stop after every block: {} cases, most {:.3} of it (case {})",
                 tally.slower, tally.slowest.0, tally.slowest.1
             );
         }
         if !tally.broken.is_empty() {
-            bail!("{} findings; `splineway soak --case NUMBER` repeats one", tally.broken.len());
+            bail!(
+                "{} findings; `splineway soak --case NUMBER --shrink` repeats one and makes it small",
+                tally.broken.len()
+            );
         }
         Ok(())
     }
 
-    fn run(&self, tally: &Mutex<Tally>) {
+    fn one(&self, number: u64, plant: Option<Plant>) -> Result<()> {
+        let mut case = Case::new(number);
+        if self.shrink {
+            case = shrunk(&case, plant);
+        }
+        println!("{case:#?}");
+        let run = run(&case, plant, !self.quiet);
+        if let Some(finding) = run.finding {
+            bail!("case {number}, cycle {}: {:?}: {}", finding.cycle, finding.rule, finding.text);
+        }
+        println!("case {number}: nothing found; against stops {:?}", run.against_stops);
+        Ok(())
+    }
+
+    fn all(&self, tally: &Mutex<Tally>, plant: Option<Plant>) {
         let next = AtomicU64::new(self.seed);
+        let end = self.seed.saturating_add(self.cases);
         let bar = if self.quiet || !std::io::stderr().is_terminal() {
             ProgressBar::hidden()
         } else {
-            ProgressBar::new(self.blocks)
+            ProgressBar::new(self.cases)
         };
-        if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} blocks  {eta} left") {
+        if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} cases  {eta} left") {
             bar.set_style(style);
         }
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
         std::thread::scope(|scope| {
             for _ in 0..self.threads.unwrap_or_else(cores).max(1) {
                 scope.spawn(|| {
-                    while lock(tally).blocks < self.blocks {
+                    loop {
                         let number = next.fetch_add(1, Relaxed);
-                        let outcome = Case::new(number).run();
+                        if number >= end {
+                            return;
+                        }
+                        let run = run(&Case::new(number), plant, false);
                         let mut tally = lock(tally);
-                        tally.add(number, outcome);
-                        bar.set_position(tally.blocks.min(self.blocks));
+                        tally.add(number, &run);
+                        bar.set_position(tally.cases);
                     }
                 });
             }

@@ -1,15 +1,9 @@
 //! An operator who presses anything at any time.
 
 use crate::run::{Action, Event, Events};
-use fastrand::Rng;
 
 /// One command: when (as a share of the time), which, how much.
 pub type Press = (f64, u8, u16);
-
-/// Any command.
-pub(super) fn any(rng: &mut Rng) -> Press {
-    (rng.f64(), rng.u8(..16), rng.u16(..=200))
-}
 
 /// Commands at random times, and at last everything that lets the program run to its end.
 pub fn events(commands: &[Press], time: f64) -> Events {

@@ -4,12 +4,11 @@
 mod commands;
 mod dense;
 mod moves;
-mod soak;
+pub mod soak;
 
 pub use commands::{Press, events};
 pub use dense::{Stretch, dense, poly_line};
 pub use moves::{Draw, program};
-pub use soak::{Case, Outcome};
 
 use crate::machine::{Axis, Machine};
 use crate::program::Program;

@@ -1,0 +1,86 @@
+//! How long things may take.
+
+use super::case::Setting;
+use super::draw::{Pace, Place, Shape, Step};
+use crate::baseline::profile::{Leg, Limit};
+use crate::machine::Axis;
+
+/// Chords of a curve that might stop at each of them.
+const CURVE_STOPS: u32 = 8;
+
+fn least(setting: &Setting, of: fn(&Axis) -> f64) -> f64 {
+    setting.axes.iter().map(of).fold(f64::INFINITY, f64::min)
+}
+
+/// Time of a block from rest to rest, s: what a controller that stops after every block needs. Curves are
+/// taken for slow ones.
+pub fn stop_time(from: &Place, step: &Step, setting: &Setting) -> f64 {
+    let count = setting.axes.len();
+    let (to, length, parts, radius) = match &step.shape {
+        Shape::Dwell { seconds } => return seconds + 2.0 * setting.cycle,
+        Shape::Event { .. } => return 3.0 * setting.cycle,
+        Shape::Line { to } => (to, norm(from, to, count), 1, f64::INFINITY),
+        Shape::Arc { to, plane: (p, q), centre, clockwise, extra_turns } => {
+            let (sx, sy) = (from[*p] - centre.0, from[*q] - centre.1);
+            let (ex, ey) = (to[*p] - centre.0, to[*q] - centre.1);
+            let sign = if *clockwise { -1.0 } else { 1.0 };
+            let mut turn = sign * (ey.atan2(ex) - sy.atan2(sx));
+            if (sx - ex).hypot(sy - ey) < 0.5e-6 || turn <= 0.0 {
+                turn += std::f64::consts::TAU;
+            }
+            turn += std::f64::consts::TAU * f64::from(*extra_turns);
+            let radius = sx.hypot(sy).max(1.0e-9);
+            let mut across = *to;
+            (across[*p], across[*q]) = (from[*p], from[*q]);
+            (to, (radius * turn).hypot(norm(from, &across, count)), 1, radius)
+        }
+        Shape::Cubic { controls, to } => {
+            let [a, b] = controls;
+            let length = norm(from, a, count) + norm(a, b, count) + norm(b, to, count);
+            (to, length, CURVE_STOPS, f64::INFINITY)
+        }
+    };
+    if length < 1.0e-9 {
+        return 0.0;
+    }
+    let share = |n: usize| (to[n] - from[n]).abs() / length;
+    let straight = matches!(step.shape, Shape::Line { .. });
+    let by = |of: fn(&Axis) -> f64| -> f64 {
+        if !straight {
+            return least(setting, of);
+        }
+        let along = |(n, axis): (usize, &Axis)| of(axis) / share(n).max(1.0e-12);
+        setting.axes.iter().enumerate().map(along).fold(f64::INFINITY, f64::min)
+    };
+    let limit = Limit { acceleration: by(|a| a.acceleration), jerk: by(|a| a.jerk) };
+    let linear =
+        (0..count.min(setting.rotary_from)).map(|n| share(n) * share(n)).sum::<f64>().sqrt();
+    let wanted = match step.pace {
+        Pace::PerSecond(feed) => {
+            if straight && linear > 0.0 {
+                feed / linear
+            } else {
+                feed
+            }
+        }
+        Pace::Duration(seconds) => length / seconds,
+        Pace::Rapid => f64::INFINITY,
+    };
+    let round = (limit.acceleration * radius).sqrt().min((limit.jerk * radius * radius).cbrt());
+    let most = wanted.min(by(|a| a.velocity)).min(round);
+    let part = length / f64::from(parts);
+    f64::from(parts) * Leg::new(0.0, 0.0, part, most, limit).time()
+}
+
+fn norm(a: &Place, b: &Place, count: usize) -> f64 {
+    (0..count).map(|n| (a[n] - b[n]).powi(2)).sum::<f64>().sqrt()
+}
+
+/// Time to rest from a speed, s: of a machine whose axes all have the least limits of any.
+pub fn braking_time(setting: &Setting, speed: f64) -> f64 {
+    let (acceleration, jerk) = (least(setting, |a| a.acceleration), least(setting, |a| a.jerk));
+    if speed * jerk < acceleration * acceleration {
+        return 2.0 * (speed / jerk).sqrt() + acceleration / jerk;
+    }
+    speed / acceleration + 2.0 * acceleration / jerk
+}

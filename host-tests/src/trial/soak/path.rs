@@ -1,0 +1,317 @@
+//! The path that the blocks taken so far ask for, as the referee sees it.
+//!
+//! Curves are chords, made where they are looked at: an arc of a hundred turns takes no memory.
+
+use super::draw::{Place, Shape};
+use splineway::block::FINEST_BAND;
+
+/// How far chords may leave their curve, as a share of the tolerance and at least, mm.
+const SAGITTA: (f64, f64) = (1.0e-3, 1.0e-7);
+/// Rounding that no band is asked to hold, per scalar, mm.
+const ROUNDING: [f64; 2] = [1.0e-5, 2.0e-6];
+/// Looseness of the band.
+const SLACK: f64 = 1.002;
+
+/// One block's part of the path.
+#[derive(Clone, Debug)]
+struct Segment {
+    from: Place,
+    shape: Shape,
+    /// Radius at start and at end, angle of the start, and turn, of an arc.
+    arc: [f64; 4],
+    chords: u32,
+    /// Length of a chord, nearly; path before the segment, mm.
+    chord: f64,
+    way: f64,
+    /// Path up to every chord of a curve, mm: they are of different lengths where it turns sharply.
+    ways: Vec<f64>,
+    /// Greatest distance allowed, mm.
+    band: f64,
+    tag: u32,
+}
+
+impl Segment {
+    fn at(&self, k: u32) -> Place {
+        let u = f64::from(k) / f64::from(self.chords);
+        let (from, mut place) = (&self.from, self.from);
+        match &self.shape {
+            Shape::Line { to } => {
+                if k == self.chords {
+                    return *to;
+                }
+                for axis in 0..place.len() {
+                    place[axis] += (to[axis] - from[axis]) * u;
+                }
+            }
+            Shape::Arc { to, plane: (p, q), centre, .. } => {
+                if k == self.chords {
+                    return *to;
+                }
+                for axis in 0..place.len() {
+                    place[axis] += (to[axis] - from[axis]) * u;
+                }
+                let [r0, r1, start, turn] = self.arc;
+                let (sin, cos) = (start + turn * u).sin_cos();
+                let radius = r0 + (r1 - r0) * u;
+                place[*p] = centre.0 + radius * cos;
+                place[*q] = centre.1 + radius * sin;
+            }
+            Shape::Cubic { controls, to } => {
+                place = crate::program::on_cubic(from, controls, to, u);
+            }
+            Shape::Dwell { .. } | Shape::Event { .. } => {}
+        }
+        place
+    }
+
+    /// Path up to a chord, mm.
+    fn start(&self, k: u32) -> f64 {
+        let way = self.ways.get(k as usize).copied();
+        self.way + way.unwrap_or(self.chord * f64::from(k))
+    }
+
+    /// The chord at some path.
+    fn chord_at(&self, way: f64) -> u32 {
+        let way = (way - self.way).max(0.0);
+        let k = if self.ways.is_empty() {
+            (way / self.chord) as u32
+        } else {
+            self.ways.partition_point(|start| *start <= way).saturating_sub(1) as u32
+        };
+        k.min(self.chords - 1)
+    }
+
+    fn end(&self) -> f64 {
+        self.start(self.chords)
+    }
+}
+
+/// The path, and how far along it the motion has come.
+#[derive(Clone, Debug)]
+pub struct Path {
+    axes: usize,
+    rounding: f64,
+    segments: Vec<Segment>,
+    end: Place,
+    /// Segment, chord and path reached.
+    at: (usize, u32),
+    way: f64,
+}
+
+/// How a setpoint lies to the path.
+#[derive(Clone, Copy, Debug)]
+pub struct Off {
+    /// By how much it is farther off than its place allows, mm; below 0 if it is not.
+    pub excess: f64,
+    /// Distance, mm, and what was allowed.
+    pub distance: f64,
+    /// As above.
+    pub band: f64,
+    /// Block nearest to it.
+    pub tag: u32,
+}
+
+impl Path {
+    /// A path that starts at a place, for a core in `f64` or not.
+    pub fn new(start: Place, axes: usize, double: bool) -> Self {
+        let rounding = ROUNDING[usize::from(double)];
+        Self { axes, rounding, segments: Vec::new(), end: start, at: (0, 0), way: 0.0 }
+    }
+
+    /// Where it ends.
+    pub fn end(&self) -> &Place {
+        &self.end
+    }
+
+    /// Its length, mm, nearly.
+    pub fn length(&self) -> f64 {
+        self.segments.last().map_or(0.0, Segment::end)
+    }
+
+    /// Adds a block; returns its length, mm.
+    pub fn append(&mut self, shape: &Shape, tolerance: f64, tag: u32) -> f64 {
+        let from = self.end;
+        let is_arc = matches!(shape, Shape::Arc { .. });
+        let tolerance = if is_arc { tolerance.max(FINEST_BAND) } else { tolerance };
+        let sagitta = SAGITTA.1.max(tolerance * SAGITTA.0);
+        let mut arc = [0.0; 4];
+        let (to, chords) = match shape {
+            Shape::Line { to } => (*to, 1.0),
+            Shape::Arc { to, plane: (p, q), centre, clockwise, extra_turns } => {
+                let (sx, sy) = (from[*p] - centre.0, from[*q] - centre.1);
+                let (ex, ey) = (to[*p] - centre.0, to[*q] - centre.1);
+                let (r0, r1) = (sx.hypot(sy), ex.hypot(ey));
+                let sign = if *clockwise { -1.0 } else { 1.0 };
+                let tau = std::f64::consts::TAU;
+                let mut turn = sign * (ey.atan2(ex) - sy.atan2(sx));
+                // The core's rule: ends nearer than half a nanometre are one.
+                if (sx - ex).hypot(sy - ey) < 0.5e-6 {
+                    turn = tau;
+                } else if turn <= 0.0 {
+                    turn += tau;
+                }
+                turn += tau * f64::from(*extra_turns);
+                arc = [r0, r1, sy.atan2(sx), sign * turn];
+                let radius = r0.max(r1).max(1.0e-9);
+                (*to, (radius * turn / (8.0 * radius * sagitta).sqrt()).ceil().max(8.0))
+            }
+            Shape::Cubic { controls, to } => {
+                let bend = |a: &Place, b: &Place, c: &Place| {
+                    6.0 * (0..self.axes)
+                        .map(|i| (a[i] - 2.0 * b[i] + c[i]).powi(2))
+                        .sum::<f64>()
+                        .sqrt()
+                };
+                let most = bend(&from, &controls[0], &controls[1]).max(bend(
+                    &controls[0],
+                    &controls[1],
+                    to,
+                ));
+                (*to, (most / (8.0 * sagitta)).sqrt().ceil().max(8.0))
+            }
+            Shape::Dwell { .. } | Shape::Event { .. } => return 0.0,
+        };
+        let mut segment = Segment {
+            from,
+            shape: shape.clone(),
+            arc,
+            chords: chords.clamp(1.0, 1.0e7) as u32,
+            chord: 0.0,
+            way: self.length(),
+            ways: Vec::new(),
+            band: tolerance * SLACK + sagitta + self.rounding,
+            tag,
+        };
+        let length = match shape {
+            Shape::Arc { plane: (p, q), .. } => {
+                let across = (0..self.axes).filter(|axis| axis != p && axis != q);
+                let across: f64 = across.map(|axis| (to[axis] - from[axis]).powi(2)).sum();
+                (f64::midpoint(arc[0], arc[1]).powi(2) * arc[3] * arc[3] + across).sqrt()
+            }
+            Shape::Cubic { .. } => {
+                let mut way = 0.0;
+                segment.ways.push(way);
+                for k in 0..segment.chords {
+                    way += self.distance(&segment.at(k), &segment.at(k + 1));
+                    segment.ways.push(way);
+                }
+                way
+            }
+            _ => self.distance(&from, &to),
+        };
+        self.end = to;
+        if length < 1.0e-12 {
+            return 0.0;
+        }
+        segment.chord = length / f64::from(segment.chords);
+        self.segments.push(segment);
+        length
+    }
+
+    fn distance(&self, a: &Place, b: &Place) -> f64 {
+        (0..self.axes).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum::<f64>().sqrt()
+    }
+
+    /// Whether all that is left of the path is near its end: where it winds within its band, the place
+    /// reached lags behind.
+    pub fn is_done(&self, near: f64) -> bool {
+        let widest = self.segments.get(self.at.0).map_or(0.0, |segment| segment.band);
+        let mut k = self.at.1 + 1;
+        for segment in self.segments.iter().skip(self.at.0) {
+            while k <= segment.chords {
+                if self.distance(&segment.at(k), &self.end) > near + 4.0 * segment.band.max(widest)
+                {
+                    return false;
+                }
+                k += (segment.chords / 256).max(1);
+            }
+            k = 0;
+        }
+        true
+    }
+
+    /// Path that is left, mm.
+    pub fn left(&self) -> f64 {
+        (self.length() - self.way).max(0.0)
+    }
+
+    /// How a setpoint lies to the stretch of path around the place reached, `reach` mm beyond what the
+    /// band there lets corners cut off. That place
+    /// moves on only as far as it must to have the setpoint in its band: where the path folds back on
+    /// itself it does not skip the fold.
+    pub fn follow(&mut self, x: &Place, reach: f64) -> Off {
+        let Some(first) = self.segments.get(self.at.0) else {
+            let distance = self.distance(&self.end, x);
+            return Off { excess: distance - self.rounding, distance, band: 0.0, tag: 0 };
+        };
+        // A sharp corner inside the band cuts off this much of the path.
+        let reach = reach + 20.0 * first.band;
+        let mut best =
+            Off { excess: f64::INFINITY, distance: f64::INFINITY, band: 0.0, tag: first.tag };
+        let (mut nearest, mut place) = ((self.at, self.way), None);
+        // Back by the reach.
+        let (mut n, mut k) = self.at;
+        let from = self.way - reach;
+        while n > 0 && self.segments[n].way > from {
+            n -= 1;
+            k = 0;
+        }
+        k = if n == self.at.0 {
+            k.min(self.segments[n].chord_at(from))
+        } else {
+            self.segments[n].chord_at(from)
+        };
+        while let Some(segment) = self.segments.get(n) {
+            k = k.min(segment.chords - 1);
+            let mut a = segment.at(k);
+            while k < segment.chords {
+                let start = segment.start(k);
+                let length = (segment.start(k + 1) - start).max(1.0e-15);
+                if start > self.way + reach {
+                    break;
+                }
+                let b = segment.at(k + 1);
+                let (mut along, mut square) = (0.0, 0.0);
+                for i in 0..self.axes {
+                    along += (x[i] - a[i]) * (b[i] - a[i]);
+                    square += (b[i] - a[i]) * (b[i] - a[i]);
+                }
+                let off = |t: f64| {
+                    (0..self.axes)
+                        .map(|i| (a[i] + t * (b[i] - a[i]) - x[i]).powi(2))
+                        .sum::<f64>()
+                        .sqrt()
+                };
+                let t = if square > 0.0 { (along / square).clamp(0.0, 1.0) } else { 0.0 };
+                let distance = off(t);
+                if distance - segment.band < best.excess {
+                    best = Off {
+                        excess: distance - segment.band,
+                        distance,
+                        band: segment.band,
+                        tag: segment.tag,
+                    };
+                    nearest = ((n, k), start + t * length);
+                }
+                if place.is_none() && (n, k) >= self.at {
+                    // Never back: a path that is run to and fro is passed twice.
+                    let t = t.max((self.way - start) / length).min(1.0);
+                    if off(t) <= segment.band {
+                        place = Some(((n, k), start + t * length));
+                    }
+                }
+                a = b;
+                k += 1;
+            }
+            if segment.end() > self.way + reach {
+                break;
+            }
+            (n, k) = (n + 1, 0);
+        }
+        let (at, way) = place.unwrap_or(nearest);
+        if way > self.way || at > self.at {
+            (self.at, self.way) = (at, way.max(self.way));
+        }
+        best
+    }
+}
