@@ -69,6 +69,8 @@ mod number;
 mod offsets;
 mod reader;
 mod shifts;
+#[cfg(test)]
+mod tests;
 mod words;
 
 pub use action::Action;

@@ -1,11 +1,15 @@
-//! Any text as G-code or as a poly-line: it is read or refused.
+//! Any bytes as G-code in every dialect, or as a poly-line: they are read or refused.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use splineway_host::program::{gcode, poly};
+use splineway_host::program::{Dialect, ReadOptions, gcode, poly};
 
 fuzz_target!(|data: &[u8]| {
-    let text = String::from_utf8_lossy(data);
-    let _ = gcode::parse(&text, 50.0);
-    let _ = poly::parse(&text);
+    for dialect in [Dialect::LinuxCnc, Dialect::Grbl, Dialect::Marlin] {
+        for lenient in [false, true] {
+            let options = ReadOptions { dialect: Some(dialect), lenient, ..ReadOptions::DEFAULT };
+            let _ = gcode::examine(data, options);
+        }
+    }
+    let _ = poly::parse(&String::from_utf8_lossy(data));
 });

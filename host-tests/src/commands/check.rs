@@ -1,5 +1,6 @@
 //! `splineway check`: a program before it is run.
 
+use super::reading::{Reading, setup};
 use crate::lint::{Findings, look};
 use crate::machine::Machine;
 use crate::program::{self, ReadOptions};
@@ -11,7 +12,7 @@ use std::path::PathBuf;
 /// the time goes, and the places that lose most of it.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Check {
-    /// G-code (.ngc .nc .gcode .tap .cnc), poly-line (.txt), spline (.toml) or curve (.json).
+    /// G-code (.ngc .nc .gcode .tap ...), "-" for G-code on standard input, poly-line (.txt), spline (.toml) or curve (.json).
     pub file: PathBuf,
     /// Machine description (TOML); a small milling machine if left out.
     #[arg(long, value_name = "TOML")]
@@ -32,6 +33,9 @@ pub struct Check {
     /// Print nothing but warnings and errors.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
+    /// How G-code is read.
+    #[command(flatten)]
+    pub reading: Reading,
 }
 
 impl Check {
@@ -40,8 +44,9 @@ impl Check {
     /// # Errors
     /// The file cannot be read, or not be run on this machine.
     pub fn execute(&self) -> Result<()> {
-        let mut program =
-            program::read(&self.file, ReadOptions { feed: self.feed, ..ReadOptions::DEFAULT })?;
+        let setup = setup(self.machine.as_deref())?;
+        let options = ReadOptions { feed: self.feed, ..self.reading.options(&setup) };
+        let (mut program, mut found) = program::inspect(&self.file, options)?;
         let mut machine = match &self.machine {
             Some(path) => Machine::read(path)?,
             None => Machine::default(),
@@ -51,8 +56,8 @@ impl Check {
         }
         machine.tolerance = self.tolerance.unwrap_or(machine.tolerance);
         super::override_tolerance(&mut program, self.tolerance);
-        program::refuse(&program::validate(&program, &machine))
-            .with_context(|| self.file.display().to_string())?;
+        found.extend(program::validate(&program, &machine));
+        program::refuse(&found).with_context(|| self.file.display().to_string())?;
         // Lines are shown as the file has them; of a curve, and of standard input, there are none.
         let ending = self.file.extension().and_then(|ending| ending.to_str()).unwrap_or("");
         let text = match ending {

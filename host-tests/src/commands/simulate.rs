@@ -1,9 +1,10 @@
 //! `splineway simulate`: a file through the core, cycle by cycle.
 
 use super::files::{self, named};
+use super::reading::{Reading, setup};
 use crate::baseline::{self, Law};
 use crate::machine::{Axis, Machine, Mode};
-use crate::program::{self, LETTERS, Program, ReadOptions, Speed};
+use crate::program::{self, Finding, LETTERS, Program, ReadOptions, Speed};
 use crate::run::{Events, Happenings, Judge, Observer, Precision, Stops, Track, run_with};
 use crate::view::{CsvOut, Curve, Progress, Report, Scene, Trace, plot, plot_speeds, violations};
 use anyhow::{Context, Result, bail};
@@ -24,7 +25,7 @@ Exit codes: 0 done, 1 error or a limit broken, 2 wrong usage.";
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Simulate {
-    /// G-code (.ngc .nc .gcode .tap .cnc), poly-line (.txt) or NURBS curve (.json).
+    /// G-code (.ngc .nc .gcode .tap ...), "-" for G-code on standard input, poly-line (.txt) or NURBS curve (.json).
     pub file: PathBuf,
     /// Machine description (TOML); a small milling machine if left out.
     #[arg(long, value_name = "TOML")]
@@ -77,6 +78,9 @@ pub struct Simulate {
     /// Print nothing but errors.
     #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
+    /// How G-code is read.
+    #[command(flatten)]
+    pub reading: Reading,
 }
 
 impl Simulate {
@@ -118,10 +122,10 @@ impl Simulate {
             bail!("--feed {feed}: it must be greater than 0");
         }
         self.check_files()?;
-        let program = self.program()?;
+        let (program, mut found) = self.program()?;
         let machine = self.machine(&program)?;
-        program::refuse(&program::validate(&program, &machine))
-            .with_context(|| self.file.display().to_string())?;
+        found.extend(program::validate(&program, &machine));
+        program::refuse(&found).with_context(|| self.file.display().to_string())?;
         let events = match &self.events {
             Some(path) => Events::read(path)?,
             None => Events::default(),
@@ -206,13 +210,14 @@ impl Simulate {
 
 impl Simulate {
     /// The program, with what flags put in the place of its own words.
-    fn program(&self) -> Result<Program> {
+    fn program(&self) -> Result<(Program, Vec<Finding>)> {
+        let setup = setup(self.machine.as_deref())?;
         let options = ReadOptions {
             feed: self.feed.unwrap_or(DEFAULT_FEED),
             segments: self.segments,
-            ..ReadOptions::DEFAULT
+            ..self.reading.options(&setup)
         };
-        let mut program = program::read(&self.file, options)?;
+        let (mut program, found) = program::inspect(&self.file, options)?;
         if let Some(feed) = self.feed {
             for step in &mut program.moves {
                 if step.speed != Speed::Rapid {
@@ -224,7 +229,7 @@ impl Simulate {
         for warning in &program.warnings {
             eprintln!("warning: {}: {warning}", self.file.display());
         }
-        Ok(program)
+        Ok((program, found))
     }
 
     /// Before anything is read or run: what is to be written can be, and is no input.

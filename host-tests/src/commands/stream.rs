@@ -1,5 +1,6 @@
 //! `splineway stream`: a program to a controller over a serial line.
 
+use super::reading::{Reading, setup};
 use crate::program::{self, AXES, Point, ReadOptions, refuse};
 use crate::stream::{
     Controlled, News, Order, Settings, Summary, check, describe_place, describe_state, items,
@@ -60,6 +61,12 @@ pub struct Stream {
     /// Print nothing but errors.
     #[arg(long)]
     pub quiet: bool,
+    /// Machine description (TOML), for its work offsets, tools and reference points.
+    #[arg(long, value_name = "TOML")]
+    pub machine: Option<PathBuf>,
+    /// How G-code is read.
+    #[command(flatten)]
+    pub reading: Reading,
 }
 
 impl Stream {
@@ -120,7 +127,8 @@ impl Stream {
         for (mm, &nm) in start.iter_mut().zip(position) {
             *mm = nm as f64 * 1.0e-6;
         }
-        let options = ReadOptions { feed: self.feed, start, ..ReadOptions::default() };
+        let setup = setup(self.machine.as_deref())?;
+        let options = ReadOptions { feed: self.feed, start, ..self.reading.options(&setup) };
         let program = program::read(&self.file, options)?;
         for warning in &program.warnings {
             complain(&format!("warning: {warning}"));

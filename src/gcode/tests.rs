@@ -1,0 +1,93 @@
+//! Laws of the reader. (Every code has its lines in the tests of the host package.)
+
+use super::{Action, Dialect, Reader, Reason, Settings};
+use crate::block::{Block, Motion};
+use crate::number::Coord;
+use std::vec::Vec;
+
+fn actions(reader: &mut Reader) -> Vec<Action> {
+    core::iter::from_fn(|| reader.action()).collect()
+}
+
+#[test]
+fn a_line_must_be_done_before_the_next() {
+    let mut reader = Reader::new(&Settings::default());
+    reader.line(1, b"G0 X1").unwrap();
+    assert_eq!(reader.line(2, b"G0 X2").unwrap_err().reason, Reason::Busy);
+    assert_eq!(actions(&mut reader).len(), 1);
+    reader.line(2, b"G0 X2 M2").unwrap();
+    assert_eq!(actions(&mut reader).last(), Some(&Action::End));
+    assert!(reader.has_ended());
+    reader.line(3, b"what comes behind the end is not read").unwrap();
+    assert!(actions(&mut reader).is_empty());
+}
+
+#[test]
+fn moves_become_blocks_of_the_machines_axes() {
+    let mut reader = Reader::new(&Settings::default());
+    reader.line(7, b"G18 G2 X2 K1 I1 Z0 F60").unwrap();
+    let action = reader.action().unwrap();
+    let block: Block<f32, 3> = action.block(&[0, 1, 2]).unwrap();
+    assert!(matches!(block.motion, Motion::Arc { plane: (2, 0), .. }));
+    assert_eq!(block.tag, 7);
+    let block: Block<f32, 2> = action.block(&[2, 0]).unwrap();
+    assert!(matches!(block.motion, Motion::Arc { plane: (0, 1), .. }));
+    assert!(action.block::<f32, 2>(&[0, 1]).is_none());
+}
+
+#[test]
+fn axes_that_are_not_there_are_refused() {
+    let axes = [true, true, true, false, false, false, false, false, false];
+    let mut reader = Reader::new(&Settings { axes, ..Settings::default() });
+    let refusal = reader.line(1, b"G1 X1 A5 F60").unwrap_err();
+    assert_eq!((refusal.column, refusal.reason), (7, Reason::NoAxis('A')));
+}
+
+/// Lines of random words, and of random bytes: refused, or moves within the range, from where the last one ended;
+/// and a refused line moves nothing.
+#[test]
+fn whatever_comes_is_read_or_refused() {
+    const PARTS: [&str; 64] = [
+        "G0", "G1", "G2", "G3", "G4", "G5", "G5.1", "G10", "G17", "G18", "G19", "G20", "G21",
+        "G28", "G30", "G43", "G43.1", "G49", "G52", "G53", "G54", "G55", "G61", "G64", "G68",
+        "G69", "G73", "G80", "G81", "G82", "G83", "G90", "G91", "G92", "G92.1", "G93", "G94",
+        "G98", "G99", "M0", "M3", "M6", "M30", "M98", "X1", "Y-2.5", "Z3e2", "A90", "I1", "J-1",
+        "K2", "R5", "P2", "Q0.5", "L2", "F600", "S100", "T1", "H1", "E5", "(c)", "X", "%", "N5",
+    ];
+    let mut seed = 1u64;
+    let mut draw = |most: u64| {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 33) % most
+    };
+    let mut read = 0;
+    for round in 0..3000 {
+        let dialect = [Dialect::LinuxCnc, Dialect::Grbl, Dialect::Marlin][round % 3];
+        let mut reader =
+            Reader::new(&Settings { dialect, lenient: round % 2 == 0, ..Settings::default() });
+        for number in 1..12 {
+            let mut line = Vec::new();
+            for _ in 0..draw(7) {
+                if round % 10 == 9 {
+                    line.push(draw(256) as u8);
+                } else {
+                    line.extend_from_slice(PARTS[draw(64) as usize].as_bytes());
+                    line.extend_from_slice([&b""[..], b" "][draw(2) as usize]);
+                }
+            }
+            let outcome = reader.line(number, &line);
+            let found = actions(&mut reader);
+            assert!(outcome.is_ok() || found.is_empty());
+            read += usize::from(outcome.is_ok() && !found.is_empty());
+            for action in &found {
+                let Action::Move(block) = action else { continue };
+                let (Motion::Line { to } | Motion::Arc { to, .. } | Motion::Cubic { to, .. }) =
+                    &block.motion
+                else {
+                    continue;
+                };
+                assert!(to.iter().all(|coord| coord.to_mm().abs() <= Coord::LIMIT_MM));
+            }
+        }
+    }
+    assert!(read > 1000, "{read}");
+}
