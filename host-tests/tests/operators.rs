@@ -215,10 +215,8 @@ fn presses() -> impl Strategy<Value = Vec<(u32, Press)>> {
                 time += 1 + (run * run * 100.0) as u32;
             }
             let end = list.iter().map(|(cycle, _)| *cycle).max().unwrap_or(0) + 1;
-            let last: &[Press] = match aborts {
-                true => &[Press::Abort],
-                false => &[Press::Single(false), Press::Override(100), Press::Resume],
-            };
+            let runs_on = [Press::Single(false), Press::Override(100), Press::Resume];
+            let last: &[Press] = if aborts { &[Press::Abort] } else { &runs_on };
             list.extend(last.iter().map(|press| (end, *press)));
             list
         },
@@ -235,9 +233,10 @@ proptest! {
         seed in 0u32..6,
         single in prop::bool::ANY,
     ) {
-        let outcome = match single {
-            true => operate::<f32>(&steps, &presses, seed),
-            false => operate::<f64>(&steps, &presses, seed),
+        let outcome = if single {
+            operate::<f32>(&steps, &presses, seed)
+        } else {
+            operate::<f64>(&steps, &presses, seed)
         };
         prop_assert!(outcome.is_ok(), "{}", outcome.unwrap_err());
     }
