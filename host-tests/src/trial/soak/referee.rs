@@ -410,6 +410,8 @@ impl Referee {
         let start = end.map(|raw| raw as f64 * 1.0e-12);
         self.path = Path::new(start, count, self.double);
         self.taken.clear();
+        // What is still to come now starts here.
+        self.deadline = None;
         (self.passed, self.dropped, self.done) = (0, true, false);
         self.first = self.first.max(self.last.tag + 1);
     }
@@ -419,8 +421,15 @@ impl Referee {
         self.first = tag;
     }
 
+    /// Whether the run has to come to an end by a time.
+    pub fn is_released(&self) -> bool {
+        self.deadline.is_some()
+    }
+
     /// From now on nothing is pressed, blocks come as fast as they are taken, and the background is in time:
     /// the run has to come to an end.
+    ///
+    /// `blocks_to_come` is their time with a stop after every one, s.
     pub fn release(&mut self, blocks_to_come: f64) {
         if self.deadline.is_none() {
             let Setting { cycle, lead, start_delay, .. } = self.setting;

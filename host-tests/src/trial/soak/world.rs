@@ -543,11 +543,13 @@ fn turn<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
                 world.press(action);
             }
             world.tempo.set(Tempo { rough: 0.0, ..world.tempo.get() });
+        } else if released && rests && progress == Progress::Held {
+            world.press(Action::Resume);
+        }
+        if released && !world.referee.borrow().is_released() {
             let from = *world.referee.borrow().path_end();
             let to_come = feeder.to_come(case, from);
             world.referee.borrow_mut().release(to_come);
-        } else if released && rests && progress == Progress::Held {
-            world.press(Action::Resume);
         }
         if released && rests && progress == Progress::Done && feeder.finished {
             return;
