@@ -200,7 +200,7 @@ impl ErrorType for Flaky {
 impl OutputPin for Flaky {
     fn set_low(&mut self) -> Result<(), Self::Error> {
         self.calls += 1;
-        if self.calls % 3 == 0 {
+        if self.calls.is_multiple_of(3) {
             return Err(embedded_hal::digital::ErrorKind::Other);
         }
         self.pin.set(false);

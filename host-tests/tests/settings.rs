@@ -177,7 +177,7 @@ fn what_is_out_of_range_is_refused_with_value_and_range() {
                 panic!("{error:?}")
             };
             assert_eq!((named, l, g), (quantity, least, greatest));
-            assert!(given == value || (given.is_nan() && value.is_nan()));
+            assert!(given.to_bits() == value.to_bits() || (given.is_nan() && value.is_nan()));
             let words = error.to_string();
             let range = format!("it must be {least} to {greatest}");
             assert!(words.contains(&range) && words.contains(&format!("{value}")), "{words}");
