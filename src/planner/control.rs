@@ -19,6 +19,8 @@ use crate::profile::solver::{Aim, Stretch};
 use crate::servo::control::Wish;
 use crate::servo::link::Branch;
 
+/// Leads within which a node is waited for where an override finds no answer at once.
+const NEAR_LEADS: f64 = 4.0;
 /// Nodes tried for a stop.
 const END_TRIES: u32 = 6;
 
@@ -235,7 +237,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return true;
         }
         self.undo();
-        let node = self.branch(at).filter(|node| *node != self.planned_end);
+        // One that is far off would only keep the next try waiting.
+        let near = |node: &u32| {
+            let all = self.window.index(at)..self.window.index(*node);
+            let time = all.fold(S::ZERO, |time, i| time + self.agreed_time(i));
+            *node != self.planned_end && time < self.config.lead * S::of(NEAR_LEADS)
+        };
+        let node = self.branch(at).filter(near);
         if !stops && let Some(node) = node {
             if self.retune_from(self.window.index(node), Branch::Node(node), before) {
                 return true;
