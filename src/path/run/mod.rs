@@ -451,13 +451,23 @@ mod tests {
 
     /// Runs a poly-line through a run; the cells with their nodes.
     fn cells(points: &[[f64; 2]], sweeps: u16) -> Vec<Emitted<f64, 2>> {
+        cells_within(points, sweeps, |_| BAND)
+    }
+
+    /// The same, with a tolerance for every line.
+    fn cells_within(
+        points: &[[f64; 2]],
+        sweeps: u16,
+        band: impl Fn(usize) -> f64,
+    ) -> Vec<Emitted<f64, 2>> {
         let at = |p: &[f64; 2]| p.map(|x| Coord::from_mm(x).unwrap());
-        let leg =
-            Leg { order: Order { feed: 100.0, rapid: false, tag: 0 }, tolerance: BAND, error: 0.0 };
+        let order = Order { feed: 100.0, rapid: false, tag: 0 };
+        let leg = |line| Leg { order, tolerance: band(line), error: 0.0 };
+        let mut line = 0;
         let mut run = std::boxed::Box::new(Run::new());
         let mut list: Vec<Emitted<f64, 2>> = Vec::new();
         let mut last = Node { at: at(&points[0]), tangent: [0.0; 2], curvature: [0.0; 2] };
-        run.begin(last.at, Tie::Rest, leg, 0.01);
+        run.begin(last.at, Tie::Rest, leg(0), 0.01);
         let (end, inner) = points[1..].split_last().unwrap();
         let mut inner = inner.iter();
         let mut ended = false;
@@ -468,9 +478,10 @@ mod tests {
                 list.push(cut);
             } else if let Some(point) = inner.next() {
                 assert!(run.has_room());
-                run.push(at(point), leg);
+                run.push(at(point), leg(line));
+                line += 1;
             } else if !ended {
-                run.finish(at(end), leg, Tie::Rest);
+                run.finish(at(end), leg(line), Tie::Rest);
                 ended = true;
             } else {
                 assert!(run.is_done(), "a run hangs");
@@ -530,6 +541,34 @@ mod tests {
                         let x = [0, 1].map(|i| cut.from.at[i].to_mm() + offset[i]);
                         let off = distance(&points, x);
                         assert!(off <= BAND, "{sweeps} sweeps: {off} at {x:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// A line with a narrower band than its neighbours, which run on nearly straight: where it is
+    /// beside the path its own band counts (found by the soak).
+    #[test]
+    fn every_line_keeps_its_own_band() {
+        for (corner, narrow) in [(0.3, 0.001_3), (0.2, 0.003), (0.4, 0.000_5), (0.1, 0.002)] {
+            let path = [
+                [-1.4, -0.3 - corner],
+                [0.0, 0.0],
+                [0.207, 0.0],
+                [0.2588, 0.0],
+                [0.3106, 0.0],
+                [1.0, corner],
+            ];
+            let band = |line: usize| if line == 2 { narrow } else { 0.01 };
+            for sweeps in [0, 1, 8, 40] {
+                for cut in cells_within(&path, sweeps, band) {
+                    let curve = Hermite::of_cell(&cut.from, &cut.cell, &cut.node);
+                    for k in 0..=20 {
+                        let offset = curve.offset(f64::from(k) / 20.0);
+                        let x = [0, 1].map(|i| cut.from.at[i].to_mm() + offset[i]);
+                        let beside = x[0] > path[2][0] && x[0] < path[3][0];
+                        assert!(!beside || x[1].abs() <= narrow, "{narrow}: {x:?}");
                     }
                 }
             }

@@ -214,8 +214,13 @@ impl<S: Scalar, const N: usize> Window<S, N> {
         span.price = price(span.reach);
         span.first_place = self.places.len() as u16;
         span.places = draft.places.len() as u16;
+        // The place where two spans meet is held against the narrower band of the two.
+        let mut narrower = self.places.last().map(|place| place.radius);
         for mut place in draft.places {
             place.weight = Order::Third.first_weight(&span);
+            if let Some(radius) = narrower.take() {
+                place.radius = place.radius.least(radius);
+            }
             let _ = self.places.push(place);
         }
         let _ = self.spans.push(span);
@@ -276,6 +281,7 @@ impl<S: Scalar, const N: usize> Window<S, N> {
             place
         };
         let mut places: Vec<Place<S, N>, SPAN_PLACES> = Vec::new();
+        let mut at_end = S::ZERO;
         let mut widest = 0;
         for line in chain.lines(from, to) {
             let (start, end) = line;
@@ -307,8 +313,9 @@ impl<S: Scalar, const N: usize> Window<S, N> {
                 let end = place(to, &chain.point(to), (sharp || end.way > to).then_some(line));
                 if sharp {
                     places.push(end).ok()?;
-                } else if norm(&end.miss) > radius {
-                    return None;
+                } else {
+                    // The first place of the next span.
+                    at_end = norm(&end.miss);
                 }
             }
         }
@@ -317,7 +324,8 @@ impl<S: Scalar, const N: usize> Window<S, N> {
         let rest = local.step() * local.step() * S::of(REST_SHARE);
         let span = Span::new(&local, gap * gap * S::of(0.125) + rest);
         let sag = span.slack(&edges);
-        let inside = places.iter().all(|place| norm(&place.miss) + sag <= radius);
+        let inside =
+            at_end + sag <= radius && places.iter().all(|place| norm(&place.miss) + sag <= radius);
         (inside && span.goes_on(&edges)).then_some(Draft { span, leg, places })
     }
 
