@@ -121,10 +121,16 @@ pub fn run<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
     let mut station = Station::<S, N, 16>::new();
     let events = Events::new();
     let mut idle = 0;
+    let mut open = false;
     while idle < PATIENCE {
         while !station.is_full() {
             let Some(byte) = source() else { break };
             station.receive(byte);
+            // The first frame opens the session, which is answered by the next poll.
+            if !open && byte == 0 {
+                open = true;
+                break;
+            }
         }
         meter.begin();
         let progress = plan(&mut station, planner, &events);
