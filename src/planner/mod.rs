@@ -135,6 +135,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Link<S, N, NODES> {
     ///
     /// # Errors
     /// [`ConfigError`] if the settings cannot be used.
+    // Not inlined, the planner is made on the stack and copied twice: 75 kB on the target.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
     pub fn handles<const BLOCKS: usize>(
         &mut self,
         config: Config<S, N>,
