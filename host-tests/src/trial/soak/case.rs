@@ -6,6 +6,7 @@ use crate::machine::Axis;
 use crate::program::AXES;
 use fastrand::Rng;
 use splineway::machine::Quantity;
+use splineway::wire::Command;
 use splineway::{AxisLimits, Config, ConfigError, CornerMode, Limits, Scalar};
 
 /// The cores that are soaked: scalar, axes, blocks, nodes.
@@ -163,25 +164,6 @@ fn within(quantity: Quantity, value: u16) -> u16 {
     f64::from(value).clamp(least, greatest) as u16
 }
 
-/// What an operator presses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Action {
-    /// Feed hold.
-    Hold,
-    /// End of a hold or a stop.
-    Resume,
-    /// Rest at the end of the block under way.
-    Stop,
-    /// Controlled stop, everything dropped.
-    Abort,
-    /// Feed override, per cent.
-    Feed(u16),
-    /// Override of rapids, per cent.
-    Rapid(u16),
-    /// Single block mode.
-    Single(bool),
-}
-
 /// The moment that an operator waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Moment {
@@ -215,22 +197,22 @@ pub struct Press {
     /// Accesses of the planner to shared state after that.
     pub accesses: u32,
     /// Which.
-    pub action: Action,
+    pub action: Command,
 }
 
 impl Press {
     fn any(rng: &mut Rng) -> Self {
-        use Action::{Abort, Feed, Hold, Rapid, Resume, Single, Stop};
+        use Command::{Abort, FeedOverride, Hold, RapidOverride, Resume, SingleBlock, Stop};
         let action = match rng.u8(..24) {
             0..=6 => Hold,
             7..=12 => Resume,
             13..=15 => Stop,
             16 | 17 => Abort,
-            18 => Single(true),
-            19 => Single(false),
-            20 => Rapid([0, 10, 50, 100][rng.usize(..4)]),
-            21 => Feed(0),
-            _ => Feed([1, 5, 20, 50, 100, 120, 200][rng.usize(..7)]),
+            18 => SingleBlock(true),
+            19 => SingleBlock(false),
+            20 => RapidOverride([0, 10, 50, 100][rng.usize(..4)]),
+            21 => FeedOverride(0),
+            _ => FeedOverride([1, 5, 20, 50, 100, 120, 200][rng.usize(..7)]),
         };
         let moment = match rng.u8(..20) {
             0 | 1 => Moment::Dwells,
@@ -328,7 +310,7 @@ impl Case {
         if rng.u8(..3) == 0 {
             // One who cannot make up his mind.
             for (n, press) in presses.iter_mut().enumerate() {
-                press.action = if n % 2 == 0 { Action::Hold } else { Action::Resume };
+                press.action = if n % 2 == 0 { Command::Hold } else { Command::Resume };
                 if n > 0 {
                     press.moment = Moment::Now;
                     press.cycles = log(rng, 0.0, 2.0) as u32;

@@ -12,7 +12,7 @@ mod referee;
 mod shrink;
 mod world;
 
-pub use case::{Action, Case, Core, Moment, Press, Producer, Setting, Tempo};
+pub use case::{Case, Core, Moment, Press, Producer, Setting, Tempo};
 pub use draw::{Pace, Shape, Step};
 pub use plant::{PLANTS, Plant};
 pub use referee::{Finding, Rule};

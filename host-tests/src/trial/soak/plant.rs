@@ -1,9 +1,9 @@
 //! Bugs put in on purpose, between the core and those who use it: a soak that finds nothing means something
 //! only if it finds these.
 
-use super::case::Action;
 use super::draw::{Shape, Step};
 use super::referee::Sample;
+use splineway::wire::Command;
 use splineway::{Activity, AxisLimits, Config, Limits, Progress, Scalar};
 
 /// A bug.
@@ -115,14 +115,14 @@ impl Shim {
     }
 
     /// Between the operator and the core: what arrives.
-    pub fn press(&mut self, action: Action) -> [Option<Action>; 2] {
+    pub fn press(&mut self, action: Command) -> [Option<Command>; 2] {
         match (self.plant, action) {
-            (Some(Plant::LostHold), Action::Hold)
-            | (Some(Plant::LostAbort), Action::Abort)
-            | (Some(Plant::LostStop), Action::Stop)
-            | (Some(Plant::LostResume), Action::Resume)
-            | (Some(Plant::LostFeed | Plant::Crawl), Action::Feed(_)) => [None, None],
-            (Some(Plant::Crawl), Action::Resume) => [Some(action), Some(Action::Feed(1))],
+            (Some(Plant::LostHold), Command::Hold)
+            | (Some(Plant::LostAbort), Command::Abort)
+            | (Some(Plant::LostStop), Command::Stop)
+            | (Some(Plant::LostResume), Command::Resume)
+            | (Some(Plant::LostFeed | Plant::Crawl), Command::FeedOverride(_)) => [None, None],
+            (Some(Plant::Crawl), Command::Resume) => [Some(action), Some(Command::FeedOverride(1))],
             _ => [Some(action), None],
         }
     }
@@ -180,10 +180,10 @@ impl Shim {
     }
 
     /// What reaches the core though nobody pressed it.
-    pub fn secretly(&mut self, progress: Progress) -> Option<Action> {
+    pub fn secretly(&mut self, progress: Progress) -> Option<Command> {
         match (self.plant, progress) {
             (Some(Plant::MovesWhileHeld), Progress::Held)
-            | (Some(Plant::AbortEndsHold), Progress::Aborted) => Some(Action::Resume),
+            | (Some(Plant::AbortEndsHold), Progress::Aborted) => Some(Command::Resume),
             _ => None,
         }
     }

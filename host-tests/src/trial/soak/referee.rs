@@ -1,10 +1,11 @@
 //! The rules of a run, held against every servo cycle, every command and every answer.
 
 use super::bound::{braking_time, stop_time};
-use super::case::{Action, Setting};
+use super::case::Setting;
 use super::draw::{Pace, Place, Shape, Step};
 use super::path::Path;
 use crate::program::AXES;
+use splineway::wire::Command;
 use splineway::{Activity, Coord, Progress};
 use std::collections::VecDeque;
 
@@ -296,15 +297,15 @@ impl Referee {
     }
 
     /// A command is about to be given: from now on it may be obeyed.
-    pub fn presses(&mut self, action: Action) {
+    pub fn presses(&mut self, action: Command) {
         self.presses += 1;
         let held = self.holds();
         match action {
-            Action::Resume | Action::Abort => {
+            Command::Resume | Command::Abort => {
                 (self.key, self.held, self.stop, self.pause) = (false, false, None, false);
             }
-            Action::Feed(percent) if percent > 0 => self.overrides.0 = percent,
-            Action::Rapid(percent) if percent > 0 => self.overrides.1 = percent,
+            Command::FeedOverride(percent) if percent > 0 => self.overrides.0 = percent,
+            Command::RapidOverride(percent) if percent > 0 => self.overrides.1 = percent,
             _ => {}
         }
         if held && !self.holds() {
@@ -313,15 +314,15 @@ impl Referee {
     }
 
     /// A command has been given: from now on it must be obeyed.
-    pub fn pressed(&mut self, action: Action) {
+    pub fn pressed(&mut self, action: Command) {
         self.presses += 1;
         let since = Since { bound: self.bound(), ..Since::default() };
         match action {
-            Action::Hold => self.key = true,
-            Action::Feed(0) => self.overrides.0 = 0,
-            Action::Rapid(0) => self.overrides.1 = 0,
-            Action::Abort => self.abort = Some(self.abort.unwrap_or(since)),
-            Action::Stop => self.stop = Some(self.stop.unwrap_or(since)),
+            Command::Hold => self.key = true,
+            Command::FeedOverride(0) => self.overrides.0 = 0,
+            Command::RapidOverride(0) => self.overrides.1 = 0,
+            Command::Abort => self.abort = Some(self.abort.unwrap_or(since)),
+            Command::Stop => self.stop = Some(self.stop.unwrap_or(since)),
             _ => {}
         }
         if self.holds() {

@@ -6,12 +6,13 @@
 //! from the case's seed.
 
 use super::api;
-use super::case::{Action, Case, Core, Moment, Press, Producer, Tempo};
+use super::case::{Case, Core, Moment, Press, Producer, Tempo};
 use super::draw::{Pace, Place, Shape, Step};
 use super::plant::{Plant, Shim};
 use super::referee::{Finding, Referee, Rule, Sample};
 use crate::program::AXES;
 use fastrand::Rng;
+use splineway::wire::Command;
 use splineway::{
     Activity, Block, Controls, Coord, Feed, Interpolator, Link, Motion, Planner, Progress,
     PushError, Scalar, Turn,
@@ -98,7 +99,7 @@ impl Operator {
     }
 
     /// At an access: what is to be pressed here.
-    fn at_access(&mut self) -> Option<Action> {
+    fn at_access(&mut self) -> Option<Command> {
         if !self.is_due() {
             return None;
         }
@@ -111,7 +112,7 @@ impl Operator {
     }
 
     /// Between two calls of the planner.
-    fn between(&mut self) -> Option<Action> {
+    fn between(&mut self) -> Option<Command> {
         if !self.is_due() {
             return None;
         }
@@ -123,7 +124,7 @@ impl Operator {
         self.take()
     }
 
-    fn take(&mut self) -> Option<Action> {
+    fn take(&mut self) -> Option<Command> {
         let action = self.next.map(|next| next.action);
         self.next = self.presses.next();
         (self.waited, self.come, self.overdue) = (0, false, 0);
@@ -183,14 +184,14 @@ impl<S: Scalar, const N: usize> Contexts for World<'_, S, N> {
 }
 
 impl<S: Scalar, const N: usize> World<'_, S, N> {
-    fn press(&self, action: Action) {
+    fn press(&self, action: Command) {
         let depth = self.depth.replace(1);
         self.referee.borrow_mut().presses(action);
         let shown = self.shim.borrow_mut().press(action);
         for action in shown.into_iter().flatten() {
-            send(self.controls, action);
+            action.send(self.controls);
         }
-        if action == Action::Abort {
+        if action == Command::Abort {
             self.aborts.set(self.aborts.get() + 1);
         }
         self.referee.borrow_mut().pressed(action);
@@ -240,18 +241,6 @@ impl<S: Scalar, const N: usize> World<'_, S, N> {
 
     fn finding(&self) -> Option<Finding> {
         self.referee.borrow().finding.clone()
-    }
-}
-
-fn send(controls: Controls<'_>, action: Action) {
-    match action {
-        Action::Hold => controls.hold(),
-        Action::Resume => controls.resume(),
-        Action::Stop => controls.stop(),
-        Action::Abort => controls.abort(),
-        Action::Feed(percent) => controls.feed_override(percent),
-        Action::Rapid(percent) => controls.rapid_override(percent),
-        Action::Single(on) => controls.single_block(on),
     }
 }
 
@@ -507,7 +496,7 @@ fn turn<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
             world.referee.borrow_mut().polled(progress);
             let secret = world.shim.borrow_mut().secretly(progress);
             if let Some(action) = secret {
-                send(world.controls, action);
+                action.send(world.controls);
             }
             world.operator.borrow_mut().sees(
                 |moment| match moment {
@@ -537,14 +526,17 @@ fn turn<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
         let rests = world.referee.borrow().rests();
         if !released && world.operator.borrow().is_done() {
             released = true;
-            for action in
-                [Action::Single(false), Action::Feed(100), Action::Rapid(100), Action::Resume]
-            {
+            for action in [
+                Command::SingleBlock(false),
+                Command::FeedOverride(100),
+                Command::RapidOverride(100),
+                Command::Resume,
+            ] {
                 world.press(action);
             }
             world.tempo.set(Tempo { rough: 0.0, ..world.tempo.get() });
         } else if released && rests && progress == Progress::Held {
-            world.press(Action::Resume);
+            world.press(Command::Resume);
         }
         if released && !world.referee.borrow().is_released() {
             let from = *world.referee.borrow().path_end();
