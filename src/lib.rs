@@ -2,10 +2,10 @@
 //! position setpoint per servo cycle for every axis: inside the tolerance band, within every axis's
 //! velocity, acceleration and jerk at every instant, and always able to stop. It is `no_std`, never
 //! allocates, and runs the same code in `f32` on a Cortex-M4F and in `f64` on a PC. What a controller calls cannot
-//! panic: the images of `src/bin/proof` call planner, interpolator, commands, checks, outputs and the interface for
-//! C, and link only if no panic can be reached. (Not in the proof: `wire`, for the crates it encodes with, and of
-//! [`spline`] what the planner does not use.) `unsafe` is one instruction, the target's square root, and the
-//! border of the interface for C.
+//! panic: the images of `src/bin/proof` call planner, interpolator, commands, checks, outputs, both ends of the
+//! wire, the reader of G-code and the interface for C, and link only if no panic can be reached. (Not in the proof:
+//! of [`spline`] what the planner does not use, and the texts of errors, which are for a host: `core` formats them.)
+//! Its own `unsafe` is one instruction, the target's square root, and the border of the interface for C.
 //!
 //! # The way of a block
 //!

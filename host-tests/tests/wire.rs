@@ -3,8 +3,8 @@
 
 use proptest::prelude::*;
 use splineway::wire::{
-    Command, Events, FRAME, Inlet, Item, Move, Path, Refusal, Reply, Sender, Speed, State, Station,
-    Step, Target, encode,
+    Command, Events, FRAME, Inlet, Item, Move, Opening, Path, Refusal, Reply, Request, Sender,
+    Speed, State, Station, Step, Target, encode,
 };
 use splineway::{AxisLimits, Block, Config, Coord, Limits, Link, Planner, PushError};
 use std::collections::VecDeque;
@@ -259,4 +259,151 @@ fn blocks_come_back_as_they_were() {
     let mut link = Box::new(Link::<f32, 3, NODES>::new());
     let (mut planner, _) = link.handles::<BLOCKS>(config(), [Coord::ZERO; 3]).unwrap();
     assert!(!matches!(planner.push(&blocks[0]), Err(PushError::Full)));
+}
+
+const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISCSI);
+
+/// A frame as the crates make it that the protocol's description names.
+fn as_described(message: &impl serde::Serialize) -> Vec<u8> {
+    use postcard::ser_flavors::{Cobs, Flavor, Slice};
+    let (mut plain, mut frame) = ([0; 2000], [0; 2100]);
+    let plain = postcard::to_slice(message, &mut plain).unwrap();
+    let sum = CRC.checksum(plain);
+    let mut cobs = Cobs::try_new(Slice::new(&mut frame)).unwrap();
+    cobs.try_extend(plain).unwrap();
+    cobs.try_extend(&sum.to_le_bytes()).unwrap();
+    cobs.finalize().unwrap().to_vec()
+}
+
+/// What an inlet makes of the bytes of a frame.
+fn taken<T: serde::de::DeserializeOwned>(frame: &[u8]) -> Option<T> {
+    let mut inlet = Inlet::new();
+    frame.iter().filter_map(|&byte| inlet.push(byte)).next()
+}
+
+/// Bytes with zeros in them, and blocks of COBS that are full.
+fn payload() -> impl Strategy<Value = Vec<u8>> {
+    let run = prop_oneof![
+        prop::collection::vec(any::<u8>(), 0..20),
+        (1u8.., 0usize..12).prop_map(|(byte, more)| vec![byte; 246 + more]),
+        (1usize..4).prop_map(|count| vec![0; count]),
+    ];
+    prop::collection::vec(run, 0..6).prop_map(|runs| runs.concat())
+}
+
+fn place() -> impl Strategy<Value = Target> {
+    prop::collection::vec(any::<Option<i64>>(), 0..=9).prop_map(|axes| axes.into_iter().collect())
+}
+
+fn course() -> impl Strategy<Value = Path> {
+    prop_oneof![
+        place().prop_map(|to| Path::Line { to }),
+        (place(), any::<(u8, u8)>(), any::<(i64, i64)>(), any::<bool>(), any::<u16>()).prop_map(
+            |(to, plane, centre, clockwise, extra_turns)| Path::Arc {
+                to,
+                plane,
+                centre,
+                clockwise,
+                extra_turns
+            }
+        ),
+        (place(), place(), place())
+            .prop_map(|(first, second, to)| Path::Cubic { controls: [first, second], to }),
+        any::<f32>().prop_map(|seconds| Path::Dwell { seconds }),
+        any::<(u8, u16, Option<f32>, bool)>().prop_map(|(letter, tenths, value, pause)| {
+            Path::Event { letter, tenths, value, pause }
+        }),
+    ]
+}
+
+fn request() -> impl Strategy<Value = Request> {
+    let speed = prop_oneof![
+        any::<f32>().prop_map(Speed::PerSecond),
+        any::<f32>().prop_map(Speed::Duration),
+        Just(Speed::Rapid),
+    ];
+    let step = (course(), speed, any::<Option<f32>>(), any::<bool>(), any::<u32>());
+    let step = step.prop_map(|(path, speed, tolerance, exact_stop, tag)| {
+        Item::Move(Move { path, speed, tolerance, exact_stop, tag })
+    });
+    let command = prop_oneof![
+        Just(Command::Hold),
+        any::<u16>().prop_map(Command::RapidOverride),
+        any::<bool>().prop_map(Command::SingleBlock),
+    ];
+    let opening = any::<(u8, u32, u16, bool)>();
+    prop_oneof![
+        (any::<(u32, u32)>(), step).prop_map(|((session, number), item)| Request::Item {
+            session,
+            number,
+            item
+        }),
+        any::<(u32, u32)>().prop_map(|(session, number)| Request::Item {
+            session,
+            number,
+            item: Item::End
+        }),
+        (any::<(u32, u32)>(), command).prop_map(|((session, number), command)| Request::Command {
+            session,
+            number,
+            command
+        }),
+        opening.prop_map(|(version, session, silence, abort)| {
+            Request::Open(Opening { version, session, silence, abort })
+        }),
+        any::<u32>().prop_map(|session| Request::Hello { session }),
+        Just(Request::Ask),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn frames_are_those_of_postcard_and_cobs(request in request()) {
+        let mut out = [0; FRAME];
+        let length = encode(&request, &mut out).unwrap();
+        prop_assert_eq!(&out[..length], &*as_described(&request));
+        prop_assert_eq!(encode(&request, &mut out[..length - 1]), None);
+        prop_assert_eq!(taken(&out[..length]), Some(request));
+    }
+
+    /// Also such as no message has: of every length, and with blocks of COBS that are full.
+    #[test]
+    fn payloads_of_every_kind_are_framed_as_described(payload in payload()) {
+        let mut out = [0; 2100];
+        let length = encode(&payload, &mut out).unwrap();
+        prop_assert_eq!(&out[..length], &*as_described(&payload));
+        for room in [0, 1, length / 2, length - 1] {
+            prop_assert_eq!(encode(&payload, &mut out[..room]), None);
+        }
+        prop_assert_eq!(taken(&out[..length]), (length <= FRAME).then_some(payload));
+    }
+
+    /// A sender that ends a full block of COBS with the frame is understood too, and damage is seen as the crates
+    /// see it.
+    #[test]
+    fn frames_are_taken_as_the_crates_take_them(
+        payload in payload(),
+        damage in prop::option::of((any::<prop::sample::Index>(), 1u8..)),
+    ) {
+        let mut plain = postcard::to_slice(&payload, &mut [0; 2000]).unwrap().to_vec();
+        plain.extend(CRC.checksum(&plain).to_le_bytes());
+        let mut frame = [0; FRAME];
+        prop_assume!(plain.len() < FRAME - 4);
+        let length = cobs::encode(&plain, &mut frame);
+        if let Some((place, byte)) = damage {
+            frame[place.index(length)] = byte;
+        }
+        let frame = &frame[..length];
+        let wanted = || {
+            let mut copy = frame.to_vec();
+            let length = cobs::decode_in_place(&mut copy).ok()?;
+            let (plain, sum) = copy[..length].split_last_chunk::<4>()?;
+            let fits = CRC.checksum(plain).to_le_bytes() == *sum;
+            let (message, rest) = postcard::take_from_bytes::<Vec<u8>>(plain).ok()?;
+            (fits && rest.is_empty()).then_some(message)
+        };
+        prop_assert_eq!(taken(&[frame, &[0]].concat()), wanted());
+    }
 }

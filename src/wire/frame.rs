@@ -1,9 +1,12 @@
 //! Frames: postcard, CRC, COBS.
+//!
+//! COBS is written here, and only of postcard is used what cannot panic: its own coder for COBS, and that of the
+//! crate of that name, keep bounds checks that no compiler can remove.
 
-use crc::{CRC_32_ISCSI, Crc};
+use crc::{CRC_32_ISCSI, Crc, Digest};
 use heapless::Vec;
-use postcard::ser_flavors::crc::CrcModifier;
-use postcard::ser_flavors::{Cobs, Slice};
+use postcard::ser_flavors::Flavor;
+use postcard::{Error, Result as PostcardResult};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -11,14 +14,78 @@ use serde::de::DeserializeOwned;
 /// longest, CRC and COBS take 336.
 pub const FRAME: usize = 340;
 
-const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);
+/// A block of COBS that is so long, its code included, stands for its bytes alone: no zero follows.
+const FULL: u8 = u8::MAX;
+
+static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);
 
 /// Writes a message as a frame and gives its length; `None` if `out` is too short for it. [`FRAME`]
 /// bytes are enough for every message.
+///
+/// Cost: proportional to the bytes of the frame.
 pub fn encode<T: Serialize>(message: &T, out: &mut [u8]) -> Option<usize> {
-    let cobs = Cobs::try_new(Slice::new(out)).ok()?;
-    let frame = postcard::serialize_with_flavor(message, CrcModifier::new(cobs, CRC.digest()));
-    frame.ok().map(|frame| frame.len())
+    postcard::serialize_with_flavor(message, Writer::new(out)).ok()
+}
+
+/// Puts what postcard writes, and the CRC of it, into a frame (Cheshire, Baker 1999).
+struct Writer<'a> {
+    out: &'a mut [u8],
+    /// Where the block under way has its code: how far it is to the next.
+    code: usize,
+    /// Where the next byte goes.
+    next: usize,
+    digest: Digest<'static, u32>,
+}
+
+impl<'a> Writer<'a> {
+    fn new(out: &'a mut [u8]) -> Self {
+        Self { out, code: 0, next: 1, digest: CRC.digest() }
+    }
+
+    fn put(&mut self, place: usize, byte: u8) -> PostcardResult<()> {
+        *self.out.get_mut(place).ok_or(Error::SerializeBufferFull)? = byte;
+        Ok(())
+    }
+
+    /// Length of the block under way, its code included: at most [`FULL`].
+    fn length(&self) -> u8 {
+        self.next.wrapping_sub(self.code) as u8
+    }
+
+    fn end_block(&mut self) -> PostcardResult<()> {
+        self.put(self.code, self.length())?;
+        (self.code, self.next) = (self.next, self.next + 1);
+        Ok(())
+    }
+
+    fn stuff(&mut self, byte: u8) -> PostcardResult<()> {
+        if byte == 0 {
+            return self.end_block();
+        }
+        self.put(self.next, byte)?;
+        self.next += 1;
+        if self.length() == FULL { self.end_block() } else { Ok(()) }
+    }
+}
+
+impl Flavor for Writer<'_> {
+    /// Length of the frame.
+    type Output = usize;
+
+    fn try_push(&mut self, byte: u8) -> PostcardResult<()> {
+        self.digest.update(&[byte]);
+        self.stuff(byte)
+    }
+
+    fn finalize(mut self) -> PostcardResult<usize> {
+        for byte in self.digest.clone().finalize().to_le_bytes() {
+            self.stuff(byte)?;
+        }
+        let end = self.next;
+        self.put(end, 0)?;
+        self.end_block()?;
+        Ok(end + 1)
+    }
 }
 
 /// Puts bytes together to frames and frames to messages.
@@ -67,10 +134,34 @@ impl Inlet {
 }
 
 fn decode<T: DeserializeOwned>(bytes: &mut [u8]) -> Option<T> {
-    let length = cobs::decode_in_place(bytes).ok()?;
-    let payload = bytes.get(..length)?;
-    let (message, rest) = postcard::take_from_bytes_crc32(payload, CRC.digest()).ok()?;
+    let (payload, sum) = unstuff(bytes)?.split_last_chunk()?;
+    if CRC.checksum(payload) != u32::from_le_bytes(*sum) {
+        return None;
+    }
+    let (message, rest) = postcard::take_from_bytes(payload).ok()?;
     rest.is_empty().then_some(message)
+}
+
+/// Takes COBS back, in place; `None` if the last block is cut off.
+fn unstuff(bytes: &mut [u8]) -> Option<&[u8]> {
+    // Bytes to come of the block under way, and whether it stands for a zero after them.
+    let (mut left, mut zero) = (0, false);
+    let mut written = 0;
+    for read in 0..bytes.len() {
+        let mut byte = *bytes.get(read)?;
+        if left > 0 {
+            left -= 1;
+        } else {
+            left = byte.checked_sub(1)?;
+            if !core::mem::replace(&mut zero, byte != FULL) {
+                continue;
+            }
+            byte = 0;
+        }
+        *bytes.get_mut(written)? = byte;
+        written += 1;
+    }
+    if left == 0 { bytes.get(..written) } else { None }
 }
 
 #[cfg(test)]

@@ -1,10 +1,12 @@
-//! The proof of `proof` for what lies around the core: outputs, the checks of a program, and the interface for C.
-//! It links only if no panic can be reached from any of them. The wire is not among them: the crates it encodes
-//! with keep bounds checks that the compiler cannot remove.
+//! The proof of `proof` for what lies around the core: outputs, the checks of a program, the wire, the reader of
+//! G-code, and the interface for C. It links only if no panic can be reached from any of them.
 #![no_std]
 #![no_main]
 // Names for the linker, and the interface for C.
 #![allow(unsafe_code)]
+
+mod line;
+mod text;
 
 use core::convert::Infallible;
 use core::hint::black_box;
@@ -116,7 +118,9 @@ fn drives(
     let mut drive = axis()?;
     loop {
         black_box(planner.poll());
-        black_box(drive.drive(&interpolator.tick())).ok()?;
+        let setpoint = interpolator.tick();
+        black_box(drive.drive(&setpoint)).ok()?;
+        black_box(line::controller(planner, &setpoint));
     }
 }
 
@@ -182,6 +186,8 @@ fn run() -> Option<()> {
     let (mut planner, mut interpolator) = link.handles(config, black_box([Coord::ZERO; 3])).ok()?;
     checks(&config)?;
     interface();
+    black_box(line::host(planner.controls()));
+    black_box(text::read(black_box(b"G1 X1")));
     drives(&mut planner, &mut interpolator)
 }
 
