@@ -2,9 +2,9 @@
 //! position setpoint per servo cycle for every axis: inside the tolerance band, within every axis's
 //! velocity, acceleration and jerk at every instant, and always able to stop. It is `no_std`, never
 //! allocates, and runs the same code in `f32` on a Cortex-M4F and in `f64` on a PC. What a controller calls cannot
-//! panic: the images of `src/bin/proof` call planner, interpolator, commands, checks, outputs, both ends of the
-//! wire, the reader of G-code and the interface for C, and link only if no panic can be reached. (Not in the proof:
-//! of [`spline`] what the planner does not use, and the texts of errors, which are for a host: `core` formats them.)
+//! panic: the images of `src/bin/proof` call planner, interpolator, commands, checks, outputs, [`spline`], both ends
+//! of the wire, the reader of G-code and the interface for C, and link only if no panic can be reached. (Not in the
+//! proof: the texts of errors, which `core` formats. It holds for the sizes and the compiler of the images.)
 //! Its own `unsafe` is one instruction, the target's square root, and the border of the interface for C.
 //!
 //! # The way of a block

@@ -278,7 +278,7 @@ fn as_described(message: &impl serde::Serialize) -> Vec<u8> {
 /// What an inlet makes of the bytes of a frame.
 fn taken<T: serde::de::DeserializeOwned>(frame: &[u8]) -> Option<T> {
     let mut inlet = Inlet::new();
-    frame.iter().filter_map(|&byte| inlet.push(byte)).next()
+    frame.iter().find_map(|&byte| inlet.push(byte))
 }
 
 /// Bytes with zeros in them, and blocks of COBS that are full.

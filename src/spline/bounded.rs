@@ -30,6 +30,7 @@ use super::sweep::{Order, Reference, System, Tube, price};
 use super::trajectory::{Low, Lows, Trajectory};
 use super::tube::{Place, Pole, Span, edges};
 use crate::number::Scalar;
+use crate::number::list::{part, part_mut};
 use crate::number::vector::{sub, zero};
 use core::array::from_fn;
 use heapless::Vec;
@@ -147,12 +148,12 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const PLACES: usize>
             let time = smoother.time(candidate, &given, options, share);
             if least.zip(time).is_some_and(|(least, time)| time < least) {
                 least = time;
-                spline.controls_mut().copy_from_slice(candidate.controls());
+                spline.move_to(candidate.controls());
             }
         };
         let mut swept = given.clone();
         for order in [Order::Second, Order::Third] {
-            swept.controls_mut().copy_from_slice(given.controls());
+            swept.move_to(given.controls());
             self.sweep(&mut swept, &given, options, order);
             consider(self, &swept, CURL_SHARE);
         }
@@ -164,8 +165,9 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const PLACES: usize>
         thesis.accuracy = S::of(ACCURACY);
         super::thesis::smooth(&mut moved, &thesis)?;
         if options.ends_stay && !given.is_closed() {
-            for end in [0, m - 1] {
-                moved.controls_mut()[end] = given.controls()[end];
+            if let ([first, .., last], [start, .., end]) = (moved.controls_mut(), given.controls())
+            {
+                (*first, *last) = (*start, *end);
             }
             // What the ends no longer hold against may lead out of the tube.
             let off = moved.difference(&given).map_or(S::ZERO, |off| off.bound(PRECISION));
@@ -177,7 +179,7 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const PLACES: usize>
             }
         }
         consider(self, &moved, MOVED_CURL_SHARE);
-        swept.controls_mut().copy_from_slice(moved.controls());
+        swept.move_to(moved.controls());
         self.sweep(&mut swept, &given, options, Order::Second);
         consider(self, &swept, MOVED_CURL_SHARE);
         Ok(())
@@ -193,7 +195,7 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const PLACES: usize>
     ) {
         let m = given.controls().len();
         for pass in 0..options.passes {
-            let first = if given.is_closed() { usize::from(pass) * m / 2 % m } else { 0 };
+            let first = if given.is_closed() { usize::from(pass) * m / 2 % m.max(1) } else { 0 };
             self.load(spline, given, first);
             self.prepare(given, first, options, order);
             let free = if given.is_closed() { (HELD, m) } else { (1, m - 1) };
@@ -206,9 +208,12 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const PLACES: usize>
             }
             .improve(options.sweeps, free, &mut self.system);
             for (k, pole) in self.poles.iter().take(m).enumerate() {
-                let i = (first + k) % m;
-                let start = &given.controls()[i];
-                spline.controls_mut()[i] = from_fn(|n| start[n] + pole.shift[n]);
+                let i = (first + k) % m.max(1);
+                if let (Some(control), Some(start)) =
+                    (spline.controls_mut().get_mut(i), given.controls().get(i))
+                {
+                    *control = from_fn(|n| start[n] + pole.shift[n]);
+                }
             }
         }
     }
@@ -223,11 +228,11 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const PLACES: usize>
         self.poles.clear();
         self.spans.clear();
         let (controls, spans) = (given.controls(), given.spans());
-        let m = controls.len();
-        for k in 0..spans + 3 {
-            let (i, next) = ((first + k) % m, (first + k + 1) % m);
-            let mut pole = Pole::new(sub(&controls[next], &controls[i]));
-            pole.shift = sub(&spline.controls()[i], &controls[i]);
+        let m = controls.len().max(1);
+        let at = |k: usize| controls.get(k % m).copied().unwrap_or_else(zero);
+        for k in first..first + spans + 3 {
+            let mut pole = Pole::new(sub(&at(k + 1), &at(k)));
+            pole.shift = spline.controls().get(k % m).map_or_else(zero, |now| sub(now, &at(k)));
             let _ = self.poles.push(pole);
         }
         for k in 0..spans {
@@ -248,7 +253,7 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const PLACES: usize>
         options: &Options<S>,
         order: Order,
     ) {
-        let m = given.controls().len();
+        let m = given.controls().len().max(1);
         self.places.clear();
         for k in 0..self.spans.len() {
             let local = given.local((first + k) % m);
@@ -261,9 +266,8 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const PLACES: usize>
         }
         self.set_most_curls(CURL_SHARE);
         self.set_reach(options);
-        for k in 0..self.spans.len() {
+        for (k, span) in self.spans.iter_mut().enumerate() {
             let edges = edges(&self.poles, k, |pole| pole.shift);
-            let span = &mut self.spans[k];
             let (r, speed) = (span.reach, span.slowest(&edges).greatest(S::of(1.0e-9)));
             let cube = speed * speed * speed;
             span.price = match order {
@@ -275,7 +279,7 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const PLACES: usize>
                 Order::Third => price(r) / (cube * speed * speed),
             };
             let weight = order.first_weight(span);
-            for place in &mut self.places[span.range()] {
+            for place in part_mut(&mut self.places, span.range()) {
                 place.weight = weight;
             }
         }
@@ -286,15 +290,15 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const PLACES: usize>
     fn set_reach(&mut self, options: &Options<S>) {
         let slope = S::of(1.5) * options.trajectory.jerk.sqrt();
         let n = self.spans.len();
-        for k in 0..n {
-            let curl = self.spans[k].curl(&edges(&self.poles, k, |pole| pole.shift));
+        for (k, span) in self.spans.iter_mut().enumerate() {
+            let curl = span.curl(&edges(&self.poles, k, |pole| pole.shift));
             let speed = options.trajectory.allowed(curl);
-            self.spans[k].reach = speed * speed.sqrt() / slope;
+            span.reach = speed * speed.sqrt() / slope;
         }
         // Twice there and back, for closed ones.
-        let mut there = self.spans[n - 1].reach;
-        for k in (0..2 * n).rev().chain(0..2 * n).map(|k| k % n) {
-            let span = &mut self.spans[k];
+        let Some(mut there) = self.spans.last().map(|span| span.reach) else { return };
+        for k in (0..2 * n).rev().chain(0..2 * n).map(|k| k % n.max(1)) {
+            let Some(span) = self.spans.get_mut(k) else { return };
             let way = span.slowest(&edges(&self.poles, k, |pole| pole.shift)) * span.step;
             span.reach = span.reach.least(there);
             there = span.reach + way;
@@ -311,7 +315,7 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const PLACES: usize>
         let greatest = curls.iter().fold(S::ZERO, |most, curl| most.greatest(*curl));
         for (k, span) in self.spans.iter_mut().enumerate() {
             let mut most = greatest * S::of(CURL_FLOOR);
-            for curl in &curls[k.saturating_sub(BESIDE)..n.min(k + BESIDE + 1)] {
+            for curl in part(&curls, k.saturating_sub(BESIDE)..n.min(k + BESIDE + 1)) {
                 most = most.greatest(*curl);
             }
             span.most_curl = most * S::of(share);
@@ -331,9 +335,9 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const PLACES: usize>
         let mut finder = Lows::default();
         self.lows.clear();
         let mut way = S::ZERO;
-        for k in 0..self.spans.len() {
-            let curl = self.spans[k].curl(&edges(&self.poles, k, |pole| pole.shift));
-            if !(curl <= self.spans[k].most_curl) {
+        for (k, span) in self.spans.iter().enumerate() {
+            let curl = span.curl(&edges(&self.poles, k, |pole| pole.shift));
+            if !(curl <= span.most_curl) {
                 return None;
             }
             let (length, bezier) = (spline.span_length(k), spline.bezier(k));

@@ -3,7 +3,8 @@
 use super::basis::Local;
 use super::error::SplineError;
 use crate::number::Scalar;
-use crate::number::vector::{Vector, dot, mix, norm, sub};
+use crate::number::list::some_mut;
+use crate::number::vector::{Vector, dot, mix, norm, sub, zero};
 use core::array::from_fn;
 use heapless::Vec;
 
@@ -32,11 +33,19 @@ pub struct Spline<S, const N: usize, const CAP: usize> {
     closed: bool,
 }
 
+/// Puts something into a list that has room for it.
+fn insert<T, const CAP: usize>(list: &mut Vec<T, CAP>, at: usize, mut new: T) {
+    for old in list.iter_mut().skip(at) {
+        core::mem::swap(old, &mut new);
+    }
+    let _ = list.push(new);
+}
+
 fn in_order<S: Scalar>(knots: &[S]) -> Result<(), SplineError> {
-    for (index, pair) in knots.windows(2).enumerate() {
+    for (index, (before, knot)) in knots.iter().zip(knots.iter().skip(1)).enumerate() {
         // A NaN fails too.
-        if !(pair[1] > pair[0]) {
-            return Err(SplineError::KnotOrder { index: index + 1, value: pair[1].to_f64() });
+        if !(knot > before) {
+            return Err(SplineError::KnotOrder { index: index + 1, value: knot.to_f64() });
         }
     }
     Ok(())
@@ -74,15 +83,15 @@ impl<S: Scalar, const N: usize, const CAP: usize> Spline<S, N, CAP> {
             return Err(SplineError::TooFew { controls: m });
         }
         let extra = [0, 2, 3].into_iter().find(|extra| knots.len() + 2 == m + 2 * extra);
-        let Some(extra) = extra else {
+        let inner = extra.and_then(|extra| Some((extra, knots.get(extra..knots.len() - extra)?)));
+        let Some((extra, distinct @ [first, .., last])) = inner else {
             return Err(SplineError::KnotCount { knots: knots.len(), controls: m });
         };
-        let distinct = &knots[extra..knots.len() - extra];
-        let ends = (0..extra).chain(knots.len() - extra..knots.len());
-        for index in ends {
-            let end = if index < extra { distinct[0] } else { distinct[distinct.len() - 1] };
-            if knots[index] != end {
-                return Err(SplineError::EndKnot { index, value: knots[index].to_f64() });
+        for (index, knot) in knots.iter().enumerate() {
+            let end = if index < extra { first } else { last };
+            let outside = index < extra || index >= knots.len() - extra;
+            if outside && knot != end {
+                return Err(SplineError::EndKnot { index, value: knot.to_f64() });
             }
         }
         in_order(distinct).map_err(|error| match error {
@@ -153,6 +162,13 @@ impl<S: Scalar, const N: usize, const CAP: usize> Spline<S, N, CAP> {
         &mut self.controls
     }
 
+    /// Moves the control points to others, in their order.
+    pub(super) fn move_to(&mut self, points: &[Vector<S, N>]) {
+        for (control, point) in self.controls.iter_mut().zip(points) {
+            *control = *point;
+        }
+    }
+
     /// Whether it is closed.
     pub fn is_closed(&self) -> bool {
         self.closed
@@ -168,32 +184,34 @@ impl<S: Scalar, const N: usize, const CAP: usize> Spline<S, N, CAP> {
         let count = if self.closed { self.controls.len() } else { self.controls.len() + 2 };
         (0..count).map(|i| {
             if self.closed {
-                let before = if i == 0 { S::ZERO } else { self.knots[i - 1] };
-                self.knots[i] - before
+                self.ticked(i) - if i == 0 { S::ZERO } else { self.ticked(i - 1) }
             } else {
-                self.knot(i.cast_signed())
+                self.knot(i)
             }
         })
     }
 
     /// Number of spans.
     pub fn spans(&self) -> usize {
-        if self.closed { self.controls.len() } else { self.controls.len() - 3 }
+        if self.closed { self.controls.len() } else { self.controls.len().saturating_sub(3) }
+    }
+
+    /// A knot as it is kept; there are at least two.
+    fn ticked(&self, index: usize) -> S {
+        self.knots.get(index).copied().unwrap_or(S::ZERO)
     }
 
     /// Knot number `i`: control point k has the polar label (k, k + 1, k + 2), span k lies between
     /// the knots k + 2 and k + 3.
-    fn knot(&self, i: isize) -> S {
-        let last = self.knots.len().cast_signed() - 1;
+    fn knot(&self, i: usize) -> S {
+        let count = self.knots.len().max(1);
         if !self.closed {
-            return self.knots[(i - 2).clamp(0, last).cast_unsigned()];
+            return self.ticked(i.saturating_sub(2).min(count - 1));
         }
-        // Span 0 starts at 0.
-        let count = last + 1;
-        let (turns, rest) = ((i - 2).div_euclid(count), (i - 2).rem_euclid(count));
-        let period = self.knots[last.cast_unsigned()];
-        let turn = S::from_i64(turns as i64) * period;
-        if rest == 0 { turn } else { turn + self.knots[rest.cast_unsigned() - 1] }
+        // Span 0 starts at 0; one turn more, so that nothing is negative.
+        let (turns, rest) = ((i + count - 2) / count, (i + count - 2) % count);
+        let turn = (S::from_u32(turns as u32) - S::ONE) * self.ticked(count - 1);
+        if rest == 0 { turn } else { turn + self.ticked(rest - 1) }
     }
 
     /// The number of a span that there is: beyond the last, the last.
@@ -204,20 +222,21 @@ impl<S: Scalar, const N: usize, const CAP: usize> Spline<S, N, CAP> {
     /// Parameters at the ends of a span; of the last, if there are not so many.
     pub fn range(&self, span: usize) -> (S, S) {
         let span = self.known(span);
-        (self.knot(span.cast_signed() + 2), self.knot(span.cast_signed() + 3))
+        (self.knot(span + 2), self.knot(span + 3))
     }
 
     /// What a span depends on.
     pub(super) fn local(&self, span: usize) -> Local<S> {
         let span = self.known(span);
-        let start = self.knot(span.cast_signed() + 2);
-        Local::from_knots(from_fn(|i| self.knot((span + i).cast_signed()) - start))
+        let start = self.knot(span + 2);
+        Local::from_knots(from_fn(|i| self.knot(span + i) - start))
     }
 
     /// The four control points of a span.
     pub(super) fn polygon(&self, span: usize) -> [Vector<S, N>; 4] {
         let span = self.known(span);
-        from_fn(|j| self.controls[(span + j) % self.controls.len()])
+        let count = self.controls.len().max(1);
+        from_fn(|j| self.controls.get((span + j) % count).copied().unwrap_or_else(zero))
     }
 
     /// Point at the share `u` (0 to 1) of a span. Here and below, a span beyond the last is the last.
@@ -235,7 +254,7 @@ impl<S: Scalar, const N: usize, const CAP: usize> Spline<S, N, CAP> {
 
     /// Span and share of it at a parameter; beyond the ends, the ends.
     pub fn locate(&self, t: S) -> (usize, S) {
-        let last = self.spans() - 1;
+        let last = self.spans().saturating_sub(1);
         // At most all spans.
         let span = (0..last).find(|&k| t < self.range(k).1).unwrap_or(last);
         let (from, to) = self.range(span);
@@ -251,7 +270,7 @@ impl<S: Scalar, const N: usize, const CAP: usize> Spline<S, N, CAP> {
     /// Bezier points of a span.
     pub fn bezier(&self, span: usize) -> [Vector<S, N>; 4] {
         let span = self.known(span);
-        let t: [S; 6] = from_fn(|i| self.knot((span + i).cast_signed()));
+        let t: [S; 6] = from_fn(|i| self.knot(span + i));
         let c = self.polygon(span);
         // Boehm: the polar values at (a, a, a), (a, a, b), (a, b, b), (b, b, b).
         let (a, b) = (t[2], t[3]);
@@ -340,15 +359,16 @@ impl<S: Scalar, const N: usize, const CAP: usize> Spline<S, N, CAP> {
             return Err(SplineError::TooMany { controls, room: CAP });
         }
         let c = self.polygon(span);
-        let knots: [S; 6] = from_fn(|i| self.knot((span + i).cast_signed()));
+        let knots: [S; 6] = from_fn(|i| self.knot(span + i));
         let new: [Vector<S, N>; 3] = from_fn(|j| {
             let u = (t - knots[j]) / (knots[j + 3] - knots[j]);
             mix(S::ONE - u, &c[j], u, &c[j + 1])
         });
-        let _ = self.controls.insert(span + 2, new[1]);
-        self.controls[span + 1] = new[0];
-        self.controls[span + 3] = new[2];
-        let _ = self.knots.insert(span + 1, t);
+        insert(&mut self.controls, span + 2, new[1]);
+        if let Some(points) = some_mut(&mut self.controls, span + 1) {
+            *points = new;
+        }
+        insert(&mut self.knots, span + 1, t);
         Ok(())
     }
 

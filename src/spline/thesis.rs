@@ -136,13 +136,12 @@ fn neighbour<S: Scalar, const N: usize, const CAP: usize>(
     i: usize,
     by: isize,
 ) -> Option<usize> {
-    let m = spline.controls().len().cast_signed();
-    let j = i.cast_signed() + by;
+    let m = spline.controls().len();
     if spline.is_closed() {
-        Some(j.rem_euclid(m).cast_unsigned())
-    } else {
-        (0..m).contains(&j).then(|| j.cast_unsigned())
+        // `by` is less than a turn.
+        return (i + m).checked_add_signed(by)?.checked_rem(m);
     }
+    i.checked_add_signed(by).filter(|&j| j < m)
 }
 
 /// From the line through `a` and `b` to `p`, at right angles to it.
@@ -173,26 +172,30 @@ pub fn categories<S: Scalar, const N: usize, const CAP: usize>(
     let points = spline.controls();
     let m = points.len();
     let mut kinds: Vec<Kind, CAP> = Vec::new();
-    let at = |i: usize, by: isize| neighbour(spline, i, by).map(|j| &points[j]);
+    let at = |i: usize, by: isize| neighbour(spline, i, by).and_then(|j| points.get(j));
     // Whether i - 2 and i + 1 lie on one side of the line through i - 1 and i.
     let one_side = |i: usize| -> bool {
-        let (Some(a), Some(b), Some(c)) = (at(i, -2), at(i, -1), at(i, 1)) else { return false };
-        dot(&off_line(a, b, &points[i]), &off_line(c, b, &points[i])) > S::ZERO
+        let four = (at(i, -2), at(i, -1), at(i, 0), at(i, 1));
+        let (Some(a), Some(b), Some(p), Some(c)) = four else { return false };
+        dot(&off_line(a, b, p), &off_line(c, b, p)) > S::ZERO
     };
     let mut sides: Vec<bool, CAP> = Vec::new();
     for i in 0..m {
         let _ = sides.push(one_side(i));
     }
-    for i in 0..m {
-        let primary = sides[i] && neighbour(spline, i, 1).is_some_and(|next| sides[next]);
+    for (i, side) in sides.iter().enumerate() {
+        let next = neighbour(spline, i, 1).and_then(|next| sides.get(next));
+        let primary = *side && next == Some(&true);
         let _ = kinds.push(if primary { Kind::Primary } else { Kind::Ripple });
     }
     for i in 0..m {
-        let beside = [-1, 1]
-            .into_iter()
-            .any(|by| neighbour(spline, i, by).is_some_and(|j| kinds[j] == Kind::Primary));
-        if beside && kinds[i] == Kind::Ripple {
-            kinds[i] = Kind::Secondary;
+        let kind = |by: isize| neighbour(spline, i, by).and_then(|j| kinds.get(j));
+        let beside = [-1, 1].into_iter().any(|by| kind(by) == Some(&Kind::Primary));
+        if let Some(kind) = kinds.get_mut(i)
+            && beside
+            && *kind == Kind::Ripple
+        {
+            *kind = Kind::Secondary;
         }
     }
     let mut out: Vec<Category, CAP> = Vec::new();
@@ -200,19 +203,20 @@ pub fn categories<S: Scalar, const N: usize, const CAP: usize>(
         let ripple = *kind == Kind::Ripple;
         let _ = out.push(if ripple { Category::Ripple } else { Category::Ring });
     }
+    let kind = |i: usize| kinds.get(i).copied().unwrap_or(Kind::Ripple);
     let ends_before = |i: usize| -> bool {
         let Some(before) = neighbour(spline, i, -1) else { return true };
-        kinds[before] == Kind::Ripple
-            || (kinds[before] == Kind::Secondary && kinds[i] == Kind::Secondary)
+        kind(before) == Kind::Ripple
+            || (kind(before) == Kind::Secondary && kind(i) == Kind::Secondary)
     };
     for begin in 0..m {
-        if kinds[begin] == Kind::Ripple || !ends_before(begin) {
+        if kind(begin) == Kind::Ripple || !ends_before(begin) {
             continue;
         }
         let mut count = 1;
         while count < m
             && let Some(next) = neighbour(spline, begin, count.cast_signed())
-            && kinds[next] != Kind::Ripple
+            && kind(next) != Kind::Ripple
             && !ends_before(next)
         {
             count += 1;
@@ -220,12 +224,15 @@ pub fn categories<S: Scalar, const N: usize, const CAP: usize>(
         let member = |k: usize| neighbour(spline, begin, k.cast_signed()).unwrap_or(begin);
         let (first, second) = (member((count - 1) / 2), member(count / 2));
         for k in 0..count {
-            out[member(k)] = Category::Smooth { first, second };
+            if let Some(category) = out.get_mut(member(k)) {
+                *category = Category::Smooth { first, second };
+            }
         }
     }
-    if !spline.is_closed() {
-        out[0] = Category::End;
-        out[m - 1] = Category::End;
+    if let [first, .., last] = &mut out[..]
+        && !spline.is_closed()
+    {
+        (*first, *last) = (Category::End, Category::End);
     }
     out
 }
@@ -240,7 +247,7 @@ pub fn directions<S: Scalar, const N: usize, const CAP: usize>(
 ) -> Vec<Vector<S, N>, CAP> {
     let points = spline.controls();
     let m = points.len();
-    let at = |i: usize, by: isize| neighbour(spline, i, by).map(|j| &points[j]);
+    let at = |i: usize, by: isize| neighbour(spline, i, by).and_then(|j| points.get(j));
     let same = start.controls().len() == m && m > 3;
     let known = |category: &Category| match *category {
         Category::Smooth { first, second } => first < m && second < m,
@@ -248,9 +255,10 @@ pub fn directions<S: Scalar, const N: usize, const CAP: usize>(
     };
     // Equations 3-23 to 3-25.
     let bisector = |i: usize| -> Vector<S, N> {
-        let (Some(before), Some(after)) = (at(i, -1), at(i, 1)) else { return zero() };
-        let a = normalised(&sub(before, &points[i]));
-        let b = normalised(&sub(after, &points[i]));
+        let three = (at(i, -1), at(i, 0), at(i, 1));
+        let (Some(before), Some(point), Some(after)) = three else { return zero() };
+        let a = normalised(&sub(before, point));
+        let b = normalised(&sub(after, point));
         let sum = mix(S::ONE, &a, S::ONE, &b);
         // Opposite vectors of length 1 leave a rounding error.
         if norm(&sum) > S::EPSILON * S::of(8.0) { normalised(&sum) } else { zero() }
@@ -260,7 +268,7 @@ pub fn directions<S: Scalar, const N: usize, const CAP: usize>(
             return bisector(first);
         }
         // Equations 3-26 to 3-28: from the line of both towards the point behind them.
-        let (a, b) = (&points[first], &points[second]);
+        let (Some(a), Some(b)) = (points.get(first), points.get(second)) else { return zero() };
         for beside in [at(second, 1), at(first, -1)] {
             let off = beside.map_or(zero(), |p| off_line(p, a, b));
             if norm(&off) > S::ZERO {
@@ -269,11 +277,20 @@ pub fn directions<S: Scalar, const N: usize, const CAP: usize>(
         }
         zero()
     };
-    let end = |i: usize, inner: usize, next: usize| -> Vector<S, N> {
+    let end = |[p, inner, next]: [&Vector<S, N>; 3], [q, q_inner]: [&Vector<S, N>; 2]| {
         // Equations 3-17 to 3-22.
-        let path = normalised(&sub(&start.controls()[inner], &start.controls()[i]));
-        let way = off_line(&points[i], &points[inner], &points[next]).map(|x| -x);
+        let path = normalised(&sub(q_inner, q));
+        let way: Vector<S, N> = off_line(p, inner, next).map(|x| -x);
         normalised(&mix(S::ONE, &way, -dot(&way, &path), &path))
+    };
+    let (first_end, last_end) = match (points, start.controls()) {
+        ([a, b, c, .., x, y, z], [p, q, .., r, s]) => {
+            (end([a, b, c], [p, q]), end([z, y, x], [s, r]))
+        }
+        // Four or five points: the inner ones count from both ends.
+        ([a, b, c, y, z], [p, q, .., r, s]) => (end([a, b, c], [p, q]), end([z, y, c], [s, r])),
+        ([a, b, y, z], [p, q, r, s]) => (end([a, b, y], [p, q]), end([z, y, b], [s, r])),
+        _ => (zero(), zero()),
     };
     let mut out = Vec::new();
     for i in 0..m {
@@ -283,8 +300,8 @@ pub fn directions<S: Scalar, const N: usize, const CAP: usize>(
             continue;
         };
         let direction = match *category {
-            Category::End if i == 0 => end(0, 1, 2),
-            Category::End => end(m - 1, m - 2, m - 3),
+            Category::End if i == 0 => first_end,
+            Category::End => last_end,
             Category::Ripple => bisector(i),
             Category::Ring => bisector(i).map(|x| -x),
             Category::Smooth { first, second } if i == first || i == second => apex(first, second),
@@ -319,13 +336,13 @@ fn place<S: Scalar, const N: usize, const CAP: usize>(
     let m = spline.controls().len();
     let half = S::of(0.5);
     if spline.is_closed() {
-        return ((i + m - 1) % m, S::ZERO);
+        return ((i + m - 1) % m.max(1), S::ZERO);
     }
     match i {
         0 => (0, S::ZERO),
         1 => (0, half),
-        _ if i + 1 == m => (m - 4, S::ONE),
-        _ if i + 2 == m => (m - 4, half),
+        _ if i + 1 == m => (m.saturating_sub(4), S::ONE),
+        _ if i + 2 == m => (m.saturating_sub(4), half),
         _ => (i - 1, S::ZERO),
     }
 }
@@ -421,7 +438,7 @@ pub fn smooth<S: Scalar, const N: usize, const CAP: usize>(
         subtract(&next, spline, &mut difference);
         to_sensitivities(&difference, &mut move_by);
         outcome.left = left;
-        spline.controls_mut().copy_from_slice(next.controls());
+        spline.move_to(next.controls());
         heading = directions(spline, &start, &categories(spline));
         if is_null(&heading) {
             outcome.ending = Ending::Straight;

@@ -10,6 +10,7 @@
 //! the speed at its peaks only.
 
 use crate::number::Scalar;
+use crate::number::list::some_mut;
 
 /// Halvings in searches for a speed.
 const HALVINGS: u32 = 40;
@@ -156,20 +157,25 @@ impl<S: Scalar> Trajectory<S> {
     /// Plans between minima: lowers their speeds, and the greatest between them, to what can be
     /// run. Returns the time, s.
     pub fn plan(&self, lows: &mut [Low<S>]) -> S {
-        for k in 1..lows.len() {
-            lows[k].speed = self.within(&lows[k - 1], &lows[k]);
+        let neighbours = lows.len().saturating_sub(1);
+        for k in 0..neighbours {
+            if let Some([from, to]) = some_mut(lows, k) {
+                to.speed = self.within(from, to);
+            }
         }
-        for k in (1..lows.len()).rev() {
-            lows[k - 1].speed = self.within(&lows[k], &lows[k - 1]);
+        for k in (0..neighbours).rev() {
+            if let Some([from, to]) = some_mut(lows, k) {
+                from.speed = self.within(to, from);
+            }
         }
         let mut time = S::ZERO;
-        for k in 1..lows.len() {
-            let (from, to) = (lows[k - 1], lows[k]);
+        for k in 0..neighbours {
+            let Some([from, to]) = some_mut(lows, k) else { break };
             let (v0, v1, room) = (from.speed, to.speed, to.way - from.way);
             let needs = |v: S| self.length(v0, v) + self.length(v, v1);
             let least = v0.greatest(v1);
             let top = Self::greatest(least, from.most.greatest(least), |v| needs(v) <= room);
-            lows[k - 1].most = top;
+            from.most = top;
             let along = (room - needs(top)).greatest(S::ZERO);
             time += self.time(v0, top) + self.time(top, v1) + along / top;
         }

@@ -1,10 +1,11 @@
 //! The proof of `proof` for what lies around the core: outputs, the checks of a program, the wire, the reader of
-//! G-code, and the interface for C. It links only if no panic can be reached from any of them.
+//! G-code, splines, and the interface for C. It links only if no panic can be reached from any of them.
 #![no_std]
 #![no_main]
 // Names for the linker, and the interface for C.
 #![allow(unsafe_code)]
 
+mod curves;
 mod line;
 mod text;
 
@@ -186,6 +187,7 @@ fn run() -> Option<()> {
     let (mut planner, mut interpolator) = link.handles(config, black_box([Coord::ZERO; 3])).ok()?;
     checks(&config)?;
     interface();
+    black_box(curves::all().is_ok());
     black_box(line::host(planner.controls()));
     black_box(text::read(black_box(b"G1 X1")));
     drives(&mut planner, &mut interpolator)
