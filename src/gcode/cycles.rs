@@ -249,7 +249,10 @@ impl Reader {
             }
         }
         let back = if self.modal.to_initial { series.initial.max(clear) } else { clear };
-        self.set_named(&values);
+        // The way across may be turned, and the depth may be of a line before.
+        for axis in [p, q, axis] {
+            self.set_named_axis(axis);
+        }
         self.series = Some(series);
         self.curve = None;
         self.set_drilling(Drilling {

@@ -120,7 +120,6 @@ impl Reader {
         }
         self.curve = None;
         self.series = None;
-        self.position = to;
         self.push_move(Motion::Line { to }, Feed::Rapid, false, column)
     }
 
@@ -185,7 +184,33 @@ impl Reader {
         for (named, value) in self.named.iter_mut().zip(values) {
             *named |= value.is_some();
         }
-        // A rotation moves both axes of its plane; X, Y and Z count as named anyway.
+    }
+
+    /// Axes that a move takes elsewhere, with or without a word.
+    pub(super) fn set_moved(&mut self, motion: &Motion<f64, AXES>) {
+        let ends = match motion {
+            Motion::Line { to } => [to; 3],
+            Motion::Arc { to, plane, .. } => {
+                for axis in [plane.0, plane.1] {
+                    self.set_named_axis(axis);
+                }
+                [to; 3]
+            }
+            Motion::Cubic { controls: [first, second], to } => [first, second, to],
+            Motion::Dwell { .. } | Motion::Event { .. } => return,
+        };
+        for place in ends {
+            let own = self.named.iter_mut().zip(&self.position);
+            for ((named, from), to) in own.zip(place) {
+                *named |= from != to;
+            }
+        }
+    }
+
+    pub(super) fn set_named_axis(&mut self, axis: usize) {
+        if let Some(named) = self.named.get_mut(axis) {
+            *named = true;
+        }
     }
 
     /// The motion of a line, if it asks for any.
@@ -255,7 +280,6 @@ impl Reader {
         let feed = self.speed((code, column), linear, words)?;
         self.extruder(code, words);
         self.set_named(&values);
-        self.position = to;
         self.push_move(path, feed, codes.g(Group::Stop).is_some(), column)
     }
 

@@ -84,7 +84,7 @@ pub struct Reader {
     pub(super) frame: Frame,
     /// Where the machine will stand after what has been read.
     pub(super) position: Place,
-    /// Axes that have been named in moves.
+    /// Axes that moves have named or moved.
     pub(super) named: [bool; AXES],
     pub(super) feed: Option<FeedWord>,
     pub(super) spindle: Option<f64>,
@@ -183,7 +183,8 @@ impl Reader {
         &self.position
     }
 
-    /// Axes that moves have named so far.
+    /// Axes that moves have named so far, or moved without their word: by a rotation, along an arc or a hole, to a
+    /// reference point.
     pub fn named(&self) -> [bool; AXES] {
         self.named
     }
@@ -382,6 +383,7 @@ impl Reader {
         self.pending.events.push_back(event).map_err(|_| Refusal::new(column, Reason::TooManyWords))
     }
 
+    /// A move, from where the machine stands; it stands at its end then.
     pub(super) fn push_move(
         &mut self,
         motion: Motion<f64, AXES>,
@@ -389,6 +391,10 @@ impl Reader {
         exact_stop: bool,
         column: u32,
     ) -> Result<(), Refusal> {
+        self.set_moved(&motion);
+        if let Motion::Line { to } | Motion::Arc { to, .. } | Motion::Cubic { to, .. } = &motion {
+            self.position = *to;
+        }
         let block = Block {
             motion,
             feed,

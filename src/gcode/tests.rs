@@ -1,6 +1,6 @@
 //! Laws of the reader. (Every code has its lines in the tests of the host package.)
 
-use super::{Action, Dialect, Reader, Reason, Settings};
+use super::{AXES, Action, Dialect, Reader, Reason, Settings};
 use crate::block::{Block, Motion};
 use crate::number::Coord;
 use std::vec::Vec;
@@ -64,6 +64,8 @@ fn whatever_comes_is_read_or_refused() {
         let dialect = [Dialect::LinuxCnc, Dialect::Grbl, Dialect::Marlin][round % 3];
         let mut reader =
             Reader::new(&Settings { dialect, lenient: round % 2 == 0, ..Settings::default() });
+        let mut moved = [false; AXES];
+        let mut here = *reader.position();
         for number in 1..12 {
             let mut line = Vec::new();
             for _ in 0..draw(7) {
@@ -77,6 +79,10 @@ fn whatever_comes_is_read_or_refused() {
             let outcome = reader.line(number, &line);
             let found = actions(&mut reader);
             assert!(outcome.is_ok() || found.is_empty());
+            if outcome.is_err() {
+                // It is taken for where it would have led.
+                here = *reader.position();
+            }
             read += usize::from(outcome.is_ok() && !found.is_empty());
             for action in &found {
                 let Action::Move(block) = action else { continue };
@@ -85,8 +91,18 @@ fn whatever_comes_is_read_or_refused() {
                 else {
                     continue;
                 };
+                if let Motion::Arc { plane, .. } = &block.motion {
+                    (moved[plane.0], moved[plane.1]) = (true, true);
+                }
                 assert!(to.iter().all(|coord| coord.to_mm().abs() <= Coord::LIMIT_MM));
+                for (axis, moved) in moved.iter_mut().enumerate() {
+                    *moved |= to[axis] != here[axis];
+                }
+                here = *to;
             }
+            // Whoever asks which axes a program moves hears of all of them.
+            let named = reader.named();
+            assert!((0..AXES).all(|axis| named[axis] || !moved[axis]), "{moved:?}, {named:?}");
         }
     }
     assert!(read > 1000, "{read}");

@@ -114,7 +114,7 @@ pub fn placed(program: &Program, here: &Point, approach: bool) -> Result<(Progra
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::program::poly;
+    use crate::program::{Dialect, ReadOptions, gcode, poly};
 
     #[test]
     fn a_path_begins_where_the_machine_stands_or_says_so() {
@@ -130,5 +130,34 @@ mod tests {
         // The fourth axis, which the path does not know, stays.
         let Course::Line { to } = there.moves[0].path else { panic!("a line") };
         assert_eq!(to.map(f64::to_bits)[..4], [2.0, 2.0, 3.0, 7.0].map(f64::to_bits));
+    }
+
+    /// Moves that no word of the axis asks for: holes, reference points, turned coordinates, centres and controls.
+    #[test]
+    fn a_program_is_sent_as_it_is_read() {
+        let mut start = [0.0; 9];
+        start[..4].copy_from_slice(&[3.0, 4.0, 5.0, 7.0]);
+        for text in [
+            "G28",
+            "G30 Z6",
+            "G81 X5 Y5 Z-3 R1 F60",
+            "G18 G81 X5 Z5 Y-3 R1 F60",
+            "G91 G83 X1 Z-3 R-1 Q1 L3 F60",
+            "G68 X0 Y0 R45\nG0 X1",
+            "G68 X0 Y0 R45\nG81 X1 Z-3 R1 F60",
+            "G2 I5 F60",
+            "G18 G3 K1 F60",
+            "G5 X9 I1 J1 P-1 Q1 F60",
+            "G5.1 X9 I1 J1 F60",
+        ] {
+            let options = ReadOptions { start, ..ReadOptions::DEFAULT };
+            let program = gcode::parse_with(text, options).unwrap();
+            assert_eq!(placed(&program, &start, false).unwrap(), (program, None), "{text}");
+        }
+        let options =
+            ReadOptions { start, dialect: Some(Dialect::Marlin), ..ReadOptions::DEFAULT };
+        let program = gcode::parse_with("G28", options).unwrap();
+        let (sent, _) = placed(&program, &start, false).unwrap();
+        assert_eq!(sent.end()[..4], [0.0, 0.0, 0.0, 7.0]);
     }
 }
