@@ -346,6 +346,11 @@ fn outputs_never_overwrite_inputs_and_are_checked_first() {
             .contains("same file")
     );
     assert_eq!(std::fs::read(&wave).unwrap(), before);
+    // A link that leads nowhere is written through.
+    let output = splineway(&[&run[..], &["--setpoints", &dangling]].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(std::fs::symlink_metadata(&dangling).unwrap().is_symlink());
+    assert!(std::fs::metadata(&fresh).unwrap().len() > 100);
     // What is allowed works, again and again.
     for _ in 0..2 {
         let outputs = ["--setpoints", &*fresh, "--report", "/dev/null"];

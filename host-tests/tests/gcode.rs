@@ -72,6 +72,7 @@ fn story(program: &Program) -> String {
 
 /// Every line of these was once a move, or changed where moves go without a word.
 #[test]
+#[allow(clippy::too_many_lines)]
 fn words_of_codes_that_do_not_move_never_move() {
     let before = "G21 G90 G1 X1 Y1 Z1 F600\n";
     for (line, part) in [
@@ -141,6 +142,13 @@ fn words_of_codes_that_do_not_move_never_move() {
         ("L3 X5", "word L"),
         ("X5 E1", "word E"),
         ("M3 S100 P1", "word P"),
+        ("G50 X200 Z100", "column 5: no code of this line takes the word X"),
+        ("X5 G50", "word X"),
+        ("G50 S2000", "word S"),
+        ("G92 X0 S2000", "word S"),
+        ("G92.1 X0 Y0", "word X"),
+        ("G92.2 X5", "word X"),
+        ("G92.3 Z5", "word Z"),
         ("G84 X1 Z-5 R1", "G84 (a canned cycle that needs a spindle)"),
         ("G85 X1 Z-5 R1", "G85"),
         ("G89 X1 Z-5 R1 P1", "G89"),
@@ -227,6 +235,11 @@ fn offsets_and_cycles_lead_where_they_say() {
             "G0 Z5\nG99 G81 X1 Z-3 R1 F60\nX2\nG98 X3\nG80\nG0 X4",
             "G0 Z5, G0 X1Z5, G0 X1Z1, F1 X1Z-3, G0 X1Z1, G0 X2Z1, F1 X2Z-3, G0 X2Z1, \
              G0 X3Z1, F1 X3Z-3, G0 X3Z5, G0 X4Z5",
+        ),
+        // G98 goes back to the level that the row of cycles began on, whichever began it.
+        (
+            "G0 Z9\nG99 G81 X1 Z-1 R1 F60\nG98 G82 X2 Z-2 R2 P0\nG0 X3",
+            "G0 Z9, G0 X1Z9, G0 X1Z1, F1 X1Z-1, G0 X1Z1, G0 X1Z2, G0 X2Z2, F1 X2Z-2, dwell 0, G0 X2Z9, G0 X3Z9",
         ),
         ("G0 Z-2\nG81 X1 Z-3 R1 F60", "G0 Z-2, G0 Z1, G0 X1Z1, F1 X1Z-3, G0 X1Z1"),
         ("G82 X1 Z-3 R1 P0.5 F60", "G0 Z1, G0 X1Z1, F1 X1Z-3, dwell 0.5, G0 X1Z1"),
@@ -501,6 +514,7 @@ fn printers() {
         ("M5999 X5", "M5999 is not known"),
         ("M3 S5 X5", "word X"),
         ("G81 X1 Z-1 R1", "G81 is not known"),
+        ("T1 S1", "word S"),
         ("G52 X5", "G52 is not known"),
         ("M862.3 P \"MK3S", "not closed"),
         ("G1 X \"5\"", "no number behind"),
@@ -640,10 +654,13 @@ fn subprograms_end_where_they_should() {
         ("M98 P1\nM30\nO1\nM98 P1\nM99", "calls go deeper than 8"),
         ("M98 P1 L2 Q5\nM30", "word Q"),
         ("M98 P30001\nM30", "P30001"),
+        ("M98 P1\nM30\nO1\nG0 X1\nM99\nO1\nG0 X2\nM99", "there is more than one O1"),
     ] {
         let found = errors(text, MILL);
         assert!(found.len() == 1 && found[0].contains(part), "{text}: {found:?}");
     }
+    // The words of a cycle are not those of another.
+    assert!(errors("G81 X1 Z-1 R1 F60\nG82 X2 Z-1 P0", MILL)[0].contains("R word"));
     // What is wrong in a subprogram is said once.
     assert_eq!(errors("M98 P1 L5\nM30\nO1\nG42\nM99", MILL).len(), 1);
 }

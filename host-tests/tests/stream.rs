@@ -404,6 +404,43 @@ fn a_program_is_checked_as_a_whole_before_anything_moves() {
     assert_eq!(state(&happenings, Duration::from_millis(100), State::Running), None);
 }
 
+/// What no word of the axis asks for goes over the line too: the way home, down a hole, a turned axis.
+#[test]
+fn moves_without_a_word_of_their_axis_are_sent() {
+    let (port, happenings) = controller(3, 50.0, 0.0);
+    for (program, end) in [
+        ("G0 X3 Y4 Z5", [3.0, 4.0, 5.0]),
+        ("G99 G81 X1 Y1 Z-3 R1 F6000", [1.0, 1.0, 1.0]),
+        ("G68 X1 Y1 R90\nG1 X6 F6000", [1.0, 6.0, 1.0]),
+        ("G28", [0.0; 3]),
+    ] {
+        let (code, _, complaints) = Process::new("words", program, &port, &[]).end();
+        assert_eq!(code, Some(0), "{program}: {complaints}");
+        assert_eq!(run(&happenings, TEN).unwrap(), end.map(|mm| (mm * 1e6) as i64), "{program}");
+    }
+}
+
+/// `-`: the program comes from standard input, which then brings no commands.
+#[test]
+fn a_program_may_come_from_standard_input() {
+    let (port, happenings) = controller(3, 20.0, 0.0);
+    for (program, code) in [("G1 X5 F6000\n", 0), ("G1 X6 F6000\nabort\n", 1), ("", 0)] {
+        let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_splineway"))
+            .args(["stream", "-", "--port", &port, "--quiet"])
+            .stdin(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        child.stdin.take().unwrap().write_all(program.as_bytes()).unwrap();
+        let out = child.wait_with_output().unwrap();
+        let complaints = String::from_utf8_lossy(&out.stderr);
+        assert_eq!(out.status.code(), Some(code), "{program}: {complaints}");
+        assert!(code == 0 || complaints.contains("line 2, column 1"), "{complaints}");
+    }
+    assert_eq!(run(&happenings, TEN).unwrap()[0], 5_000_000);
+    assert_eq!(state(&happenings, Duration::from_millis(100), State::Running), None);
+}
+
 #[test]
 fn codes_of_the_machine_are_told_in_order_and_a_pause_waits() {
     let (port, happenings) = controller(3, 5.0, 0.0);

@@ -25,6 +25,8 @@ const TIMES: f64 = 9999.0;
 /// What the cycles of the lines before have said.
 #[derive(Clone, Copy, Debug)]
 pub struct Series {
+    /// What its words are for: those of another cycle are none of this, but they are of one row.
+    cycle: Cycle,
     /// The level they began on.
     initial: Coord,
     /// Words, mm, as the program has them.
@@ -195,9 +197,10 @@ impl Reader {
             }
         }
         let here = self.position.get(axis).copied().unwrap_or_default();
-        let fresh = Series { initial: here, bottom: None, clear: None, peck: None, dwell: None };
+        let initial = self.series.map_or(here, |series| series.initial);
+        let fresh = Series { cycle, initial, bottom: None, clear: None, peck: None, dwell: None };
         let goes_on = self.series.is_some();
-        let mut series = self.series.unwrap_or(fresh);
+        let mut series = self.series.filter(|series| series.cycle == cycle).unwrap_or(fresh);
         if goes_on && self.modal.relative && !self.modal.to_initial {
             let what = "under G91 and G99 is read in two ways after its first line: use G90 or G98";
             return Err(context(column, what));

@@ -50,6 +50,9 @@ pub enum Group {
 const GROUPS: usize = 21;
 
 impl Group {
+    /// G50.
+    pub const NO_SCALE: Self = Self::Off(2);
+
     const fn index(self) -> usize {
         match self {
             Self::Once => 0,
@@ -106,7 +109,7 @@ const fn mill(tenths: u16) -> Option<Result<Group, Refused>> {
         980 | 990 => Group::Return,
         80 => Group::Off(0),
         150 => Group::Off(1),
-        500 => Group::Off(2),
+        500 => Group::NO_SCALE,
         970 => Group::Off(3),
         52 | 53 => return Some(no("a NURBS block")),
         70 => return Some(no("diameters of a lathe")),

@@ -90,7 +90,9 @@ impl Lexer<'_> {
     /// The first byte that is no blank.
     fn skip_blanks(&mut self) -> Option<u8> {
         while let Some(byte) = self.peek() {
-            if !matches!(byte, b' ' | b'\t' | b'\r') {
+            // A carriage return ends a line elsewhere: two moves must not become one.
+            let ends = byte == b'\r' && self.at + 1 == self.text.len();
+            if !(matches!(byte, b' ' | b'\t') || ends) {
                 return Some(byte);
             }
             self.at += 1;

@@ -14,11 +14,8 @@ impl Reader {
         codes: &Codes,
         words: &mut Words,
     ) -> Result<(), Refusal> {
-        // A dwell and a retraction of a printer have an S of their own.
-        let dwells = codes.g(Group::Once).is_some_and(|(code, _)| code.tenths == 40);
-        let owned = dwells || codes.g(Group::Extruder).is_some();
         let spindle = codes.m(Use::Spindle);
-        if !(owned && self.settings.dialect == Dialect::Marlin)
+        if !(self.has_own_speed(codes, words) && spindle.is_none())
             && let Some(speed) = words.take_in('S', Code::SPEED, (0.0, 1.0e6), false)?
         {
             let starts = spindle.is_some_and(|(code, _)| matches!(code.tenths, 30 | 40));
@@ -70,6 +67,16 @@ impl Reader {
             self.push_event(code, Some(value), false, column)?;
         }
         Ok(())
+    }
+
+    /// Whether an S word is none of the spindle's: of printers that of a dwell, a retraction and a tool; the greatest
+    /// speed of a lathe beside G50 and G92.
+    fn has_own_speed(&self, codes: &Codes, words: &Words) -> bool {
+        let once = codes.g(Group::Once).map(|(code, _)| code.tenths);
+        if self.settings.dialect == Dialect::Marlin {
+            return once == Some(40) || codes.g(Group::Extruder).is_some() || words.has('T');
+        }
+        once == Some(920) || codes.g(Group::NO_SCALE).is_some()
     }
 
     /// A code of printers that takes all the words of its line.

@@ -221,11 +221,10 @@ impl Reader {
             self.series = None;
         }
         if let Some((code, _)) = explicit {
-            let mode = Mode::of(code);
-            if mode != self.modal.mode {
+            self.modal.mode = Mode::of(code);
+            if !matches!(self.modal.mode, Mode::Cycle(_)) {
                 self.series = None;
             }
-            self.modal.mode = mode;
         }
         if let Some((code, _)) = codes.g(Group::Extruder) {
             // Retraction by the firmware: of the extruder only.
@@ -289,9 +288,14 @@ impl Reader {
             return true;
         }
         // Elsewhere words beside these codes are the code's own: only a motion code of the line itself takes them.
-        let ends_length = codes.g(Group::Length).is_some_and(|(code, _)| code.tenths == 490);
-        let of_printer = self.settings.dialect == Dialect::Marlin && codes.has_m();
-        explicit.is_none() && (ends_length || of_printer)
+        // (G50 X sets coordinates on a lathe, G92.1 X elsewhere.)
+        let is_owner =
+            |group, own: fn(u16) -> bool| codes.g(group).is_some_and(|(code, _)| own(code.tenths));
+        let owned = is_owner(Group::Length, |tenths| tenths == 490)
+            || is_owner(Group::Once, |tenths| matches!(tenths, 921..=923))
+            || codes.g(Group::NO_SCALE).is_some()
+            || self.settings.dialect == Dialect::Marlin && codes.has_m();
+        explicit.is_none() && owned
     }
 
     /// E words of printers are taken and left out.

@@ -43,6 +43,18 @@ fn axes_that_are_not_there_are_refused() {
     assert_eq!((refusal.column, refusal.reason), (7, Reason::NoAxis('A')));
 }
 
+/// The line ends of others are no blanks: two moves must not become one.
+#[test]
+fn a_carriage_return_is_the_end_of_a_line_or_refused() {
+    let mut reader = Reader::new(&Settings::default());
+    reader.line(1, b"G0 X1\r").unwrap();
+    assert_eq!(actions(&mut reader).len(), 1);
+    for text in [&b"G0 X1\rY2"[..], b"G0 X1\r\r", b"G0\r X1", b"\rG0 X1"] {
+        let reason = reader.line(2, text).unwrap_err().reason;
+        assert_eq!(reason, Reason::Character('\r'));
+    }
+}
+
 /// Lines of random words, and of random bytes: refused, or moves within the range, from where the last one ended;
 /// and a refused line moves nothing.
 #[test]

@@ -46,7 +46,8 @@ impl Check {
     pub fn execute(&self) -> Result<()> {
         let setup = setup(self.machine.as_deref())?;
         let options = ReadOptions { feed: self.feed, ..self.reading.options(&setup) };
-        let (mut program, mut found) = program::inspect(&self.file, options)?;
+        let bytes = program::bytes(&self.file)?;
+        let (mut program, mut found) = program::inspect_bytes(&self.file, &bytes, options)?;
         let mut machine = match &self.machine {
             Some(path) => Machine::read(path)?,
             None => Machine::default(),
@@ -58,14 +59,12 @@ impl Check {
         super::override_tolerance(&mut program, self.tolerance);
         found.extend(program::validate(&program, &machine));
         program::refuse(&found).with_context(|| self.file.display().to_string())?;
-        // Lines are shown as the file has them; of a curve, and of standard input, there are none.
+        // As the file has them; of a curve there are none.
         let ending = self.file.extension().and_then(|ending| ending.to_str()).unwrap_or("");
-        let text = match ending {
-            "json" | "toml" => Vec::new(),
-            _ => std::fs::read(&self.file).unwrap_or_default(),
-        };
-        let text = String::from_utf8_lossy(&text);
-        let source: Vec<&str> = text.lines().collect();
+        let is_curve =
+            matches!(ending, "json" | "toml") || bytes.trim_ascii_start().starts_with(b"{");
+        let lines = if is_curve { Vec::new() } else { program::gcode::lines(&bytes) };
+        let source: Vec<&str> = lines.iter().map(String::as_str).collect();
         let findings = look(&program, &machine, self.places, &source, self.quiet || self.json)?;
         for warning in program.warnings.iter().chain(&findings.advice) {
             eprintln!("{}: {warning}", paint("warning", "33", std::io::stderr().is_terminal()));

@@ -54,7 +54,9 @@ fn probe((option, path): Named<'_>) -> Result<Probe> {
         .truncate(false)
         .open(path)
         .with_context(refusal)?;
-    Ok(Probe { made: (!exists).then(|| path.to_owned()), identity: identity(path) })
+    // A link that leads nowhere has made the file it leads to, and is kept.
+    let made = if exists { None } else { std::fs::canonicalize(path).ok() };
+    Ok(Probe { made, identity: identity(path) })
 }
 
 /// Refuses outputs that would overwrite an input or each other, or that cannot be written.

@@ -1,7 +1,7 @@
 //! `splineway stream`: a program to a controller over a serial line.
 
 use super::reading::{Reading, setup};
-use crate::program::{self, AXES, Point, ReadOptions, refuse};
+use crate::program::{self, AXES, Point, ReadOptions, STDIN, refuse};
 use crate::stream::{
     Controlled, News, Order, Settings, Summary, check, describe_place, describe_state, items,
     open_port, parse_command, placed, send,
@@ -10,13 +10,14 @@ use anyhow::{Context, Result, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use splineway::wire::{Item, Situation};
 use std::io::{BufRead, IsTerminal, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{Sender, channel};
 
 const EXAMPLES: &str = "\
 While the program runs, lines on standard input are commands to the controller:
   hold | resume | stop | abort | feed 0..200 | rapid 0..100 | single on | single off
+If the program itself comes from there (-), there are none: Ctrl-C aborts.
 
 The machine is aborted - it brakes on the path and drops the rest - and this program waits until it stands:
   on Ctrl-C, SIGTERM and SIGHUP (a second one does not wait), on every error, and when standard input ends if
@@ -38,7 +39,8 @@ Exit codes: 0 run to its end, 1 error or aborted, 2 wrong usage.";
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Stream {
-    /// G-code (.ngc .nc .gcode .tap .cnc), poly-line (.txt), spline (.toml) or curve (.json).
+    /// G-code (.ngc .nc .gcode .tap ...), "-" for G-code on standard input, poly-line (.txt), spline (.toml) or
+    /// curve (.json).
     pub file: PathBuf,
     /// The serial port. It is locked: one sender at a time.
     #[arg(long)]
@@ -80,18 +82,21 @@ impl Stream {
             "watchdog is {} s; it must be 0.1 to 60, or 0 for none",
             self.watchdog
         );
-        ensure!(self.file.is_file(), "cannot read {}", self.file.display());
+        // All of it, before the port is anybody's: standard input may be slow.
+        let program = program::bytes(&self.file)?;
         let settings =
             Settings { silence: (self.watchdog * 1000.0).round() as u16, abort: self.abort };
         let mut port = open_port(&self.port, self.baud)?;
         let (sender, orders) = channel();
         obey_signals(sender.clone())?;
-        listen(sender);
+        if self.file != Path::new(STDIN) {
+            listen(sender);
+        }
         let bar = bar(self.quiet);
         let outcome = send(
             &mut port,
             settings,
-            |controlled| self.prepare(controlled),
+            |controlled| self.prepare(&program, controlled),
             &orders,
             &mut |news| match news {
                 News::Status { taken, items, situation } => {
@@ -121,7 +126,7 @@ impl Stream {
     }
 
     /// The program for the machine where it stands, read and checked as a whole.
-    fn prepare(&self, controlled: &Controlled) -> Result<Vec<Item>> {
+    fn prepare(&self, bytes: &[u8], controlled: &Controlled) -> Result<Vec<Item>> {
         let position = &controlled.situation.position;
         let mut start: Point = [0.0; AXES];
         for (mm, &nm) in start.iter_mut().zip(position) {
@@ -129,7 +134,9 @@ impl Stream {
         }
         let setup = setup(self.machine.as_deref())?;
         let options = ReadOptions { feed: self.feed, start, ..self.reading.options(&setup) };
-        let program = program::read(&self.file, options)?;
+        let name = self.file.display();
+        let (program, found) = program::inspect_bytes(&self.file, bytes, options)?;
+        refuse(&found).with_context(|| name.to_string())?;
         for warning in &program.warnings {
             complain(&format!("warning: {warning}"));
         }
@@ -144,7 +151,6 @@ impl Stream {
             };
             complain(&format!("--approach: first from {} to {}", words(&start), words(&to)));
         }
-        let name = self.file.display();
         let items = items(&program, controlled.axes).with_context(|| name.to_string())?;
         refuse(&check(&items, position)?).with_context(|| name.to_string())?;
         Ok(items)

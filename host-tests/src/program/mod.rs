@@ -12,9 +12,10 @@ pub use splineway::gcode::{Code, Dialect, Setup};
 
 use self::rational::Rational;
 use crate::smoothing::{self, SplineFile};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use splineway::block::BlockError;
 use std::collections::BTreeSet;
+use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
@@ -242,6 +243,9 @@ impl Default for ReadOptions<'_> {
     }
 }
 
+/// Most bytes of a file: 1 GB.
+const MOST_BYTES: u64 = 1_000_000_000;
+
 /// The name of standard input.
 pub const STDIN: &str = "-";
 
@@ -262,15 +266,26 @@ pub fn read(path: &Path, options: ReadOptions<'_>) -> Result<Program> {
 /// # Errors
 /// The file cannot be read, or not at all be understood; only G-code is read on behind an error.
 pub fn inspect(path: &Path, options: ReadOptions<'_>) -> Result<(Program, Vec<Finding>)> {
-    let name = path.display();
-    let bytes = if path == Path::new(STDIN) {
-        let mut bytes = Vec::new();
-        std::io::stdin().lock().read_to_end(&mut bytes).context("cannot read standard input")?;
-        bytes
+    inspect_bytes(path, &bytes(path)?, options)
+}
+
+/// What is in a file, or comes on standard input.
+///
+/// # Errors
+/// It cannot be read; it is larger than any program.
+pub fn bytes(path: &Path) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let count = if path == Path::new(STDIN) {
+        let input = std::io::stdin().lock();
+        input.take(MOST_BYTES + 1).read_to_end(&mut bytes).context("cannot read standard input")
     } else {
-        std::fs::read(path).with_context(|| format!("cannot read {name}"))?
+        let read = |file: File| file.take(MOST_BYTES + 1).read_to_end(&mut bytes);
+        let name = path.display();
+        File::open(path).and_then(read).with_context(|| format!("cannot read {name}"))
     };
-    inspect_bytes(path, &bytes, options)
+    // A device may have no end.
+    ensure!(count? as u64 <= MOST_BYTES, "{}: more than {MOST_BYTES} bytes", path.display());
+    Ok(bytes)
 }
 
 /// The same of a file that has been read; `path` tells the kind.

@@ -154,8 +154,7 @@ mod tests {
             let program = gcode::parse_with(text, options).unwrap();
             assert_eq!(placed(&program, &start, false).unwrap(), (program, None), "{text}");
         }
-        let options =
-            ReadOptions { start, dialect: Some(Dialect::Marlin), ..ReadOptions::DEFAULT };
+        let options = ReadOptions { start, dialect: Some(Dialect::Marlin), ..ReadOptions::DEFAULT };
         let program = gcode::parse_with("G28", options).unwrap();
         let (sent, _) = placed(&program, &start, false).unwrap();
         assert_eq!(sent.end()[..4], [0.0, 0.0, 0.0, 7.0]);

@@ -11,6 +11,12 @@ pub use run::examine;
 use super::{Program, ReadOptions, refuse};
 use anyhow::Result;
 
+/// The lines of a file, as they are counted.
+pub fn lines(bytes: &[u8]) -> Vec<String> {
+    let bytes = text::plain(bytes);
+    text::lines(&bytes).iter().map(|line| String::from_utf8_lossy(line).into_owned()).collect()
+}
+
 /// Reads a G-code program. Moves before any F word run at `feed` mm/s.
 ///
 /// # Errors

@@ -13,10 +13,20 @@ use std::collections::{BTreeMap, BTreeSet};
 const DEPTH: usize = 8;
 /// Most lines that are read, those of subprograms as often as they are called.
 const MOST_LINES: u64 = 50_000_000;
+/// Most moves, with those of repeated subprograms and holes: some 3 GB.
+const MOST_MOVES: usize = 10_000_000;
 
 /// Reads a G-code file: what it does, and what there is to say of it. Where there is an error among the findings, the
 /// program is what is left without those lines, and must not be run.
 pub fn examine(bytes: &[u8], options: ReadOptions<'_>) -> (Program, Vec<Finding>) {
+    examine_within(bytes, options, MOST_MOVES)
+}
+
+fn examine_within(
+    bytes: &[u8],
+    options: ReadOptions<'_>,
+    most_moves: usize,
+) -> (Program, Vec<Finding>) {
     let bytes = plain(bytes);
     let lines = lines(&bytes);
     let mut findings = Vec::new();
@@ -64,8 +74,12 @@ pub fn examine(bytes: &[u8], options: ReadOptions<'_>) -> (Program, Vec<Finding>
         refused: BTreeSet::new(),
         program,
         findings,
+        most_moves,
     };
     run.all();
+    if run.program.moves.is_empty() && run.findings.iter().all(|finding| !finding.is_error()) {
+        run.findings.push(Finding::warning(0, "there is nothing to run in it"));
+    }
     run.program.uses = run.reader.named();
     let warnings = run.findings.iter().filter(|finding| !finding.is_error());
     run.program.warnings = warnings.map(Finding::to_string).collect();
@@ -88,8 +102,8 @@ struct Run<'a> {
     /// Index of the next line.
     at: usize,
     calls: Vec<Call>,
-    /// Index of the line behind each O word.
-    labels: Option<BTreeMap<u32, usize>>,
+    /// Index of the line behind each O word; see [`labels`].
+    labels: Option<BTreeMap<u32, Option<usize>>>,
     has_label: bool,
     /// Notes are told once.
     told: Vec<Note>,
@@ -97,6 +111,7 @@ struct Run<'a> {
     refused: BTreeSet<usize>,
     program: Program,
     findings: Vec<Finding>,
+    most_moves: usize,
 }
 
 impl Run<'_> {
@@ -117,6 +132,11 @@ impl Run<'_> {
             }
             self.tell();
             while let Some(action) = self.reader.action() {
+                let most = self.most_moves;
+                if self.program.moves.len() == most {
+                    let text = format!("more than {most} moves with all subprograms and holes");
+                    return self.refuse(None, text);
+                }
                 if !self.take(&action) {
                     return;
                 }
@@ -186,8 +206,10 @@ impl Run<'_> {
     fn call(&mut self, program: u32, times: u32) -> bool {
         let lines = self.lines;
         let labels = self.labels.get_or_insert_with(|| labels(lines));
-        let Some(&first) = labels.get(&program) else {
-            self.refuse(None, format!("M98 P{program}: there is no O{program} in this file"));
+        let Some(first) = labels.get(&program).copied().flatten() else {
+            let twice = labels.contains_key(&program);
+            let what = if twice { "more than one" } else { "no" };
+            self.refuse(None, format!("M98 P{program}: there is {what} O{program} in this file"));
             return true;
         };
         if self.calls.len() == DEPTH {
@@ -216,8 +238,8 @@ impl Run<'_> {
     }
 }
 
-/// Where programs begin: the lines behind their O words; of two with the same number, the first.
-fn labels(lines: &[&[u8]]) -> BTreeMap<u32, usize> {
+/// Where programs begin: the lines behind their O words; `None` of a number that is there twice.
+fn labels(lines: &[&[u8]]) -> BTreeMap<u32, Option<usize>> {
     let mut labels = BTreeMap::new();
     for (index, line) in lines.iter().enumerate() {
         let text = String::from_utf8_lossy(line);
@@ -230,7 +252,7 @@ fn labels(lines: &[&[u8]]) -> BTreeMap<u32, usize> {
             let number = number.trim_start();
             let digits = number.find(|c: char| !c.is_ascii_digit()).unwrap_or(number.len());
             if let Ok(number) = number[..digits].parse() {
-                labels.entry(number).or_insert(index + 1);
+                labels.entry(number).and_modify(|at| *at = None).or_insert(Some(index + 1));
             }
         }
     }
@@ -264,4 +286,23 @@ fn step(block: &Block<f64, AXES>) -> Move {
     };
     let (tolerance, exact_stop) = (block.tolerance, block.exact_stop);
     Move { path, speed, tolerance, exact_stop, line: block.tag }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A line may ask for 300 million pecks, and a subprogram for more: what does not fit is said, and not tried.
+    #[test]
+    fn programs_that_fill_the_memory_are_refused() {
+        for (text, line) in [
+            ("G91 G83 X1 Z-10 R1 Q0.0011 L9999 F600", 1),
+            ("M98 P1 L9999\nM30\nO1\nM98 P2 L9999\nM99\nO2\nG91 G0 X1\nX-1\nM99", 9),
+        ] {
+            let (program, findings) = examine_within(text.as_bytes(), ReadOptions::DEFAULT, 1000);
+            assert_eq!((program.moves.len(), findings.len()), (1000, 1));
+            assert_eq!(findings[0].line, line);
+            assert!(findings[0].message.contains("more than 1000 moves"), "{findings:?}");
+        }
+    }
 }

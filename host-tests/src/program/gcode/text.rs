@@ -9,7 +9,10 @@ const END_OF_FILE: u8 = 0x1a;
 pub fn plain(bytes: &[u8]) -> Cow<'_, [u8]> {
     let wide = |order: fn([u8; 2]) -> u16| {
         let units = bytes[2..].chunks_exact(2).map(|pair| order([pair[0], pair[1]]));
+        // Half a character at the end is one that is not known, and refused as such.
+        let half = (bytes.len() % 2 == 1).then_some(Ok(char::REPLACEMENT_CHARACTER));
         let text: String = char::decode_utf16(units)
+            .chain(half)
             .map(|unit| unit.unwrap_or(char::REPLACEMENT_CHARACTER))
             .collect();
         Cow::Owned(text.into_bytes())
@@ -63,6 +66,7 @@ mod tests {
         assert_eq!(plain(b"\xef\xbb\xbfG0"), &b"G0"[..]);
         assert_eq!(plain(b"\xff\xfeG\x000\x00"), &b"G0"[..]);
         assert_eq!(plain(b"\xfe\xff\x00G\x000"), &b"G0"[..]);
+        assert_eq!(plain(b"\xff\xfeG\x000"), "G\u{fffd}".as_bytes());
         assert_eq!(plain(b"G0\n\x1a"), &b"G0\n"[..]);
         assert_eq!(column("(\u{e4}) G".as_bytes(), 6), 5);
     }
