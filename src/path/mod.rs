@@ -14,7 +14,7 @@ pub(crate) mod builder;
 mod check;
 mod chords;
 pub(crate) mod corner;
-mod cut;
+pub(crate) mod cut;
 mod helix;
 pub(crate) mod hermite;
 pub(crate) mod item;

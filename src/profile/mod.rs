@@ -12,6 +12,8 @@ mod chain;
 pub(crate) mod compile;
 mod descent;
 mod guess;
+#[cfg(test)]
+mod hull;
 pub(crate) mod law;
 pub(crate) mod rows;
 pub(crate) mod solver;

@@ -84,12 +84,16 @@ impl<S: Scalar> Bounds<S> {
             acceleration: S::of(1.0e12),
             jerk: S::of(1.0e15),
         };
-        let third = cell.length * S::of(1.0 / 3.0);
+        let (quarter, per) = (cell.length * S::of(0.25), S::of(5.0) / cell.length);
+        let four = S::of(4.0);
         for (i, axis) in limits.axes().iter().enumerate() {
-            // Between the nodes the tangent is inside the hull of the cubic with its derivatives.
-            let early = from.tangent[i] + from.curvature[i] * third;
-            let late = to.tangent[i] - to.curvature[i] * third;
-            let ends = from.tangent[i].abs().greatest(to.tangent[i].abs());
+            // The axis's velocity at steady speed is a quartic, between its Bernstein coefficients; at any
+            // other speed below the bound it was never seen beyond them by more than the share above leaves.
+            let (t0, t1) = (from.tangent[i], to.tangent[i]);
+            let early = t0 + from.curvature[i] * quarter;
+            let late = t1 - to.curvature[i] * quarter;
+            let middle = four * t0 + cell.bulge[i] * per - early - late - t1;
+            let ends = t0.abs().greatest(t1.abs()).greatest(middle.abs());
             let share = ends.greatest(early.abs()).greatest(late.abs());
             if share * bounds.speed > axis.velocity {
                 bounds.speed = axis.velocity / share;
