@@ -106,9 +106,11 @@ impl<S: Scalar, const N: usize> Blend<S, N> {
     pub fn cell(&self, index: u8, from: &Node<S, N>, order: Order<S>) -> Cell<S, N> {
         let (u0, u1) = (Self::parameter(index), Self::parameter(index + 1));
         let length = self.curve.arc_length(u0, u1);
+        // To the very node: where the curve itself ends is rounded.
+        let to = if index + 1 < CELLS { self.curve.place(&self.start.at, u1) } else { self.end.at };
         Cell {
             length,
-            bulge: self.curve.bulge(u0, u1, &from.tangent, length),
+            bulge: from.bulge_to(&to, length),
             order,
             dwell: S::ZERO,
             event: None,

@@ -1,8 +1,8 @@
 //! Quintic Hermite curves: point, tangent and curvature given at both ends.
 
 use super::node::{Cell, Node, by_arc_length, integral};
-use crate::number::Scalar;
 use crate::number::vector::{Vector, norm, shifted};
+use crate::number::{Coord, Scalar};
 use core::array::from_fn;
 
 /// A quintic curve over s in [0, length] that leaves the origin with a given tangent and curvature
@@ -108,14 +108,12 @@ impl<S: Scalar, const N: usize> Hermite<S, N> {
     /// Node at `u`, given the position of the start.
     pub fn node(&self, start: &Node<S, N>, u: S) -> Node<S, N> {
         let (tangent, curvature) = by_arc_length(&self.first(u), &self.second(u));
-        Node { at: shifted(&start.at, &self.exact(u.to_f64())), tangent, curvature }
+        Node { at: self.place(&start.at, u), tangent, curvature }
     }
 
-    /// What lies off the straight line between the nodes at two parameters: see [`Cell::bulge`].
-    pub fn bulge(&self, from: S, to: S, tangent: &Vector<S, N>, length: S) -> Vector<S, N> {
-        let (a, b) = (self.exact(from.to_f64()), self.exact(to.to_f64()));
-        let straight = |i: usize| tangent[i].to_f64() * length.to_f64();
-        from_fn(|i| S::of((b[i] - a[i]) - straight(i)))
+    /// Point at `u`, given the start.
+    pub fn place(&self, start: &[Coord; N], u: S) -> [Coord; N] {
+        shifted(start, &self.exact(u.to_f64()))
     }
 }
 
@@ -144,9 +142,9 @@ pub fn split_at<S: Scalar, const N: usize>(
     }
     let (first, second) = (curve.arc_length(S::ZERO, u), curve.arc_length(u, S::ONE));
     (
-        Cell { length: first, bulge: curve.bulge(S::ZERO, u, &from.tangent, first), ..*cell },
+        Cell { length: first, bulge: from.bulge_to(&middle.at, first), ..*cell },
         middle,
-        Cell { length: second, bulge: curve.bulge(u, S::ONE, &middle.tangent, second), ..*cell },
+        Cell { length: second, bulge: middle.bulge_to(&to.at, second), ..*cell },
     )
 }
 

@@ -13,14 +13,18 @@ const LEAST_LENGTH: f64 = 0.5e-6;
 /// Longest block, mm: well inside the range of the fixed-point arc length.
 const GREATEST_LENGTH: f64 = 7.0e6;
 
-/// A cell of length h next to a standstill leaves an arc of curvature k by h^2 k / 128 at constant jerk: the
-/// way grows with t^3, the bend with its square, which a quintic in time follows only so far. Of all the
-/// motions that [`crate::profile::law::Law`] admits, only those that creep over a cell for several times as
-/// long as they must do worse than h^2 k / 40 (by search over a hundred thousand).
-const STANDSTILL: f64 = 40.0;
+/// A cell of length h follows an arc of curvature k to within h^2 k / 19.2, whatever the motion over it.
+///
+/// The way s(t) along the cell is a quartic, the distance from the tangent k s^2 / 2 to begin with: of degree eight,
+/// and the quintic that is executed has its value, slope and second derivative at both ends. The rest is
+/// k h^2 / 2 u^3 (1 - u)^3 (a^2 (6 + 3 u + u^2) + 2 a b (3 + u) + b^2), where a and b are the factors of u^4 and u^3 in
+/// s / h, for a start from a standstill: 1 / 128 at constant jerk (a = 0). It is greatest for motions that creep next
+/// to an end of the cell for as long as [`crate::profile::law::Law`] admits: 1 / 26.1 from a standstill, 1 / 19.2
+/// where the end is passed (a search over the four Bernstein coefficients of the speed; it falls with the angle).
+const CREEPING: f64 = 19.2;
 
-/// Share of the tolerance that this may take.
-const ARC_SHARE: f64 = 0.9;
+/// Share of the tolerance that this may take; the rest is for rounding.
+const ARC_SHARE: f64 = 0.97;
 
 /// Angle of a cell at most, rad: at steady speed its quintic then keeps to the arc by 2e-8 of its radius.
 const LONGEST_ANGLE: f64 = 0.3;
@@ -165,8 +169,8 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
             Shape::Arc(helix) => {
                 let bend = helix.bend(&helix.climb(&self.start, &self.end));
                 let band = tolerance.greatest(S::of(FINEST_BAND));
-                let still = (band * S::of(STANDSTILL * ARC_SHARE / bend)).sqrt();
-                self.longest_angle().least(still)
+                let close = (band * S::of(CREEPING * ARC_SHARE / bend)).sqrt();
+                self.longest_angle().least(close)
             }
         }
     }

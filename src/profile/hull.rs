@@ -1,15 +1,16 @@
-//! Paths of every kind, and motions of every kind over their cells, against the velocity of every axis.
+//! Paths of every kind, and motions of every kind over their cells, against the velocity of every axis, the band and
+//! the ends of the cells.
 
 use super::compile::{Place, piece};
 use super::law::{Law, State};
 use super::rows::{Bounds, Pace, View};
-use crate::block::{Block, Feed, Motion, Turn};
+use crate::block::{Block, FINEST_BAND, Feed, Motion, Turn};
 use crate::machine::{AxisLimits, Config, Limits};
 use crate::number::{ArcLength, Coord, Scalar};
 use crate::path::builder::Builder;
 use crate::path::cut::Emitted;
-use crate::path::node::Node;
-use crate::path::segment::Segment;
+use crate::path::node::{Node, Order};
+use crate::path::segment::{Segment, mm_to_raw};
 use crate::servo::piece::Sequel;
 use core::array::from_fn;
 
@@ -107,15 +108,18 @@ fn cells<S: Scalar>(
     }
 }
 
-/// A motion whose speed has these Bernstein coefficients, and the greatest velocity of any axis over its
-/// limit.
-fn over<S: Scalar>(view: &View<'_, S, AXES>, speeds: [S; 4]) -> f64 {
-    let [p0, p1, p2, p3] = speeds;
-    let time = S::of(4.0) * view.cell.length / (p0 + p1 + p2 + p3);
+/// The motion over a length whose speed has these Bernstein coefficients, if there is one.
+fn law<S: Scalar>(length: S, [p0, p1, p2, p3]: [S; 4]) -> Option<Law<S>> {
+    let time = S::of(4.0) * length / (p0 + p1 + p2 + p3);
     let three = S::of(3.0) / time;
-    let (start, end) = ((p0 * p0, (p1 - p0) * three), (p3 * p3, (p3 - p2) * three));
-    let [start, end] = [start, end].map(|(b, a)| State { b, a });
-    let Some(law) = Law::new(view.cell.length, start, end) else { return 0.0 };
+    let [start, end] =
+        [(p0, p1 - p0), (p3, p3 - p2)].map(|(v, gain)| State { b: v * v, a: gain * three });
+    Law::new(length, start, end)
+}
+
+/// The greatest velocity of any axis over its limit in such a motion.
+fn over<S: Scalar>(view: &View<'_, S, AXES>, speeds: [S; 4]) -> f64 {
+    let Some(law) = law(view.cell.length, speeds) else { return 0.0 };
     let place = Place { serial: 0, way: ArcLength::ZERO, sequel: Sequel::Motion };
     let piece = piece(view, &law, place);
     let mut worst = 0.0f64;
@@ -162,4 +166,74 @@ fn search<S: Scalar>(rounds: u32) {
 fn no_axis_exceeds_its_velocity_within_a_cell() {
     search::<f64>(3000);
     search::<f32>(1000);
+}
+
+/// A cell ends at its node: what its polynomials miss it by is a jump of the position.
+fn ends<S: Scalar>(rounds: u32, floor: f64) {
+    let mut draws = Draws(0x2545_F491_4F6C_DD1D);
+    for round in 0..rounds {
+        let config = draws.config::<S>();
+        cells(&mut draws, &config, |_, cut| {
+            let length = cut.cell.length.to_f64();
+            for i in 0..AXES {
+                let way = cut.from.tangent[i].to_f64() * length + cut.cell.bulge[i].to_f64();
+                let missed = way - cut.node.at[i].minus::<f64>(cut.from.at[i]);
+                let most = 4.0 * S::EPSILON.to_f64() * length + floor;
+                assert!(missed.abs() <= most, "round {round}: {missed} of {length} on axis {i}");
+            }
+        });
+    }
+}
+
+#[test]
+fn cells_end_where_the_next_begin() {
+    ends::<f64>(300, 4e-12);
+    // Where a line follows a run, its start is rounded.
+    ends::<f32>(1000, 1e-8);
+}
+
+/// Any motion over the longest cell of an arc: steady, braking hard, creeping at either end.
+#[test]
+fn no_motion_over_a_cell_of_an_arc_leaves_the_band() {
+    let mut draws = Draws(0xD1B5_4A32_D192_ED03);
+    let one = AxisLimits { velocity: 1.0, acceleration: 1.0, jerk: 1.0, rotary: false };
+    let limits = Limits::new([one; AXES]).unwrap();
+    let mut worst = 0.0f64;
+    for _ in 0..300 {
+        let radius = draws.power(-1.0, 3.0);
+        let band = radius * draws.power(-6.0, -2.0);
+        let mm = |x: f64| Coord::from_mm(x).unwrap();
+        let ends = ([mm(radius), mm(0.0), mm(0.0)], [mm(0.0), mm(radius), mm(0.0)]);
+        let centre = (mm(0.0), mm(0.0));
+        let arc =
+            Segment::<f64, AXES>::arc(ends.0, ends.1, (0, 1), centre, Turn::CounterClockwise, 0);
+        let arc = arc.unwrap();
+        let length = arc.longest_cell(band);
+        let raw = mm_to_raw(length);
+        let order = Order { feed: 1.0, rapid: false, tag: 0 };
+        let (from, cell, to) = (arc.node(0), arc.cell((0, raw), order), arc.node(raw));
+        let view = View {
+            from: &from,
+            cell: &cell,
+            to: &to,
+            bounds: Bounds::default(),
+            limits: &limits,
+            share: 1.0,
+            price: 0.0,
+        };
+        for _ in 0..300 {
+            let speeds =
+                from_fn(|_| if draws.unit() < 0.4 { 1e-4 * draws.unit() } else { draws.unit() });
+            let Some(law) = law(length, speeds) else { continue };
+            let place = Place { serial: 0, way: ArcLength::ZERO, sequel: Sequel::Motion };
+            let piece = piece(&view, &law, place);
+            for k in 1..32 {
+                let at = piece.at(law.time * f64::from(k) / 32.0);
+                let off = (at.position_mm(0).hypot(at.position_mm(1)) - radius).abs();
+                worst = worst.max(off / band.max(FINEST_BAND));
+            }
+        }
+    }
+    // The worst of them make use of it.
+    assert!((0.8..=1.0).contains(&worst), "{worst}");
 }
