@@ -5,6 +5,7 @@ use splineway::Activity;
 use splineway_host::machine::Axis;
 use splineway_host::program::{Course, Move, Program, Speed};
 use splineway_host::run::judge::{Judge, Verdict};
+use splineway_host::run::track::Follower;
 use splineway_host::run::{Observer, Pace, Sample, Track};
 use splineway_host::view::violations;
 
@@ -134,4 +135,52 @@ fn planted_violations_are_found_at_every_cycle() {
             }
         }
     }
+}
+
+/// On a circle inside its own band nobody can tell the turns apart: the place followed lags by as many as there are,
+/// and what comes behind them is no violation.
+#[test]
+fn turns_within_the_band_are_followed_to_what_comes_behind() {
+    const TURNS: u16 = 40;
+    let radius = 0.8 * BAND;
+    let line = |path, line| Move {
+        path,
+        speed: Speed::PerSecond(1.0),
+        tolerance: None,
+        exact_stop: false,
+        line,
+    };
+    let mut program = Program::default();
+    (program.uses[0], program.uses[1]) = (true, true);
+    let far = [5.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    program.moves = vec![
+        line(
+            Course::Arc {
+                to: [0.0; 9],
+                plane: (0, 1),
+                centre: (0.0, radius),
+                clockwise: false,
+                extra_turns: TURNS - 1,
+            },
+            1,
+        ),
+        line(Course::Line { to: far }, 2),
+    ];
+    let track = Track::new(&program);
+    let mut follower = Follower::default();
+    let round = std::f64::consts::TAU * radius;
+    let step = 0.002;
+    let outside = |follower: &mut Follower, x: &[f64]| {
+        follower.look(&track, x, 20.0 * BAND + 0.02 + 2.0 * step, BAND).outside.distance
+    };
+    let circle = f64::from(TURNS) * round;
+    for k in 0..((circle + 5.0) / step) as u32 {
+        let way = f64::from(k) * step;
+        let (sin, cos) = (way / radius).sin_cos();
+        let on_circle = [radius * sin, radius * (1.0 - cos)];
+        let x = if way < circle { on_circle } else { [way - circle, 0.0] };
+        assert!(outside(&mut follower, &x) < 0.0, "{way} mm");
+    }
+    // What is not there is seen all the same.
+    assert!(outside(&mut follower, &[5.0, 1.1 * BAND]) > 0.0);
 }

@@ -165,17 +165,22 @@ pub struct Off {
 /// Follows the path in order and measures how far setpoints are from it.
 #[derive(Clone, Debug, Default)]
 pub struct Follower {
-    /// Segment and arc length reached.
+    /// Segment and arc length reached at least.
     segment: usize,
     way: f64,
+    /// Arc length that may have been reached: where the path winds within its band, nobody can tell which turn it is.
+    far: f64,
+    /// The setpoint before.
+    last: Vec<f64>,
 }
 
 impl Follower {
-    /// Distance of a setpoint from the stretch of path up to `reach` mm around the place that the
-    /// setpoint before it had come to; `default` is the tolerance of moves which name none.
+    /// Distance of a setpoint from the stretch of path up to `reach` mm around the places that the
+    /// setpoint before it had come to, at least and at most; `default` is the tolerance of moves which name none.
     ///
-    /// Where two tolerances meet, the lesser is in force at the corner. The place moves on only as far as
-    /// it must to stay within the tolerance: where the path folds back on itself it does not skip the fold.
+    /// Where two tolerances meet, the lesser is in force at the corner. The first place moves on only as far as
+    /// it must to stay within the tolerance: where the path folds back on itself it does not skip the fold. The
+    /// other moves on as long as the path stays within the tolerance: where it winds there, that may be many turns.
     pub fn look(&mut self, track: &Track, x: &[f64], reach: f64, default: f64) -> Off {
         let mut best = Off { distance: f64::INFINITY, outside: Outside::default() };
         best.outside.distance = f64::INFINITY;
@@ -191,8 +196,11 @@ impl Follower {
         }
         let mut nearest = (self.segment, self.way);
         let mut place = None;
+        let step = if self.last.is_empty() { 0.0 } else { distance(&self.last, x) };
+        let near = self.far + 2.0 * step;
+        let (mut far, mut free) = (self.way, None);
         for k in lo..last {
-            if k > self.segment && track.way[k] > self.way + reach {
+            if k > self.segment && track.way[k] > self.far + reach {
                 break;
             }
             let (a, b) = (track.point(k), track.point(k + 1));
@@ -226,12 +234,35 @@ impl Follower {
                     place = Some((k, track.way[k] + t * length));
                 }
             }
+            let t = along / (length * length);
+            free = within(t, off(t) / length, (own * 1.001 + SAGITTA) / length).and_then(
+                |(from, to)| {
+                    let begin =
+                        free.filter(|_| from <= 0.0).unwrap_or(track.way[k] + from * length);
+                    if begin <= near {
+                        far = f64::max(far, track.way[k] + to * length);
+                    }
+                    (to >= 1.0).then_some(begin)
+                },
+            );
         }
         let (segment, way) = place.unwrap_or(nearest);
         if way > self.way {
             self.way = way;
             self.segment = segment;
         }
+        self.far = far.max(self.way);
+        self.last.clear();
+        self.last.extend_from_slice(x);
         best
     }
+}
+
+/// The part of a line of length 1 that is nearer to a point than `band`, from and to; the point lies `along` it and
+/// `off` it.
+pub(crate) fn within(along: f64, off: f64, band: f64) -> Option<(f64, f64)> {
+    let half = (band * band - off * off).sqrt();
+    let (from, to) = (along - half, along + half);
+    // A NaN is neither.
+    (from <= 1.0 && to >= 0.0).then_some((from.max(0.0), to.min(1.0)))
 }

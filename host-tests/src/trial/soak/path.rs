@@ -3,6 +3,7 @@
 //! Curves are chords, made where they are looked at: an arc of a hundred turns takes no memory.
 
 use super::draw::{Place, Shape};
+use crate::run::within;
 use splineway::block::FINEST_BAND;
 
 /// How far chords may leave their curve, as a share of the tolerance and at least, mm.
@@ -93,9 +94,13 @@ pub struct Path {
     rounding: f64,
     segments: Vec<Segment>,
     end: Place,
-    /// Segment, chord and path reached.
+    /// Segment, chord and path reached at least.
     at: (usize, u32),
     way: f64,
+    /// Path that may have been reached: where it winds within its band, nobody can tell which turn it is.
+    far: f64,
+    /// The setpoint before.
+    last: Place,
 }
 
 /// How a setpoint lies to the path.
@@ -115,7 +120,8 @@ impl Path {
     /// A path that starts at a place, for a core in `f64` or not.
     pub fn new(start: Place, axes: usize, double: bool) -> Self {
         let rounding = ROUNDING[usize::from(double)];
-        Self { axes, rounding, segments: Vec::new(), end: start, at: (0, 0), way: 0.0 }
+        let (segments, at) = (Vec::new(), (0, 0));
+        Self { axes, rounding, segments, end: start, at, way: 0.0, far: 0.0, last: start }
     }
 
     /// Where it ends.
@@ -235,10 +241,10 @@ impl Path {
         (self.length() - self.way).max(0.0)
     }
 
-    /// How a setpoint lies to the stretch of path around the place reached, `reach` mm beyond what the
-    /// band there lets corners cut off. That place
-    /// moves on only as far as it must to have the setpoint in its band: where the path folds back on
-    /// itself it does not skip the fold.
+    /// How a setpoint lies to the stretch of path between the places that have been reached at least and at most,
+    /// `reach` mm beyond what the band there lets corners cut off. The one moves on only as far as it must to have
+    /// the setpoint in its band: where the path folds back on itself it does not skip the fold. The other moves on
+    /// as long as the path stays in the setpoint's band: where it winds in there, that may be many turns.
     pub fn follow(&mut self, x: &Place, reach: f64) -> Off {
         let Some(first) = self.segments.get(self.at.0) else {
             let distance = self.distance(&self.end, x);
@@ -249,6 +255,8 @@ impl Path {
         let mut best =
             Off { excess: f64::INFINITY, distance: f64::INFINITY, band: 0.0, tag: first.tag };
         let (mut nearest, mut place) = ((self.at, self.way), None);
+        let near = self.far + 2.0 * self.distance(&self.last, x);
+        let (mut far, mut free) = (self.way, None);
         // Back by the reach.
         let (mut n, mut k) = self.at;
         let from = self.way - reach;
@@ -267,7 +275,7 @@ impl Path {
             while k < segment.chords {
                 let start = segment.start(k);
                 let length = (segment.start(k + 1) - start).max(1.0e-15);
-                if start > self.way + reach {
+                if start > self.far + reach {
                     break;
                 }
                 let b = segment.at(k + 1);
@@ -300,10 +308,22 @@ impl Path {
                         place = Some(((n, k), start + t * length));
                     }
                 }
+                if square > 0.0 {
+                    let (t, whole) = (along / square, square.sqrt());
+                    free =
+                        within(t, off(t) / whole, segment.band / whole).and_then(|(from, to)| {
+                            let begin =
+                                free.filter(|_| from <= 0.0).unwrap_or(start + from * length);
+                            if begin <= near {
+                                far = f64::max(far, start + to * length);
+                            }
+                            (to >= 1.0).then_some(begin)
+                        });
+                }
                 a = b;
                 k += 1;
             }
-            if segment.end() > self.way + reach {
+            if segment.end() > self.far + reach {
                 break;
             }
             (n, k) = (n + 1, 0);
@@ -312,6 +332,7 @@ impl Path {
         if way > self.way || at > self.at {
             (self.at, self.way) = (at, way.max(self.way));
         }
+        (self.far, self.last) = (far.max(self.way), *x);
         best
     }
 }
