@@ -20,8 +20,9 @@
 //! - [`block`]: what comes in. A [`Block`] is plain data, checked as a whole when it is pushed.
 //! - [`spline`]: cubic B-splines and their smoothing inside a tube; for splines that come as such, and for
 //!   the runs of `path`.
-//! - `path`: geometry. It knows no speed law; of feed and limits it takes what it needs to choose lengths: how
-//!   far a start from rest reaches, and how long a cell may be (`path::cut`). Blocks wait until their neighbours are known; corners
+//! - `path`: geometry. It knows no speed law; of feed and limits it takes what it needs to choose lengths - how
+//!   far a start from rest reaches, and how long a cell may be (`path::cut`) - and hands on the speed that a feed word
+//!   asks for. Blocks wait until their neighbours are known; corners
 //!   become cubic B-splines inside the tolerance band (shaped for least time, or as in Guo, Yan, Wang
 //!   2023), runs of short lines one cubic B-spline that is smoothed inside the band in a set number of
 //!   sweeps (after Naseath 2007), joints with arcs quintic blends. Everything is cut into *cells*

@@ -1,6 +1,11 @@
 //! Geometry: from blocks to a curvature-continuous path, as a chain of nodes and cells.
 //!
-//! No file in here knows time: speeds appear only as the programmed feed that a cell carries on.
+//! No file in here knows at what speed the path will be run. Of feed words, limits and the servo cycle it takes three
+//! things. [`item`] makes of a feed word the speed along the path that is asked for, at most what the axes' velocities
+//! allow on a line; a cell carries it on. [`cut`] makes lengths of feed, jerk and acceleration: a cell is at most what the
+//! feed covers in a quarter of a second, and the first from a standstill what jerk covers while it gets going; a
+//! [`run`] lays its knots no farther apart, so that within the band its spline depends on them, too. And a dwell is a
+//! number of seconds, cut into parts whose servo cycles can be counted.
 //!
 //! The way of a block: [`segment`] makes it a checked line or arc ([`helix`]) with exact ends; [`builder`]
 //! holds it as an [`item`] (a curve as [`chords`]) until its neighbours are known; [`joint`] decides by
