@@ -14,11 +14,14 @@ RUSTFLAGS="--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-
 for target in blocks gcode wire splines; do
   echo "fuzz $target: $runs runs, seed $seed"
   corpus=$(mktemp -d)
+  dictionary=
   case $target in
-    gcode) cp ../examples/*.txt "$corpus" ;;
+    gcode) cp ../examples/*.txt seeds/*.ngc seeds/*.gcode "$corpus" ;;
+    wire) cp seeds/*.wire "$corpus" ;;
     splines) cp ../examples/*.json "$corpus" ;;
   esac
+  [ -f "$target.dict" ] && dictionary="-dict=$target.dict"
   "target/x86_64-unknown-linux-gnu/release/$target" -runs="$runs" -seed="$seed" -max_len=600 -timeout=20 \
-    -print_final_stats=0 -verbosity=0 "$corpus"
+    -print_final_stats=0 -verbosity=0 $dictionary "$corpus"
   rm -r "$corpus"
 done

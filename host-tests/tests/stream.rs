@@ -241,8 +241,11 @@ impl Process {
 
     fn say(&mut self, line: &str) {
         let input = self.input.as_mut().unwrap();
-        writeln!(input, "{line}").unwrap();
-        input.flush().unwrap();
+        if writeln!(input, "{line}").and_then(|()| input.flush()).is_err() {
+            let mut complaints = String::new();
+            self.child.stderr.take().unwrap().read_to_string(&mut complaints).unwrap();
+            panic!("it has ended before {line}: {complaints}");
+        }
     }
 
     /// Waits for its end: exit code, standard output, standard error.
@@ -407,7 +410,7 @@ fn a_program_is_checked_as_a_whole_before_anything_moves() {
 /// What no word of the axis asks for goes over the line too: the way home, down a hole, a turned axis.
 #[test]
 fn moves_without_a_word_of_their_axis_are_sent() {
-    let (port, happenings) = controller(3, 50.0, 0.0);
+    let (port, happenings) = controller(3, 10.0, 0.0);
     for (program, end) in [
         ("G0 X3 Y4 Z5", [3.0, 4.0, 5.0]),
         ("G99 G81 X1 Y1 Z-3 R1 F6000", [1.0, 1.0, 1.0]),

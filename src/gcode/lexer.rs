@@ -13,7 +13,7 @@
 //! | `X1e5` | exponent | refused |
 //! | `X1E5`, `X1E-0.5` | exponent; no number | X1 and a word of the extruder |
 //!
-//! With a space before it, E is a word. An E without digits behind it is none of these and is refused.
+//! The numbers of codes (G, M, T, N, O) have no exponents: G2E1 is not G20. With a space before it, E is a word. An E without digits behind it is none of these and is refused.
 
 use super::Dialect;
 use super::error::{Reason, Refusal};
@@ -251,6 +251,9 @@ impl Lexer<'_> {
     /// The exponent behind a number, as the table at the top has it.
     fn exponent(&mut self, number: &mut Decimal, letter: char, column: u32) -> Result<(), Refusal> {
         let Some(e @ (b'e' | b'E')) = self.peek() else { return Ok(()) };
+        if matches!(letter, 'G' | 'M' | 'T' | 'N' | 'O') {
+            return Ok(());
+        }
         let signed = matches!(self.text.get(self.at + 1), Some(b'+' | b'-'));
         let first = self.text.get(self.at + 1 + usize::from(signed)).copied();
         let is_digit = first.is_some_and(|byte| byte.is_ascii_digit());

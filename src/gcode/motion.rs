@@ -236,7 +236,7 @@ impl Reader {
         let machine = codes.g(Group::Machine);
         let centre = ['I', 'J', 'K', 'R'].into_iter().any(|letter| words.has(letter));
         let asks = words.has_axes() || mode.is_arc() && centre;
-        if self.leaves_axes(codes, explicit) || !asks {
+        if self.leaves_axes(codes, explicit, words) || !asks {
             if let (Some((code, column)), true) = (machine, !asks) {
                 return Err(Refusal::new(column, Reason::Missing { code, what: "axis words" }));
             }
@@ -283,7 +283,7 @@ impl Reader {
     }
 
     /// Whether the axis words of a line, if there are any, are none of its motion.
-    fn leaves_axes(&self, codes: &Codes, explicit: Option<Found>) -> bool {
+    fn leaves_axes(&self, codes: &Codes, explicit: Option<Found>, words: &Words) -> bool {
         if takes_axes(codes) || codes.m(Use::Call).is_some() {
             return true;
         }
@@ -294,7 +294,7 @@ impl Reader {
         let owned = is_owner(Group::Length, |tenths| tenths == 490)
             || is_owner(Group::Once, |tenths| matches!(tenths, 921..=923))
             || codes.g(Group::NO_SCALE).is_some()
-            || self.settings.dialect == Dialect::Marlin && codes.has_m();
+            || self.settings.dialect == Dialect::Marlin && (codes.has_m() || words.has('T'));
         explicit.is_none() && owned
     }
 

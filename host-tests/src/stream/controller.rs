@@ -18,6 +18,8 @@ const QUEUE: usize = 16;
 const EVENTS: usize = 8;
 /// Most servo cycles that are made up for in one go.
 const MOST_CYCLES: u64 = 1000;
+/// Most time that takes.
+const MOST_TIME: Duration = Duration::from_millis(20);
 
 /// Silence after which a controller that is done with leaves.
 const SILENCE: Duration = Duration::from_millis(500);
@@ -172,6 +174,10 @@ impl Controller {
             let target = (now.as_secs_f64() * speed / machine.cycle) as u64;
             let mut progress = Progress::Waiting;
             for _ in 0..(target.saturating_sub(cycles)).min(MOST_CYCLES) {
+                // The line is served whatever planning costs: what is not made up for now is lost time.
+                if began.elapsed() > now + MOST_TIME {
+                    break;
+                }
                 progress = station.poll(&mut planner, &events, now.as_millis() as u32);
                 setpoint = interpolator.tick();
                 if let Some(event) = events.take(&setpoint) {

@@ -6,7 +6,7 @@ mod run;
 mod text;
 
 pub use guess::{Guess, guess};
-pub use run::examine;
+pub use run::{examine, examine_within};
 
 use super::{Program, ReadOptions, refuse};
 use anyhow::Result;

@@ -22,7 +22,8 @@ pub fn examine(bytes: &[u8], options: ReadOptions<'_>) -> (Program, Vec<Finding>
     examine_within(bytes, options, MOST_MOVES)
 }
 
-fn examine_within(
+/// The same with at most so many moves; more are refused.
+pub fn examine_within(
     bytes: &[u8],
     options: ReadOptions<'_>,
     most_moves: usize,
