@@ -14,7 +14,7 @@ use crate::number::{Coord, Scalar};
 /// Finest band that an arc is followed in, mm: a smaller tolerance, down to 0, counts as this for the way
 /// along an arc (its ends are exact at any tolerance). What is left of the tolerance to rounding in `f32` is
 /// less than a tenth of it.
-pub const FINEST_BAND: f64 = 1.0e-4;
+pub const FINEST_BAND: f64 = 2.0e-4;
 
 /// Sense of an arc, seen against the plane's normal (for XY: from above).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
