@@ -83,6 +83,8 @@ const BRAKINGS: f64 = 10.0;
 const STOPS: f64 = 1.3;
 /// Answers that are due at once may take so many polls.
 const POLLS: u32 = 24;
+/// Of them, those that begin at rest.
+const RESTED: u32 = 2;
 /// Happenings that are kept for a report.
 const KEPT: usize = 24;
 
@@ -124,6 +126,8 @@ pub struct Referee {
     last: Sample,
     cycle: u64,
     idle: u32,
+    /// Polls in a row that began at rest: one that began before says what it found then.
+    rested: u32,
     /// The hold's key is down.
     key: bool,
     hold: Option<Since>,
@@ -174,6 +178,7 @@ impl Referee {
             },
             cycle: 0,
             idle: 1,
+            rested: 0,
             key: false,
             hold: None,
             held: false,
@@ -335,6 +340,7 @@ impl Referee {
     /// The planner is about to be called.
     pub fn polls(&mut self) {
         self.presses_at_poll = self.presses;
+        self.rested = if self.idle > 0 { self.rested + 1 } else { 0 };
     }
 
     /// The planner has answered.
@@ -374,14 +380,17 @@ impl Referee {
             }
             _ => {}
         }
-        let waits = self.idle > POLLS && self.abort.is_none();
-        if waits && self.hold.is_some_and(|since| since.polls > POLLS) && progress != Progress::Held
+        let waits = self.idle > POLLS && self.rested > RESTED;
+        if waits
+            && self.abort.is_none()
+            && self.hold.is_some_and(|since| since.polls > POLLS)
+            && progress != Progress::Held
         {
             self.find(Rule::Held, format!("at rest and held, but said to be {progress:?}"));
         }
         if let Some(since) = self.abort
             && since.polls > POLLS
-            && self.idle > POLLS
+            && waits
             && progress != Progress::Aborted
         {
             self.find(
