@@ -24,7 +24,7 @@ const CRAWL: (f64, u32) = (1.0e-3, 20);
 const BACK: f64 = 1.0e-5;
 /// A hold or an abort is answered within this time, s: v / A + A / J is 0.09 to 0.14, and where the path bends
 /// there is not always a stop at once.
-const ANSWER: f64 = 0.6;
+const ANSWER: f64 = 0.3;
 
 fn setting<S: Scalar>(cycle: f64) -> Config<S, 2> {
     let axis = AxisLimits {
@@ -261,6 +261,67 @@ fn an_override_is_answered_before_the_next_node() {
         [(97, Hold), (97, Override(5)), (223, Resume), (224, Override(100)), (224, Resume)];
     operate::<f64>(&vec![((20.0, 10.0), 100.0)], &presses, 0).unwrap();
     operate::<f32>(&vec![((20.0, 10.0), 100.0)], &presses, 0).unwrap();
+}
+
+/// Lines with a corner, and a square.
+fn corners() -> [Steps; 2] {
+    let bent = vec![
+        ((24.124_942_843_592_88, 0.0), 35.777_242_742_390_15),
+        ((11.961_830_214_203_1, 0.0), 65.601_307_610_861_3),
+        ((13.376_871_557_668_98, 17.915_885_643_759_78), 94.545_870_026_537_78),
+    ];
+    let square = [(10.0, 0.0), (10.0, 10.0), (0.0, 10.0), (5.0, 5.0)];
+    [bent, square.map(|to| (to, 100.0)).to_vec()]
+}
+
+/// An override that is raised soon after a start at a lower one takes the motion to its speed at once, not to
+/// a third of it for the rest of the program.
+#[test]
+fn a_raised_override_is_reached() {
+    use Press::{Hold, Override, Resume, Single};
+    let [bent, square] = corners();
+    let late = [(0, Hold), (1, Resume), (65, Hold), (65, Override(20)), (203, Resume)];
+    let again = [
+        (42, Hold),
+        (43, Resume),
+        (44, Hold),
+        (44, Override(20)),
+        (197, Resume),
+        (198, Hold),
+        (198, Override(5)),
+        (311, Resume),
+    ];
+    for (steps, presses) in [(bent, &late[..]), (square, &again[..])] {
+        let end = presses.last().map_or(0, |(cycle, _)| cycle + 1);
+        let mut presses = presses.to_vec();
+        presses.extend([(end, Single(false)), (end, Override(100)), (end, Resume)]);
+        operate::<f64>(&steps, &presses, 0).unwrap();
+        operate::<f32>(&steps, &presses, 0).unwrap();
+    }
+}
+
+/// A motion at 1 per cent reaches its speed in no time, and is held at once, however slow it is: a start is not
+/// spread over cells that were cut for a hundred times the speed.
+#[test]
+fn a_slow_start_is_short_and_can_be_held() {
+    use Press::{Hold, Override, Resume};
+    for steps in corners() {
+        for wait in [1, 2, 3, 5, 9, 20, 60] {
+            let presses = [(0, Override(1)), (wait, Hold), (400, Override(100)), (400, Resume)];
+            operate::<f64>(&steps, &presses, 1).unwrap();
+            operate::<f32>(&steps, &presses, 1).unwrap();
+        }
+        let mut slow = 0;
+        let (blocks, _) = blocks::<f64>(&steps);
+        drive::<f64>(&blocks, (CYCLE, 1), |cycle, _, setpoint, controls| {
+            controls.feed_override(1);
+            let asked = 0.9 * steps[0].1 * 0.01;
+            slow +=
+                u32::from(setpoint.activity == Activity::Running && setpoint.path_speed < asked);
+            cycle < 600
+        });
+        assert!(slow < 40, "{slow} cycles below 0.9 per cent");
+    }
 }
 
 /// Runs blocks at a servo cycle, one poll every `every` cycles, until `then` says stop.

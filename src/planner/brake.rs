@@ -1,6 +1,6 @@
 //! Coming to rest on the path as soon as the limits allow.
 
-use super::stop::{DEPTHS, SHARES, Stop};
+use super::stop::{DEPTHS, HARD, SHARES, Stop};
 use super::{Halt, Planner};
 use crate::number::Scalar;
 use crate::profile::law::State;
@@ -13,6 +13,10 @@ const STOP_TRIES: u32 = 12;
 /// so many servo cycles.
 const LATER: f64 = 1.1;
 const LATER_CYCLES: f64 = 3.0;
+/// A stop of fewer servo cycles is brief.
+const BRIEF: f64 = 8.0;
+/// Servo cycles that the last part of a stop takes at least.
+const LEAST_CYCLES: f64 = 0.5;
 /// Braking distances within which a stop is wanted; if there is none, it is looked for again a
 /// little later.
 const FURTHEST_STOP: f64 = 3.0;
@@ -145,13 +149,28 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             let station = self.window.get(i)?;
             for depth in DEPTHS {
                 // The hardest that ends clear of all nodes.
-                let stops =
-                    SHARES.iter().filter_map(|share| Stop::new(station, way, depth, S::of(*share)));
-                if let Some(stop) = { stops }.find(|stop| self.is_clear(stretch, stop.at))
-                    && stop.at > beyond
-                    && best.as_ref().is_none_or(|(_, least)| stop.at < least.at)
-                {
-                    best = Some((i, stop));
+                let mut brief = true;
+                for (k, share) in SHARES.iter().enumerate() {
+                    if k >= HARD && !brief {
+                        break;
+                    }
+                    let Some(stop) = Stop::new(station, way, depth, S::of(*share)) else {
+                        continue;
+                    };
+                    brief = stop.time() < self.config.cycle * S::of(BRIEF);
+                    if !self.is_clear(stretch, &stop) {
+                        continue;
+                    }
+                    if stop.at > beyond {
+                        if best.as_ref().is_none_or(|(_, least)| stop.at < least.at) {
+                            best = Some((i, stop));
+                        }
+                        break;
+                    }
+                    // A brief one may still do if it is longer.
+                    if !brief {
+                        break;
+                    }
                 }
             }
             way += station.cell.length;
@@ -159,15 +178,20 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         best
     }
 
-    /// Whether a place, mm from the start of a stretch, is not too near to a node of it.
-    fn is_clear(&self, stretch: Stretch, place: S) -> bool {
+    /// Whether a stop ends not too near to a node of the stretch: the piece that comes to rest lasts, and the
+    /// one that will start there.
+    fn is_clear(&self, stretch: Stretch, stop: &Stop<S>) -> bool {
+        let begin = stop.at - stop.length();
         let mut way = S::ZERO;
         for i in stretch.first..stretch.last {
             let Some(station) = self.window.get(i) else { return false };
             let apart = self.apart(station.bounds.jerk);
             let end = way + station.cell.length;
-            if place < end + apart {
-                return place - way >= apart && end - place >= apart;
+            if stop.at < end + apart {
+                let (before, behind) = (stop.at - way, end - stop.at);
+                let speed = stop.state((way - begin).greatest(S::ZERO)).b.sqrt();
+                return before >= speed * self.config.cycle * S::of(LEAST_CYCLES)
+                    && behind >= apart;
             }
             way = end;
         }
@@ -187,11 +211,6 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         loop {
             let length = self.window.get(cell)?.cell.length;
             if way + length > stop.length() {
-                let apart = self.apart(self.window.get(cell)?.bounds.jerk);
-                let (before, behind) = (stop.length() - way, way + length - stop.length());
-                if before < apart || behind < apart {
-                    return None;
-                }
                 self.insert(cell, (stop.length() - way) / length, State::REST)?;
                 break;
             }
@@ -205,7 +224,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         let mut end = cell + 1;
         // Where the jerk changes, unless a station is near.
-        for change in stop.ends() {
+        for change in stop.changes(self.config.cycle * S::of(LEAST_CYCLES)) {
             way = S::ZERO;
             for k in i..end {
                 let length = self.window.get(k)?.cell.length;

@@ -11,6 +11,7 @@
 //! next attempt allows more cycles.
 
 use super::{Halt, Planner, Progress};
+use crate::machine::Config;
 use crate::number::Scalar;
 use crate::path::node::Cell;
 use crate::profile::law::State;
@@ -154,7 +155,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     pub(super) fn prepare(&mut self) -> Option<(Stretch, Branch)> {
         let (first, branch) = self.cut_in()?;
         let mut stretch = self.stretch_from(first);
-        stretch.last = self.refine(first, stretch.last);
+        stretch.last = self.refine(first, stretch.last, self.braking_distance(first));
         self.loosen(first, stretch.last);
         Some((stretch, branch))
     }
@@ -211,7 +212,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             let state = self.window.get(end).map_or(State::REST, |station| station.state);
             self.window.set_state(end, State::REST);
             let held = Stretch { last: end, ..stretch };
-            if self.solver.holds(&self.window, held, &self.config.limits) {
+            // With no node between there is nothing that could be improved.
+            let crawls = end == stretch.first + 1 && self.crawl_in(held).is_some();
+            if !crawls && self.solver.holds(&self.window, held, &self.config.limits) {
                 self.improve(held, Aim::Time);
                 self.publish(held, branch, self.overrides, Some(halt));
                 return true;
@@ -270,8 +273,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     fn retune_from(&mut self, first: usize, branch: Branch, before: (u16, u16)) -> bool {
         let end = self.window.index(self.planned_end);
         let by_cycle = matches!(branch, Branch::Cycle(_));
-        let last = if by_cycle { self.refine(first, end) } else { end };
         let pace = self.pace();
+        self.window.bound(first, &pace);
+        let speed = self.window.get(first).map_or(S::ZERO, |station| station.state.b.sqrt());
+        let distance = self.ramp(first, speed).greatest(self.braking_distance(first));
+        let last = if by_cycle { self.refine(first, end, distance) } else { end };
         for i in first..self.window.len() {
             self.window.bound(i, &pace);
         }
@@ -280,7 +286,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.window.get(i).is_some_and(|station| station.bounds.speed > station.bounds.goal)
         });
         let rests = self.window.get(last).is_some_and(|station| station.rest);
-        let stretch = Stretch { first, last, open: !rests && self.halt.is_none() };
+        let mut stretch = Stretch { first, last, open: !rests && self.halt.is_none() };
+        // A plan that was made to rest at its end does so with all that the limits allow.
+        stretch.open &= self.solver.holds(&self.window, stretch, &self.config.limits);
+        if !slower && self.find_afresh(stretch) {
+            self.publish(stretch, branch, before, self.halt);
+            return true;
+        }
         // First down to the goal, at a price; then, with the speeds reached as bounds, for time.
         for aim in [Aim::Slow, Aim::Time] {
             if aim == Aim::Slow && !slower {
@@ -295,5 +307,22 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         self.publish(stretch, branch, before, self.halt);
         true
+    }
+
+    /// Whether a motion was found from a guess, as for a new plan; else the states are as they were.
+    fn find_afresh(&mut self, stretch: Stretch) -> bool {
+        let Config { limits, iterations, .. } = self.config;
+        self.solver.guess(&mut self.window, stretch, stretch.first + 1, &limits);
+        let (steps, found) = self.solver.find(&mut self.window, stretch, &limits, iterations);
+        self.counters.steps += u32::from(steps);
+        if found && self.crawl_in(stretch).is_none() {
+            return true;
+        }
+        for i in stretch.first..=stretch.last {
+            if let Some(station) = self.window.get_mut(i) {
+                station.state = station.agreed;
+            }
+        }
+        false
     }
 }

@@ -11,7 +11,7 @@ use crate::number::vector::{dot, norm, zero};
 use crate::path::hermite::{self, Hermite};
 use crate::path::node::{Cell, Node};
 use crate::profile::law::State;
-use crate::profile::rows::Pace;
+use crate::profile::rows::{Bounds, Pace};
 use crate::profile::solver::Stretch;
 use crate::profile::window::Station;
 use crate::servo::link::Branch;
@@ -137,7 +137,29 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         self.changes.replaced = Some((self.window.serial(i), original));
         *self.window.get_mut(i)? = station;
         self.window.bound(i, &self.pace());
+        // The jerk of a curved cell is bounded by that of its halves (see the rows): a part that reaches over
+        // its middle may seem to break a limit that the whole keeps.
+        let half = time * S::of(0.5) - t;
+        if !station.cell.straight && half > self.config.cycle {
+            self.cut_agreed(i, half);
+        }
         Some((i, Branch::Cycle(when)))
+    }
+
+    /// Puts a station into the cell of station `i` where the agreed motion is after `t` seconds; whether that
+    /// could be done.
+    fn cut_agreed(&mut self, i: usize, t: S) -> bool {
+        let Some(cut) = self.station_within(i, t) else { return false };
+        if !self.add(i, cut) {
+            return false;
+        }
+        if let Some(station) = self.window.get_mut(i) {
+            station.lead_to(&cut.node.at, cut.agreed, t);
+        }
+        let pace = self.pace();
+        self.window.bound(i, &pace);
+        self.window.bound(i + 1, &pace);
+        true
     }
 
     /// A station in the middle of the cell of station `i`, `t` seconds after its start, in the
@@ -253,9 +275,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         Some(())
     }
 
-    /// Splits the cell of station `i` in its middle; nothing is known of the motion there.
-    pub(super) fn split_cell(&mut self, i: usize) -> bool {
-        let Some((first, cut)) = self.parted(i, S::of(0.5)) else { return false };
+    /// Splits the cell of station `i` at a share of its length; nothing is known of the motion there.
+    pub(super) fn split_cell(&mut self, i: usize, share: S) -> bool {
+        let Some((first, cut)) = self.parted(i, share) else { return false };
         let done = self.put_behind(i, Station { state: State::REST, agreed: State::REST, ..cut });
         if done {
             self.part(i, first);
@@ -265,8 +287,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// About what braking takes from a station, mm: v (v / A + A / J) / 2 and a fifth more.
     pub(super) fn braking_distance(&self, i: usize) -> S {
+        let Some(station) = self.window.get(i) else { return S::ZERO };
+        let State { b, a } = station.state;
+        // What the acceleration adds until it is gone.
+        let more = a.greatest(S::ZERO) * a / (station.bounds.jerk + station.bounds.jerk);
+        let speed = b.sqrt() + more;
         let limits = &self.config.limits;
-        let speed = self.window.get(i).map_or(S::ZERO, |station| station.state.b.sqrt());
         let mut time = S::ZERO;
         for axis in limits.axes() {
             time = time.greatest(speed / axis.acceleration);
@@ -274,44 +300,45 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         speed * (time + limits.time_scale()) * S::of(0.6)
     }
 
-    /// Cuts the cells of the agreed motion within braking distance of `first` finer.
-    pub(super) fn refine(&mut self, first: usize, last: usize) -> usize {
+    /// What it takes from a speed, mm/s, to the one that the cell of station `i` is asked for, mm.
+    pub(super) fn ramp(&self, i: usize, speed: S) -> S {
+        let Some(station) = self.window.get(i) else { return S::ZERO };
+        let Bounds { goal, acceleration, jerk, .. } = station.bounds;
+        let gain = (goal - speed).greatest(S::ZERO);
+        let time = if gain * jerk < acceleration * acceleration {
+            S::of(2.0) * (gain / jerk).sqrt()
+        } else {
+            gain / acceleration + acceleration / jerk
+        };
+        (speed + goal) * time * S::of(0.5)
+    }
+
+    /// Cuts the cells of the agreed motion within a distance, mm, of `first` finer.
+    pub(super) fn refine(&mut self, first: usize, last: usize, distance: S) -> usize {
         let Some(start) = self.window.get(first) else { return last };
         let speed = start.state.b.sqrt();
-        let distance = self.braking_distance(first);
         let longest = distance / S::of(BRAKE_CELLS);
         let (mut i, mut last) = (first, last);
         let mut way = S::ZERO;
-        let pace = self.pace();
         for _ in 0..NODES {
             let Some(station) = self.window.get(i) else { break };
             let length = station.cell.length;
             if i >= last || way > distance {
                 break;
             }
-            // In its middle, or where braking may end if that is much nearer.
-            let near = (distance - way) / speed;
-            let middle = self
-                .window
-                .agreed_law(i)
-                .map(|law| (law.time * S::of(0.5)).least(near))
-                .filter(|t| *t > self.config.cycle)
-                .and_then(|t| Some((self.station_within(i, t)?, t)));
-            match middle {
-                // The last ones are for the stop itself.
-                Some((cut, t)) if length > longest && self.room_to_add() > PHASES => {
-                    self.add(i, cut);
-                    if let Some(station) = self.window.get_mut(i) {
-                        station.lead_to(&cut.node.at, cut.agreed, t);
-                    }
-                    last += 1;
-                    self.window.bound(i, &pace);
-                    self.window.bound(i + 1, &pace);
-                }
-                _ => {
-                    way += length;
-                    i += 1;
-                }
+            let time = self.agreed_time(i);
+            let mut cut = time * S::of(0.5);
+            if station.cell.straight {
+                // In its middle, or where braking may end if that is much nearer.
+                cut = cut.least((distance - way) / speed);
+            }
+            // The last ones are for the stop itself.
+            let may = length > longest && cut > self.config.cycle && self.room_to_add() > PHASES;
+            if may && self.cut_agreed(i, cut) {
+                last += 1;
+            } else {
+                way += length;
+                i += 1;
             }
         }
         last

@@ -1,6 +1,6 @@
 //! Plans: from the states of a stretch to pieces handed over, and the word that comes back.
 
-use super::cutting::Changes;
+use super::cutting::{ADDED, Changes};
 use super::{Halt, Planner, Progress};
 use crate::machine::Config;
 use crate::number::Scalar;
@@ -32,6 +32,13 @@ const EXCESS: f64 = 1.0001;
 const CRAWL: f64 = 10.0;
 /// Share of its speed that a motion must have left after letting go of the brake, to be taken on.
 const LEAST_LEFT: f64 = 0.3;
+/// Where the way from rest to a speed is cut, as shares of it: constant jerk covers the last in a quarter of the
+/// time in which acceleration builds up.
+const RAMP: [f64; 3] = [0.75, 0.125, 0.02];
+/// Least of these parts, in least distances of nodes.
+const RAMP_APART: f64 = 1.0;
+/// A cell at a rest is cut only if the part there is at most this share of it.
+const MOST_PART: f64 = 0.4;
 /// New plans are asked for when this part of the present one has been run, and no more than this
 /// many cells of it are left: enough that its stop at the end does not show in what is run.
 const PLAN_PART: u32 = 2;
@@ -212,6 +219,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             stretch = Stretch { last, open: false, ..stretch };
         }
         self.split_lone(&mut stretch);
+        self.split_ramps(&mut stretch, new);
         if stretch.open && self.is_lone_start(stretch) {
             stretch.last -= 1;
         }
@@ -237,8 +245,45 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let Some((station, after)) = self.window.pair(stretch.first) else { return };
         let starts = station.rest || self.window.serial(stretch.first) == self.planned_end;
         let ends = after.rest || (!stretch.open && stretch.first + 1 == stretch.last);
-        if starts && ends && station.cell.length > S::ZERO && self.split_cell(stretch.first) {
+        if starts
+            && ends
+            && station.cell.length > S::ZERO
+            && self.split_cell(stretch.first, S::of(0.5))
+        {
             stretch.last += 1;
+        }
+    }
+
+    /// Splits cells at rests, from station `new` on, that are much longer than the way to the speed that is
+    /// asked for now: over the whole of one the motion would gather speed, or lose it.
+    fn split_ramps(&mut self, stretch: &mut Stretch, new: usize) {
+        let mut i = new;
+        for _ in 0..NODES {
+            let Some((station, after)) = self.window.pair(i).filter(|_| i < stretch.last) else {
+                return;
+            };
+            let starts = station.rest || i == stretch.first;
+            let ends = after.rest || (!stretch.open && i + 1 == stretch.last);
+            if (starts || ends) && station.cell.length > S::ZERO {
+                let (ramp, apart) =
+                    (self.ramp(i, S::ZERO), self.apart(station.bounds.jerk) * S::of(RAMP_APART));
+                for share in RAMP {
+                    let Some(length) = self.window.get(i).map(|station| station.cell.length) else {
+                        return;
+                    };
+                    let part = (ramp * S::of(share)).greatest(apart) / length;
+                    if part > S::of(MOST_PART) {
+                        continue;
+                    }
+                    let place = if starts { part } else { S::ONE - part };
+                    if self.window.room() + RAMP.len() <= ADDED || !self.split_cell(i, place) {
+                        return;
+                    }
+                    stretch.last += 1;
+                    i += usize::from(!starts);
+                }
+            }
+            i += 1;
         }
     }
 

@@ -6,7 +6,10 @@ use crate::profile::window::Station;
 
 /// Shares of acceleration and jerk limits that a stop uses: where one ends too near to a node, the next does
 /// not.
-pub const SHARES: [f64; 3] = [0.97, 0.92, 0.85];
+pub const SHARES: [f64; 8] = [0.97, 0.92, 0.85, 0.5, 0.2, 0.05, 0.01, 0.002];
+/// So many of them brake as hard as can be; the others are for speeds so low that the stop of these is over
+/// within some servo cycles.
+pub const HARD: usize = 3;
 /// Halvings of the time in a search for the state at a place.
 const HALVINGS: u32 = 40;
 /// Most phases.
@@ -106,10 +109,19 @@ impl<S: Scalar> Stop<S> {
         self.phases.iter().fold(S::ZERO, |sum, phase| sum + phase.time)
     }
 
-    /// Ends of the first two phases, mm from its beginning.
-    pub fn ends(&self) -> [S; PHASES - 1] {
-        let first = self.phases[0].length();
-        [first, first + self.phases[1].length()]
+    /// Where its jerk changes, mm from its beginning; not within `least` seconds of each other or of its ends.
+    pub fn changes(&self, least: S) -> impl Iterator<Item = S> + use<S> {
+        let total = self.time();
+        let (mut way, mut time, mut last) = (S::ZERO, S::ZERO, S::ZERO);
+        self.phases.into_iter().take(PHASES - 1).filter_map(move |phase| {
+            way += phase.length();
+            time += phase.time;
+            let lasts = time - last >= least && total - time >= least;
+            if lasts {
+                last = time;
+            }
+            lasts.then_some(way)
+        })
     }
 
     /// Speed and acceleration `way` mm after its beginning.
