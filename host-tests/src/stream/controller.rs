@@ -20,6 +20,9 @@ const EVENTS: usize = 8;
 const MOST_CYCLES: u64 = 1000;
 /// Most time that takes.
 const MOST_TIME: Duration = Duration::from_millis(20);
+/// Waits between looks at the clock: while something runs or is heard, and else.
+const BUSY: Duration = Duration::from_micros(500);
+const IDLE: Duration = Duration::from_millis(10);
 
 /// Silence after which a controller that is done with leaves.
 const SILENCE: Duration = Duration::from_millis(500);
@@ -158,8 +161,10 @@ impl Controller {
         let (mut ran, mut leaves, mut heard) = (false, false, began);
         let mut state = State::Idle;
         loop {
-            // A short wait stands for the time the processor has nothing to do.
-            let first = bytes.recv_timeout(Duration::from_micros(500)).unwrap_or_default();
+            // A short wait stands for the time the processor has nothing to do. A byte ends it.
+            let rests = state == State::Idle && heard.elapsed() > SILENCE;
+            let wait = if rests { IDLE } else { BUSY };
+            let first = bytes.recv_timeout(wait).unwrap_or_default();
             for chunk in std::iter::once(first).chain(bytes.try_iter()) {
                 if !chunk.is_empty() {
                     heard = Instant::now();
