@@ -415,7 +415,9 @@ fn a_full_buffer_would_block_and_loses_nothing() {
     let (mut planner, mut interpolator) =
         link.handles::<BLOCKS>(config(), at(0.0, 0.0, 0.0)).unwrap();
     let mut taken = 0;
-    while planner.push(&Block::line(at(f64::from(taken + 1), 0.0, 0.0), 50.0, taken)).is_ok() {
+    // To and fro: lines that run on straight would be one.
+    let place = |taken: u32| at(f64::from(taken + 1), f64::from(taken % 2), 0.0);
+    while planner.push(&Block::line(place(taken), 50.0, taken)).is_ok() {
         taken += 1;
     }
     assert_eq!(taken as usize, BLOCKS);

@@ -105,8 +105,10 @@ pub struct Block<S, const N: usize> {
     pub tolerance: Option<S>,
     /// Whether to come to rest exactly on the end point (G61, G61.1, G9).
     pub exact_stop: bool,
-    /// The caller's mark (a line number); it comes back with the setpoints. Where short lines that
-    /// run on straight within a share of the tolerance are made one, it is that of the last.
+    /// The caller's mark (a line number); it comes back with the setpoints. Lines that run on straight are
+    /// one to the planner, but keep their tags where they take a servo cycle at their feed and a
+    /// thirty-second of the length over which that is reached; of shorter ones, and of short lines in a run
+    /// that are made one within a share of the tolerance, it is that of the last.
     pub tag: u32,
 }
 

@@ -3,7 +3,9 @@
 mod config;
 mod error;
 mod limits;
+mod ramp;
 
 pub use config::{Config, CornerMode};
 pub use error::{ConfigError, Quantity};
 pub use limits::{AxisLimits, Limits};
+pub(crate) use ramp::Ramp;

@@ -11,13 +11,27 @@ use super::item::{Item, Joint};
 use super::joint::{Taken, bent_lengths, corner_mode, joint, mean_node, reach};
 use super::node::{Node, Order};
 use super::run::{Run, Tie};
-use super::segment::{Segment, raw_to_mm};
+use super::segment::{Segment, mm_to_raw, raw_to_mm};
+use super::straight::{Mark, Marks, Sleeve};
 use super::transition::{Half, Transition};
 use crate::block::{Block, PushError};
-use crate::machine::{Config, CornerMode};
+use crate::machine::{Config, CornerMode, Ramp};
 use crate::number::{Coord, Scalar};
 use heapless::Deque;
 
+/// How far, as a share of the tolerance, the end of a piece may lie off the line that it is a part of; and
+/// between pieces so much longer than the tolerance that it can only come from the rounding of a program.
+const STRAIGHT_SHARE: f64 = 0.001;
+const ROUNDED_SHARE: f64 = 0.1;
+/// How many times as long as the tolerance such a piece is.
+const ROUNDED_PIECE: f64 = 16.0;
+/// The same where there is no tolerance, mm.
+const STRAIGHT_SLACK: f64 = 1.0e-6;
+/// What coordinates are rounded to here, with a reserve, mm: it takes nothing of the band.
+const EXACT_SLACK: f64 = 1.0e-10;
+/// Shortest piece whose tag is shown, as a share of the length over which the feed is reached: every piece
+/// that is shown takes a node of the window.
+const SHOWN_SHARE: f64 = 1.0 / 32.0;
 /// Share of a line next to a joint that is simply passed which a run leaves alone.
 const PASSED_SHARE: i64 = 4;
 
@@ -26,8 +40,9 @@ const PASSED_SHARE: i64 = 4;
 enum Stage<S, const N: usize> {
     /// Nothing: the front item waits.
     Waiting,
-    /// The body of the front segment, up to `until`.
-    Body { way: i64, until: i64, first: S, last: S },
+    /// The body of the front segment, up to `until`. The cell under way ends at `next`, unless a piece of the
+    /// line ends before.
+    Body { way: i64, next: i64, until: i64, first: S, last: S },
     /// A run of lines from the front segment on. Once its end is known, the front segment is its last
     /// line, which it leaves at `until`.
     Run { until: Option<i64> },
@@ -37,11 +52,34 @@ enum Stage<S, const N: usize> {
     Blend { blend: Blend<S, N>, index: u8 },
 }
 
+/// How far the end of a piece may lie off the line that it is a part of, mm: where that is nothing but the
+/// rounding of coordinates here, and where it may be that of the program; `shorter` is the length of the shorter
+/// line that meets there.
+fn slack<S: Scalar>(tolerance: S, shorter: S) -> (f64, f64) {
+    let long = shorter > tolerance * S::of(ROUNDED_PIECE);
+    let share = if long { ROUNDED_SHARE } else { STRAIGHT_SHARE };
+    (EXACT_SLACK, (tolerance.to_f64() * share).max(STRAIGHT_SLACK))
+}
+
+/// Length of the shortest piece of a line whose tag is shown, mm: a servo cycle at the feed at least.
+fn least_piece<S: Scalar, const N: usize>(
+    segment: &Segment<S, N>,
+    feed: S,
+    config: &Config<S, N>,
+) -> S {
+    let ramp = Ramp::new(&config.limits, &segment.end_frame(false).0).length(feed);
+    (feed * config.cycle).greatest(ramp * S::of(SHOWN_SHARE))
+}
+
 /// The look-ahead buffer over blocks.
 pub struct Builder<S, const N: usize, const BLOCKS: usize> {
     items: Deque<Item<S, N>, BLOCKS>,
     /// The rest of a curve that has been accepted last.
     chords: Option<Chords<S, N>>,
+    /// Where the last item, a line, may run on to.
+    sleeve: Sleeve<N>,
+    /// Marks of the items, in order.
+    marks: Marks<S, BLOCKS>,
     /// End of the last accepted block.
     end: [Coord; N],
     closed: bool,
@@ -52,6 +90,8 @@ pub struct Builder<S, const N: usize, const BLOCKS: usize> {
     half: Option<Half<S>>,
     /// The run of lines under way.
     run: Run<S, N>,
+    /// Place on the front segment from which on the run takes it.
+    run_from: i64,
     /// Whether the last cell ended at rest, so that the direction may change.
     rested: bool,
 }
@@ -62,12 +102,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         Self {
             items: Deque::new(),
             chords: None,
+            sleeve: Sleeve::NONE,
+            marks: Marks::new(),
             end: start,
             closed: false,
             stage: Stage::Waiting,
             kept: 0,
             half: None,
             run: Run::new(),
+            run_from: 0,
             rested: true,
         }
     }
@@ -75,6 +118,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// Forgets everything and starts anew at a point. (In place: a new one would take its size of stack.)
     pub fn restart(&mut self, start: [Coord; N]) {
         self.items.clear();
+        self.marks.clear();
         self.chords = None;
         self.end = start;
         self.closed = false;
@@ -90,13 +134,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         self.chords.as_ref().map_or(&self.end, Chords::end)
     }
 
-    /// Blocks waiting.
+    /// Blocks waiting: of lines that have become one, those whose tags are kept.
     pub fn len(&self) -> usize {
-        self.items.len() + usize::from(self.chords.is_some())
+        self.items.len() + self.marks.len() + usize::from(self.chords.is_some())
     }
 
     pub fn is_full(&self) -> bool {
-        self.items.is_full() || self.chords.is_some()
+        // Of marks there is no more room before something is cut: which it will be, of three items.
+        let marked = self.marks.is_full() && self.items.len() >= 3;
+        self.items.is_full() || self.chords.is_some() || marked
     }
 
     /// Takes a block, or leaves everything as it was.
@@ -151,16 +197,108 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         if let Some(segment) = &item.segment {
             self.end = segment.end;
         }
+        if self.take_as_part(&item, config) {
+            return Ok(());
+        }
+        self.sleeve = match &item.segment {
+            Some(segment) => Sleeve::of(&segment.start, &segment.end),
+            None => Sleeve::NONE,
+        };
         // The joint behind a block that is being cut has been decided, unless a run goes on.
-        let waits = matches!(self.stage, Stage::Waiting | Stage::Run { until: None });
-        if (waits || self.items.len() > 1)
+        if (self.waits() || self.items.len() > 1)
             && let Some(last) = self.items.back_mut()
         {
-            (last.joint, last.want) = joint(last, &item, config.corner);
+            (last.joint, last.want) = joint(last, &item, config);
         }
         // Cannot fail: room was checked.
         let _ = self.items.push_back(item);
         Ok(())
+    }
+
+    /// Whether the joint behind the front item has not been decided.
+    fn waits(&self) -> bool {
+        matches!(self.stage, Stage::Waiting | Stage::Run { until: None })
+    }
+
+    /// Whether the last item may still become longer; `exact`: without turning.
+    fn last_is_open(&self, exact: bool) -> bool {
+        let Some(front) = self.items.front() else { return false };
+        match (self.items.len(), self.stage) {
+            (1, Stage::Waiting) => exact || (front.taken == 0 && front.entered == Joint::Stop),
+            (1, Stage::Run { until: None }) => exact || front.taken == 0,
+            (1, _) => false,
+            // What the joint behind the front item takes of the last has been decided.
+            (2, _) if !self.waits() => match front.joint {
+                Joint::Stop | Joint::Run => true,
+                Joint::Corner | Joint::Blend => exact,
+                Joint::Through => false,
+            },
+            _ => true,
+        }
+    }
+
+    /// Takes a line on to which the last one runs straight as a part of it. Returns whether it is one.
+    fn take_as_part(&mut self, item: &Item<S, N>, config: &Config<S, N>) -> bool {
+        let Some((longer, sleeve, mark)) = self.longer(item, config) else { return false };
+        if let Some(mark) = mark {
+            self.marks.push(mark);
+        }
+        self.sleeve = sleeve;
+        if let Some(last) = self.items.back_mut() {
+            *last = longer;
+        }
+        // The joint behind a block that is being cut has been decided, unless a run goes on.
+        if let Some(n) = self.items.len().checked_sub(2)
+            && (n > 0 || self.waits())
+            && let Some(before) = self.items.get_mut(n)
+        {
+            (before.joint, before.want) = joint(before, &longer, config);
+        }
+        true
+    }
+
+    /// The last item with a line that runs straight on from it, and the mark between them, if that is
+    /// to be shown. At equal feed, tolerance and kind only, where no stop is asked for.
+    #[allow(clippy::type_complexity)]
+    fn longer(
+        &self,
+        item: &Item<S, N>,
+        config: &Config<S, N>,
+    ) -> Option<(Item<S, N>, Sleeve<N>, Option<Mark<S>>)> {
+        let last = self.items.back().filter(|last| last.runs_on(item))?;
+        let (before, after) = (last.segment.as_ref()?, item.segment.as_ref()?);
+        let lines = before.is_line() && after.is_line() && config.corner == CornerMode::Band;
+        if !lines {
+            return None;
+        }
+        let slack = slack(item.tolerance, before.length.least(after.length));
+        let (sleeve, error) =
+            self.sleeve.extended(&before.start, &before.end, &after.end, slack)?;
+        let exact = error <= EXACT_SLACK;
+        if !self.last_is_open(exact) {
+            return None;
+        }
+        let begun = match last.marks {
+            0 => S::ZERO,
+            _ => self.marks.get(self.marks.len().checked_sub(1)?)?.way,
+        };
+        let piece = before.length - begun;
+        // Without room for a mark the piece is shown as a part of the next.
+        let shown = last.tag != item.tag
+            && piece >= least_piece(before, last.feed, config)
+            && !self.marks.is_full();
+        let longer = Item {
+            segment: Some(Segment::line(before.start, after.end)?),
+            feed: last.feed.least(item.feed),
+            stop_after: item.stop_after,
+            tag: item.tag,
+            marks: last.marks + u16::from(shown),
+            error: S::of(if exact { 0.0 } else { error })
+                .greatest(last.error)
+                .least(item.tolerance * S::of(ROUNDED_SHARE)),
+            ..*last
+        };
+        Some((longer, sleeve, shown.then_some(Mark { way: before.length, tag: last.tag })))
     }
 
     /// No more blocks for now: the path ends, at rest, where the last block ends.
@@ -205,12 +343,22 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                         return None;
                     }
                 }
-                Stage::Body { way, until, first, last: end } if way < until => {
-                    let next = next_way(&segment, &item, (way, until), (first, end));
-                    self.stage = Stage::Body { way: next, until, first, last: end };
+                Stage::Body { way, next, until, first, last: end } if way < until => {
+                    // Where pieces end there are nodes as well, and the others stay where they are: written in
+                    // pieces, a line takes no longer.
+                    let goal = if next > way {
+                        next
+                    } else {
+                        next_way(&segment, &item, (way, until), (first, end))
+                    };
+                    let next = self.to_mark((&item, &segment), (way, goal), config);
+                    self.stage = Stage::Body { way: next, next: goal, until, first, last: end };
                     let entry = Node { at: last.at, ..segment.node(way) };
                     let from = if self.rested { entry } else { *last };
-                    let cut = self.body_cell(&item, &segment, (&from, &entry), (way, next), until);
+                    let mut cut =
+                        self.body_cell(&item, &segment, (&from, &entry), (way, next), until);
+                    cut.cell.order.tag = self.tag_at(0, raw_to_mm(way.midpoint(next)));
+                    self.pass_marks(next);
                     self.rested = cut.rest;
                     return Some(cut);
                 }
@@ -220,7 +368,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                 Stage::Body { .. } => self.start_joint(&item, &segment),
                 Stage::Corner { transition, index } if index < transition.cells() => {
                     self.stage = Stage::Corner { transition, index: index + 1 };
-                    let order = self.order(transition.is_first_half(index))?;
+                    let order = self.order_beside(index, transition.cells(), segment.length)?;
                     let from = if self.rested { transition.node(index) } else { *last };
                     self.rested = false;
                     return Some(Emitted {
@@ -232,7 +380,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                 }
                 Stage::Blend { blend, index } if index < blend::CELLS => {
                     self.stage = Stage::Blend { blend, index: index + 1 };
-                    let order = self.order(2 * index < blend::CELLS)?;
+                    let order = self.order_beside(index, blend::CELLS, segment.length)?;
                     let from = if self.rested { blend.node(index) } else { *last };
                     self.rested = false;
                     return Some(Emitted {
@@ -248,16 +396,68 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         None
     }
 
-    /// What the front item asks of its cells, or the one behind it.
-    fn order(&self, front: bool) -> Option<Order<S>> {
-        Some(self.items.get(usize::from(!front))?.order())
+    /// What is asked of a cell of the joint behind the front item, of `cells` in all: in its first half
+    /// by the front item, `length` mm long, at the place beside it, in the second by the next.
+    fn order_beside(&self, index: u8, cells: u8, length: S) -> Option<Order<S>> {
+        let per = raw_to_mm::<S>(self.kept) / S::from_u32(u32::from(cells));
+        // From the middle of the joint to the middle of the cell.
+        let way = S::from_i64(2 * i64::from(index) + 1 - i64::from(cells)) * per;
+        let (item, way) = if way < S::ZERO { (0, length + way) } else { (1, way) };
+        Some(Order { tag: self.tag_at(item, way), ..self.items.get(item)?.order() })
+    }
+
+    /// The tag at a place of the front item (0) or the next (1), mm from its start.
+    fn tag_at(&self, item: usize, way: S) -> u32 {
+        let count = |index: usize| self.items.get(index).map_or(0, |item| usize::from(item.marks));
+        let first = if item == 0 { 0 } else { count(0) };
+        let marks = (first..first + count(item)).filter_map(|index| self.marks.get(index));
+        let own = self.items.get(item).map_or(0, |item| item.tag);
+        marks.into_iter().find(|mark| mark.way > way).map_or(own, |mark| mark.tag)
+    }
+
+    /// The end of a cell of the front item, or of the piece that ends before it.
+    fn to_mark(
+        &self,
+        (item, segment): (&Item<S, N>, &Segment<S, N>),
+        (way, next): (i64, i64),
+        config: &Config<S, N>,
+    ) -> i64 {
+        // What is too short to be shown is no cell of its own.
+        let least = mm_to_raw(least_piece(segment, item.feed, config)) / 2;
+        let count = usize::from(item.marks);
+        let mut ends =
+            (0..count).filter_map(|index| self.marks.get(index)).map(|m| mm_to_raw(m.way));
+        ends.find(|at| at - way > least).filter(|at| next - at > least).unwrap_or(next)
+    }
+
+    /// Forgets the marks of the front item up to a place on it.
+    fn pass_marks(&mut self, way: i64) {
+        let Some(front) = self.items.front_mut() else { return };
+        let passed = raw_to_mm::<S>(way);
+        while front.marks > 0 && self.marks.get(0).is_some_and(|mark| mark.way <= passed) {
+            self.marks.drop_front(1);
+            front.marks -= 1;
+        }
+    }
+
+    /// Shows a run the marks of the front item, which it takes from `from` on to `until`.
+    fn mark_run(&mut self, from: i64, until: i64) {
+        let count = self.items.front().map_or(0, |front| usize::from(front.marks));
+        let origin = self.run.reach() - from;
+        let mut begins = from;
+        for mark in (0..count).filter_map(|index| self.marks.get(index)) {
+            let ends = mm_to_raw(mark.way);
+            if ends > from && begins < until {
+                self.run.mark(origin + begins, origin + ends, mark.tag);
+            }
+            begins = ends.max(from);
+        }
     }
 
     /// Whether the joint behind the front item can be decided.
     fn front_is_ready(&self, config: &Config<S, N>) -> bool {
         let Some(item) = self.items.front() else { return false };
-        let runs_on = item.joint == Joint::Run && self.items.len() >= 2;
-        if item.stop_after || runs_on || self.items.len() >= 3 {
+        if item.stop_after || self.items.len() >= 3 {
             return true;
         }
         match self.items.get(1) {
@@ -310,7 +510,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                 until += segment.length_raw / PASSED_SHARE;
             }
             let first = raw_to_mm(until - item.taken);
-            self.stage = Stage::Body { way: item.taken, until, first, last: first };
+            self.stage = Stage::Body { way: item.taken, next: 0, until, first, last: first };
             return;
         }
         let until = segment.length_raw - self.kept;
@@ -322,7 +522,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         };
         let first = size(item.entered, item.taken, item.length_before);
         let last = size(joint, self.kept, ahead.map_or(S::ZERO, |ahead| ahead.length));
-        self.stage = Stage::Body { way: item.taken, until, first, last };
+        self.stage = Stage::Body { way: item.taken, next: 0, until, first, last };
     }
 
     /// Starts a run `way` along the front segment.
@@ -333,9 +533,19 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         config: &Config<S, N>,
     ) {
         let tie = if self.rested { Tie::Rest } else { Tie::Smooth };
-        let rest_size = rest_cell(segment, item.feed, &config.limits);
-        self.run.begin(segment.node(way).at, tie, item.leg(), rest_size);
+        let ramp = Ramp::new(&config.limits, &segment.end_frame(false).0);
+        let beside = Self::beside(item.entered, item.taken, segment);
+        self.run.begin(segment.node(way).at, tie, item.leg(), (ramp, beside));
+        self.run_from = way;
         self.stage = Stage::Run { until: None };
+    }
+
+    /// Length of a cell next to a joint that takes so much of a segment, mm: the motion is slow there.
+    fn beside(joint: Joint, taken: i64, segment: &Segment<S, N>) -> S {
+        match joint {
+            Joint::Corner | Joint::Blend => raw_to_mm::<S>(taken) * S::of(0.5),
+            _ => segment.length,
+        }
     }
 
     /// Takes the front item into the run, if its joint is known. Returns whether it was.
@@ -348,8 +558,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             return false;
         }
         let joint = self.decide(item, segment, config);
+        self.mark_run(self.run_from, segment.length_raw - self.kept);
         if joint == Joint::Run {
             self.run.push(segment.end, item.leg());
+            self.run_from = 0;
             self.next_item();
             self.stage = Stage::Run { until: None };
             return true;
@@ -359,7 +571,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             until -= segment.length_raw / PASSED_SHARE;
         }
         let tie = if joint == Joint::Stop { Tie::Rest } else { Tie::Smooth };
-        self.run.finish(segment.node(until).at, item.leg(), tie);
+        let beside = Self::beside(joint, self.kept, segment);
+        let mut leg = item.leg();
+        leg.order.tag = self.tag_at(0, raw_to_mm(until));
+        self.run.finish(segment.node(until).at, leg, tie, beside);
         self.stage = Stage::Run { until: Some(until) };
         true
     }
@@ -369,9 +584,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         if let Some(front) = self.items.front_mut() {
             front.taken = way;
         }
+        self.pass_marks(way);
         let until = segment.length_raw - self.kept;
         let size = raw_to_mm(until - way);
-        self.stage = Stage::Body { way, until, first: size, last: size };
+        self.stage = Stage::Body { way, next: 0, until, first: size, last: size };
     }
 
     /// One cell of the front segment's body. `entry` is the segment's own node at its start,
@@ -428,11 +644,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// Drops the front item; the next one starts where its joint ended.
     fn next_item(&mut self) {
         let done = self.items.pop_front();
+        self.marks.drop_front(done.as_ref().map_or(0, |done| usize::from(done.marks)));
         if let (Some(done), Some(next)) = (done, self.items.front_mut()) {
             next.taken = self.kept;
             next.entered = done.joint;
             next.length_before = done.segment.map_or(S::ZERO, |segment| segment.length);
         }
+        self.pass_marks(self.kept);
         self.kept = 0;
         self.stage = Stage::Waiting;
     }

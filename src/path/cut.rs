@@ -3,7 +3,7 @@
 use super::item::{Item, Joint};
 use super::node::{Cell, Node};
 use super::segment::{Segment, mm_to_raw, raw_to_mm};
-use crate::machine::Limits;
+use crate::machine::{Limits, Ramp};
 use crate::number::Scalar;
 use crate::number::vector::zero;
 
@@ -59,26 +59,13 @@ pub fn standstill<S: Scalar, const N: usize>(
     }
 }
 
-/// Shortest first cell from rest, mm: at feeds below 0.05 mm/s speed is reached within less, and knots would
-/// fall together.
-const LEAST_REST: f64 = 2.5e-7;
-
-/// Length of the first cell from rest, mm: what constant jerk covers in half the time in which
-/// acceleration builds up.
+/// Length of the first cell from rest, mm.
 pub fn rest_cell<S: Scalar, const N: usize>(
     segment: &Segment<S, N>,
     feed: S,
     limits: &Limits<S, N>,
 ) -> S {
-    let (tangent, _) = segment.end_frame(false);
-    let mut jerk = S::of(1.0e12);
-    for (axis, share) in limits.axes().iter().zip(&tangent) {
-        if share.abs() * jerk > axis.jerk {
-            jerk = axis.jerk / share.abs();
-        }
-    }
-    let time = limits.time_scale().least((feed / jerk).sqrt()) * S::of(0.5);
-    (jerk * time * time * time / S::of(6.0)).greatest(S::of(LEAST_REST))
+    Ramp::new(limits, &segment.end_frame(false).0).first_cell(feed)
 }
 
 /// Length of the next of the pieces that a length is cut into, mm: `done` lies behind, `left` ahead,

@@ -8,6 +8,9 @@ use crate::machine::{Config, Limits};
 use crate::number::vector::{norm, zero};
 use crate::number::{Coord, Scalar};
 
+/// Most difference of the feeds of lines that become one, relative: rounding of their directions.
+const FEED_SLACK: f64 = 1.0e-3;
+
 /// How two segments meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Joint {
@@ -40,7 +43,12 @@ pub struct Item<S, const N: usize> {
     pub stop_after: bool,
     /// Whether it is a chord of a curve.
     pub chord: bool,
+    /// Of a line made of several, the tag of the last.
     pub tag: u32,
+    /// Marks of the pieces before the last ([`super::straight`]).
+    pub marks: u16,
+    /// Greatest distance of the ends of its pieces from it, mm.
+    pub error: S,
     /// Joint to the next item, once that is known.
     pub joint: Joint,
     /// Length the joint would like of either segment, 1e-12 mm.
@@ -64,7 +72,22 @@ impl<S: Scalar, const N: usize> Item<S, N> {
 
     /// What it asks of a run that it is a part of.
     pub fn leg(&self) -> Leg<S> {
-        Leg { order: self.order(), tolerance: self.tolerance, error: S::ZERO }
+        Leg { order: self.order(), tolerance: self.tolerance, error: self.error }
+    }
+
+    /// Whether a block goes on as this one does: no stop between them, and alike in all but direction.
+    pub fn runs_on(&self, next: &Self) -> bool {
+        let (a, b) = (self.feed, next.feed);
+        !self.stop_after
+            && self.rapid == next.rapid
+            && self.chord == next.chord
+            && self.tolerance == next.tolerance
+            && (self.rapid || (a - b).abs() <= a.least(b) * S::of(FEED_SLACK))
+    }
+
+    /// What is left of the tolerance for its joints, mm.
+    pub fn band(&self) -> S {
+        self.tolerance - self.error
     }
 
     /// A block that starts at `from`, checked; `None` if there is nothing to do for it. `whole` is the length
@@ -92,6 +115,8 @@ impl<S: Scalar, const N: usize> Item<S, N> {
             stop_after: block.exact_stop,
             chord: whole.is_some(),
             tag: block.tag,
+            marks: 0,
+            error: S::ZERO,
             joint: Joint::Stop,
             want: 0,
             entered: Joint::Stop,

@@ -8,7 +8,7 @@ use super::run::SPIKE;
 use super::segment::{Segment, Shape, mm_to_raw, raw_to_mm};
 use super::swing;
 use super::transition::Half;
-use crate::machine::{Config, CornerMode};
+use crate::machine::{Config, CornerMode, Ramp};
 use crate::number::vector::{dot, norm};
 use crate::number::{Coord, Scalar};
 use core::array::from_fn;
@@ -23,12 +23,24 @@ const LONE_ROOM: f64 = 5.0;
 const LONE_COSINE: f64 = 0.2;
 /// A turn whose cosine is less than this (100 degrees) is never a part of a run.
 const BACK_COSINE: f64 = -0.17;
+/// Ratio of the feeds of two lines from which on it matters where the one changes to the other.
+const FEED_RATIO: f64 = 1.5;
+/// Share of the band by which that place gives way.
+const STOP_SHARE: f64 = 0.25;
+/// The same at the end of a curve, whatever the feeds.
+const CURVE_STOP_SHARE: f64 = 1.0 / 16.0;
+/// Reach of a blend, as a share of the tolerance and of the length over which the feed is reached, below which
+/// it is a stop.
+const TINY_REACH: f64 = 1.0 / 16.0;
+const TINY_RAMP: f64 = 1.0 / 8.0;
 /// Share of a line that a run which goes on along it keeps for itself.
 const RUN_SHARE: i64 = 4;
 /// Least reach of a joint, 1e-12 mm: where there is less room than for a line, a stop is faster.
 const LEAST_REACH: i64 = 500_000;
 /// Least length of a straight piece between two transitions of the paper, as a part of the second's reach.
 const PAPER_BODY: i64 = 64;
+/// Most of a line that is kept to get going on it.
+const RAMP_SHARE: f64 = 0.125;
 /// Turn, rad, up to which a joint is simply passed, however tight the tolerance.
 const STRAIGHT: f64 = 1.0e-6;
 /// Turn, rad, up to which a joint may be passed if the tolerance allows.
@@ -108,17 +120,47 @@ pub fn corner_mode<S: Scalar, const N: usize>(
     if before.chord && after.chord { CornerMode::Band } else { mode }
 }
 
+/// Whether a stop between two items costs less than what lets the motion pass: where the feed changes, the place
+/// of the change gives way by a share of the band; the slower feed is reached in less.
+fn stop_is_shorter<S: Scalar, const N: usize>(
+    before: &Item<S, N>,
+    after: &Item<S, N>,
+    direction: &[S; N],
+    config: &Config<S, N>,
+) -> bool {
+    let slower = before.feed.least(after.feed);
+    let alike = before.feed.greatest(after.feed) <= slower * S::of(FEED_RATIO);
+    // To go on smoothly a curve must keep its direction at its end, which alone may make it longer.
+    let share = match before.chord != after.chord {
+        _ if !alike => STOP_SHARE,
+        true => CURVE_STOP_SHARE,
+        false => return false,
+    };
+    let band = before.tolerance.least(after.tolerance);
+    Ramp::new(&config.limits, direction).length(slower) < band * S::of(share)
+}
+
+/// Whether two lines that could be parts of a run are.
+fn run<S: Scalar, const N: usize>(
+    before: &Item<S, N>,
+    after: &Item<S, N>,
+    direction: &[S; N],
+    config: &Config<S, N>,
+) -> Joint {
+    if stop_is_shorter(before, after, direction, config) { Joint::Stop } else { Joint::Run }
+}
+
 /// How two items meet, and what length the joint would like of either.
 pub fn joint<S: Scalar, const N: usize>(
     before: &Item<S, N>,
     after: &Item<S, N>,
-    mode: CornerMode<S>,
+    config: &Config<S, N>,
 ) -> (Joint, i64) {
     let (Some(a), Some(b)) = (&before.segment, &after.segment) else {
         return (Joint::Stop, 0);
     };
-    let mode = corner_mode(before, after, mode);
-    let tolerance = before.tolerance.least(after.tolerance);
+    let mode = corner_mode(before, after, config.corner);
+    let tolerance = before.band().least(after.band());
     let (frame_in, frame_out) = (a.end_frame(true), b.end_frame(false));
     let corner = Corner::new(&frame_in.0, &frame_out.0);
     let shorter = a.length.least(b.length);
@@ -126,7 +168,7 @@ pub fn joint<S: Scalar, const N: usize>(
     // A spike smaller than the tolerance is ironed out.
     let spike = lines && shorter < tolerance * S::of(SPIKE);
     if corner.cos_turn() < S::of(STOP_COSINE) {
-        return (if spike { Joint::Run } else { Joint::Stop }, 0);
+        return (if spike { run(before, after, &frame_in.0, config) } else { Joint::Stop }, 0);
     }
     let straight = corner.cos_turn() > S::ZERO && !(lines && tolerance > S::ZERO);
     if straight && passes(a, b, (&frame_in, &frame_out), tolerance, mode) {
@@ -138,15 +180,19 @@ pub fn joint<S: Scalar, const N: usize>(
     match (&a.shape, &b.shape, mode) {
         (Shape::Line(_), Shape::Line(_), CornerMode::Paper { .. }) => (Joint::Corner, 0),
         (Shape::Line(_), Shape::Line(_), CornerMode::Band) => {
+            if before.chord != after.chord && stop_is_shorter(before, after, &frame_in.0, config) {
+                return (Joint::Stop, 0);
+            }
             let most = shorter * S::of(1.0 / LONE_ROOM);
             let slight = corner.cos_turn() > S::of(LONE_COSINE);
             let short = corner.full_band_length(tolerance, most) >= most;
             let back = corner.cos_turn() < S::of(BACK_COSINE) && !spike;
             if !back && (slight || short) {
-                return (Joint::Run, 0);
+                return (run(before, after, &frame_in.0, config), 0);
             }
             (Joint::Corner, mm_to_raw(swing::longest_reach(&corner, tolerance, shorter)))
         }
+        _ if stop_is_shorter(before, after, &frame_in.0, config) => (Joint::Stop, 0),
         _ => {
             let bound = |segment: &Segment<S, N>| {
                 segment.length.least(segment.longest_angle() * S::of(3.0))
@@ -178,6 +224,12 @@ pub fn reach<S: Scalar, const N: usize>(
     let mut left = segment.length_raw - item.taken;
     // A node that is passed is bent: the bend must end before the next transition begins.
     let bent = item.entered == Joint::Through;
+    if item.entered == Joint::Stop && item.taken == 0 {
+        // A transition from rest on gets going in cells as long as its shape asks for: where the feed is
+        // reached in less, there must be a stretch before it that is cut for that.
+        let ramp = Ramp::new(&config.limits, &segment.end_frame(false).0).length(item.feed);
+        left -= mm_to_raw(ramp.least(segment.length * S::of(RAMP_SHARE)));
+    }
     if bent {
         left -= segment.length_raw / 8;
     }
@@ -185,7 +237,7 @@ pub fn reach<S: Scalar, const N: usize>(
         left -= segment.length_raw / RUN_SHARE;
     }
     let corner = Corner::new(&segment.end_frame(true).0, &ahead.end_frame(false).0);
-    let tolerance = item.tolerance.least(next.tolerance);
+    let tolerance = item.band().least(next.band());
     let mode = corner_mode(item, next, config.corner);
     if let (Joint::Corner, CornerMode::Paper { lambda }) = (joint, mode) {
         let leg_in = raw_to_mm::<S>(left) * (S::ONE - lambda);
@@ -217,6 +269,16 @@ pub fn reach<S: Scalar, const N: usize>(
     let mut raw = item.want.min(left).min(free);
     if raw < LEAST_REACH {
         return Taken { raw: 0, half: None };
+    }
+    // A blend that a tiny neighbour leaves next to no room is passed so slowly that a stop costs no more, and
+    // ties what comes before and behind it to its direction.
+    if joint == Joint::Blend {
+        let reach = raw_to_mm::<S>(raw);
+        let feed = item.feed.least(next.feed);
+        let ramp = Ramp::new(&config.limits, &segment.end_frame(true).0).length(feed);
+        if reach < tolerance * S::of(TINY_REACH) && reach < ramp * S::of(TINY_RAMP) {
+            return Taken { raw: 0, half: None };
+        }
     }
     let mut half = None;
     if joint == Joint::Corner {

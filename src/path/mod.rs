@@ -7,7 +7,8 @@
 //! [`run`] lays its knots no farther apart, so that within the band its spline depends on them, too. And a dwell is a
 //! number of seconds, cut into parts whose servo cycles can be counted.
 //!
-//! The way of a block: [`segment`] makes it a checked line or arc ([`helix`]) with exact ends; [`builder`]
+//! The way of a block: [`segment`] makes it a checked line or arc ([`helix`]) with exact ends; where it
+//! runs [`straight`] on, it becomes one with the line before; [`builder`]
 //! holds it as an [`item`] (a curve as [`chords`]) until its neighbours are known; [`joint`] decides by
 //! geometry how they meet inside the band: as a [`corner`] (two long lines, Guo 2023), within a [`run`]
 //! (short lines, which become one smooth spline), or by a [`blend`] (wherever an arc takes part);
@@ -27,5 +28,6 @@ mod joint;
 pub(crate) mod node;
 mod run;
 pub(crate) mod segment;
+mod straight;
 pub(crate) mod swing;
 pub(crate) mod transition;

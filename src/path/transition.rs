@@ -160,11 +160,6 @@ impl<S: Scalar, const N: usize> Transition<S, N> {
         2 * self.half.cells
     }
 
-    /// Whether cell `index` lies before the apex.
-    pub fn is_first_half(&self, index: u8) -> bool {
-        index < self.half.cells
-    }
-
     /// Offset from the vertex at node `index`, mm.
     fn offset(&self, index: u8) -> Vector<S, N> {
         if index <= self.half.cells {

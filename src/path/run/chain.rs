@@ -74,6 +74,8 @@ pub struct Chain<S, const N: usize> {
     dropped: Vec<[Coord; N], DROPPED>,
     /// What was lost when some of those were forgotten, mm.
     forgotten: S,
+    /// Greatest error that its lines came with, mm.
+    brought: S,
 }
 
 impl<S: Scalar, const N: usize> Chain<S, N> {
@@ -84,6 +86,7 @@ impl<S: Scalar, const N: usize> Chain<S, N> {
             growing: None,
             dropped: Vec::new(),
             forgotten: S::ZERO,
+            brought: S::ZERO,
         }
     }
 
@@ -107,6 +110,7 @@ impl<S: Scalar, const N: usize> Chain<S, N> {
         if let Some(last) = self.growing {
             if let Some(longer) = self.longer(&last, at, &leg) {
                 self.keep_dropped(last.at, &leg);
+                self.brought = self.brought.greatest(leg.error);
                 self.growing = Some(longer);
                 return;
             }
@@ -114,6 +118,7 @@ impl<S: Scalar, const N: usize> Chain<S, N> {
         }
         if let Some(last) = self.vertices.back() {
             self.growing = Vertex::new(last, at, leg);
+            self.brought = leg.error;
         }
     }
 
@@ -147,7 +152,7 @@ impl<S: Scalar, const N: usize> Chain<S, N> {
             direction: zero(),
             leg: last.leg.with(leg),
         });
-        longer.leg.error = error;
+        longer.leg.error = error + self.brought.greatest(leg.error);
         Some(longer)
     }
 
@@ -185,6 +190,17 @@ impl<S: Scalar, const N: usize> Chain<S, N> {
             let _ = self.vertices.push_back(vertex);
         }
         self.clear_dropped();
+    }
+
+    /// Where the line starts that may become one with the next, and its tag.
+    pub fn growing(&self) -> Option<(i64, u32)> {
+        let tag = self.growing.as_ref()?.leg.order.tag;
+        Some((self.vertices.back()?.way, tag))
+    }
+
+    /// Arc length at the end of the last line taken.
+    pub fn reach(&self) -> i64 {
+        self.growing.as_ref().or(self.vertices.back()).map_or(0, |vertex| vertex.way)
     }
 
     /// Running number of the vertex behind the last.

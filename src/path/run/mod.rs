@@ -17,6 +17,7 @@ use self::window::Window;
 use super::cut::{Emitted, LONGEST_CELL_TIME, Remainder, next_piece};
 use super::node::Node;
 use super::segment::{mm_to_raw, raw_to_mm};
+use crate::machine::Ramp;
 use crate::number::vector::{Vector, dot, norm, sub, zero};
 use crate::number::{Coord, Scalar};
 use heapless::Deque;
@@ -26,6 +27,8 @@ use heapless::Deque;
 const COARSE: f64 = 0.7;
 /// Most vertices between two corners.
 const PASSED: u32 = 5;
+/// Pieces with tags of their own that are remembered; of more, the tag of the next is shown.
+const PIECES: usize = 10;
 /// Corners waiting for their spans.
 const WAITING: usize = 6;
 /// Length of the spans at a corner, times turn over tolerance: what a uniform cubic spline with
@@ -53,8 +56,8 @@ struct Corner<S, const N: usize> {
     direction: Vector<S, N>,
     /// Length of the spans next to it, mm.
     size: S,
-    /// Longest span before it, mm.
-    longest: S,
+    /// Feed of the line that ends there, mm/s.
+    feed: S,
     /// Whether the path turns back there, so that the motion has to rest.
     stop: bool,
     tolerance: S,
@@ -71,14 +74,34 @@ pub struct Run<S, const N: usize> {
     next: u32,
     start: Tie,
     end: Option<Tie>,
-    /// Length of spans next to a rest, mm.
-    rest_size: S,
+    /// How the machine gets going along its first line.
+    ramp: Ramp<S>,
+    /// Longest span next to a smooth start, mm.
+    beside: S,
     state: State,
     /// Spans of the window handed on, and that may be.
     handed: usize,
     ready: usize,
     /// Cells of the next one that have been handed on.
     part: u32,
+    /// Pieces of lines that have tags of their own.
+    pieces: Deque<Piece<S>, PIECES>,
+}
+
+/// A piece of a line with a tag of its own.
+#[derive(Clone, Copy)]
+struct Piece<S> {
+    /// Where it ends, 1e-12 mm.
+    to: i64,
+    /// mm.
+    length: S,
+    tag: u32,
+}
+
+impl<S: Scalar> Piece<S> {
+    fn from(&self) -> i64 {
+        self.to - mm_to_raw(self.length)
+    }
 }
 
 /// How far the window has come.
@@ -104,11 +127,13 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             next: 1,
             start: Tie::Rest,
             end: None,
-            rest_size: S::ZERO,
+            ramp: Ramp::NONE,
+            beside: S::ZERO,
             state: State::Tied,
             handed: 0,
             ready: 0,
             part: 0,
+            pieces: Deque::new(),
         }
     }
 
@@ -119,14 +144,16 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         (self.handed, self.ready, self.part) = (0, 0, 0);
     }
 
-    /// Starts a run at a point; `rest_size` is the length of spans next to a rest, mm.
-    pub fn begin(&mut self, at: [Coord; N], tie: Tie, leg: Leg<S>, rest_size: S) {
+    /// Starts a run at a point. Next to a smooth start spans are `beside` mm long at most.
+    pub fn begin(&mut self, at: [Coord; N], tie: Tie, leg: Leg<S>, (ramp, beside): (Ramp<S>, S)) {
+        let rest_size = ramp.first_cell(leg.order.feed);
         self.chain.begin(at, leg);
         self.window.clear();
         self.corners.clear();
+        self.pieces.clear();
         (self.newest, self.next) = (0, 1);
         (self.start, self.end) = (tie, None);
-        self.rest_size = rest_size;
+        (self.ramp, self.beside) = (ramp, beside);
         self.state = State::New;
         (self.handed, self.ready) = (0, 0);
         let _ = self.corners.push_back(Corner {
@@ -134,7 +161,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             at,
             direction: zero(),
             size: rest_size,
-            longest: S::ZERO,
+            feed: leg.order.feed,
             stop: false,
             tolerance: leg.tolerance,
         });
@@ -145,7 +172,31 @@ impl<S: Scalar, const N: usize> Run<S, N> {
 
     /// Whether a line can be taken.
     pub fn has_room(&self) -> bool {
-        self.end.is_none() && self.chain.has_room() && self.corners.len() + 3 <= WAITING
+        // Where many pieces wait, no more corners than are needed to lay knots.
+        let marked = self.pieces.len() > PIECES / 2 && self.corners.len() >= 3;
+        self.end.is_none() && self.chain.has_room() && self.corners.len() + 3 <= WAITING && !marked
+    }
+
+    /// Arc length at the end of the last line taken, 1e-12 mm.
+    pub fn reach(&self) -> i64 {
+        self.chain.reach()
+    }
+
+    /// Takes note of a piece of the next line, between two arc lengths, and its tag. Where there is no room
+    /// the tag is not shown.
+    pub fn mark(&mut self, from: i64, to: i64, tag: u32) {
+        if let Some((start, before)) = self.chain.growing() {
+            // The next line may become one with those before it, and show its last tag all over.
+            let start = self.pieces.back().map_or(start, |piece| start.max(piece.to));
+            if start < from {
+                self.note(start, from, before);
+            }
+        }
+        self.note(from, to, tag);
+    }
+
+    fn note(&mut self, from: i64, to: i64, tag: u32) {
+        let _ = self.pieces.push_back(Piece { to, length: raw_to_mm(to - from), tag });
     }
 
     /// Takes a line to `at`.
@@ -159,8 +210,8 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         self.look(first);
     }
 
-    /// Takes the last line, to `at`.
-    pub fn finish(&mut self, at: [Coord; N], leg: Leg<S>, tie: Tie) {
+    /// Takes the last line, to `at`. Next to a smooth end spans are `beside` mm long at most.
+    pub fn finish(&mut self, at: [Coord; N], leg: Leg<S>, tie: Tie, beside: S) {
         if tie == Tie::Smooth {
             // It stays as it is.
             self.chain.settle();
@@ -173,13 +224,14 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         if tie == Tie::Rest
             && let Some(last) = self.corners.back_mut()
         {
-            last.size = last.size.least(self.rest_size);
-            self.window.corner(last.way, self.rest_size);
+            let rest_size = self.ramp.first_cell(leg.order.feed);
+            last.size = last.size.least(rest_size);
+            self.window.corner(last.way, rest_size);
         }
         if tie == Tie::Smooth
             && let Some(last) = self.corners.back_mut()
         {
-            last.size = last.size * S::of(SMOOTH_SHARE);
+            last.size = beside.least(last.size * S::of(SMOOTH_SHARE));
         }
         self.grade();
     }
@@ -236,7 +288,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         let mut size = before.size.least(length);
         let mut stop = false;
         if first && self.start == Tie::Smooth {
-            size = length * S::of(SMOOTH_SHARE);
+            size = self.beside.least(length * S::of(SMOOTH_SHARE));
         }
         if !first {
             let turn = norm(&sub(&direction, &before.direction)).greatest(S::of(1.0e-6));
@@ -245,8 +297,9 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             let mut reach = band * S::of(CORNER_REACH) / (turn * turn.sqrt());
             if turn > S::of(BACK) {
                 stop = true;
-                size = size.least(self.rest_size);
-                reach = self.rest_size;
+                let rest_size = self.ramp.first_cell(vertex.leg.order.feed.least(before.feed));
+                size = size.least(rest_size);
+                reach = rest_size;
             }
             self.window.corner(before.way, reach);
         }
@@ -259,7 +312,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             at: vertex.at,
             direction,
             size: length,
-            longest: vertex.leg.order.feed * S::of(LONGEST_CELL_TIME),
+            feed: vertex.leg.order.feed,
             stop: false,
             tolerance: vertex.leg.tolerance,
         });
@@ -303,7 +356,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         let way = match next_piece(
             (raw_to_mm(here - from.way), raw_to_mm(to.way - here)),
             (from.size, to.size),
-            to.longest,
+            to.feed * S::of(LONGEST_CELL_TIME),
         ) {
             (_, Remainder::One) => to.way,
             (_, Remainder::Two) => here + (to.way - here) / 2,
@@ -318,7 +371,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             self.state = State::Broken;
             return true;
         };
-        self.window.push(&self.chain, way);
+        self.lay(way);
         if way == to.way {
             self.corners.pop_front();
             if to.stop {
@@ -328,6 +381,31 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         }
         self.chain.release_before(self.window.oldest_needed());
         true
+    }
+
+    /// Lays a knot. The span that it completes shows the tag of what it ends on.
+    fn lay(&mut self, way: i64) {
+        let before = self.window.spans.len();
+        self.window.push(&self.chain, way);
+        if self.window.spans.len() == before {
+            return;
+        }
+        let (begins, ends) = self.window.stretch(before);
+        if let Some(tag) = self.tag_at(ends - 1)
+            && let Some(leg) = self.window.legs.last_mut()
+        {
+            leg.order.tag = tag;
+        }
+        // At most all of them.
+        while self.pieces.front().is_some_and(|piece| piece.to <= begins) {
+            self.pieces.pop_front();
+        }
+    }
+
+    /// The tag of what lies around an arc length, if it is not that of its line.
+    fn tag_at(&self, way: i64) -> Option<u32> {
+        let piece = self.pieces.iter().find(|piece| piece.from() <= way && way < piece.to)?;
+        Some(piece.tag)
     }
 
     /// The knot that was asked for, or one nearer at which the band is kept.
@@ -345,7 +423,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             let ways = [end + step, end + 2 * step];
             if self.window.allows(&self.chain, &ways) {
                 for way in ways {
-                    self.window.push(&self.chain, way);
+                    self.lay(way);
                 }
                 self.window.tied = 3;
                 self.state = State::Tied;
@@ -361,7 +439,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     fn tie_at_rest(&mut self) {
         let end = self.window.end();
         for _ in 0..2 {
-            self.window.push(&self.chain, end);
+            self.lay(end);
         }
         self.window.tied = 1;
     }
@@ -369,13 +447,17 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     /// Goes on from rest behind a broken stretch.
     fn reopen(&mut self) {
         let way = self.window.end();
+        let ahead = self.corners.get(1).map(|corner| corner.feed);
+        let mut rest_size = S::ZERO;
         if let Some(corner) = self.corners.front_mut() {
+            let feed = ahead.map_or(corner.feed, |ahead| ahead.least(corner.feed));
+            rest_size = self.ramp.first_cell(feed);
             corner.way = way;
             corner.at = self.chain.point(way);
-            corner.size = self.rest_size;
+            corner.size = rest_size;
         }
         self.window.begin(&self.chain, way, Tie::Rest, 0);
-        self.window.corner(way, self.rest_size);
+        self.window.corner(way, rest_size);
         self.state = State::Open;
         (self.handed, self.ready) = (0, 0);
     }
@@ -443,11 +525,19 @@ impl<S: Scalar, const N: usize> Run<S, N> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::machine::{AxisLimits, Limits};
     use crate::path::hermite::Hermite;
     use crate::path::node::Order;
     use std::vec::Vec;
 
     const BAND: f64 = 0.02;
+
+    /// A first cell from rest of 0.01 mm.
+    fn ramp() -> Ramp<f64> {
+        let axis =
+            AxisLimits { velocity: 200.0, acceleration: 1063.0, jerk: 50_000.0, rotary: false };
+        Ramp::new(&Limits::new([axis; 2]).unwrap(), &[1.0, 0.0])
+    }
 
     /// Runs a poly-line through a run; the cells with their nodes.
     fn cells(points: &[[f64; 2]], sweeps: u16) -> Vec<Emitted<f64, 2>> {
@@ -467,7 +557,7 @@ mod tests {
         let mut run = std::boxed::Box::new(Run::new());
         let mut list: Vec<Emitted<f64, 2>> = Vec::new();
         let mut last = Node { at: at(&points[0]), tangent: [0.0; 2], curvature: [0.0; 2] };
-        run.begin(last.at, Tie::Rest, leg(0), 0.01);
+        run.begin(last.at, Tie::Rest, leg(0), (ramp(), 0.0));
         let (end, inner) = points[1..].split_last().unwrap();
         let mut inner = inner.iter();
         let mut ended = false;
@@ -481,7 +571,7 @@ mod tests {
                 run.push(at(point), leg(line));
                 line += 1;
             } else if !ended {
-                run.finish(at(end), leg(line), Tie::Rest);
+                run.finish(at(end), leg(line), Tie::Rest, 0.0);
                 ended = true;
             } else {
                 assert!(run.is_done(), "a run hangs");

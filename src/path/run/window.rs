@@ -160,6 +160,12 @@ impl<S: Scalar, const N: usize> Window<S, N> {
         from_fn(|i| self.knot(span - 2 + i.cast_signed()))
     }
 
+    /// Arc lengths at which a span starts and ends.
+    pub fn stretch(&self, span: usize) -> (i64, i64) {
+        let span = span.cast_signed();
+        (self.knot(span), self.knot(span + 1))
+    }
+
     /// Length between the last two knots.
     pub fn last_step(&self) -> i64 {
         let n = self.controls.len().cast_signed();
