@@ -172,7 +172,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if !(here.path_speed > self.crawl() * S::of(LEAST_SPEED)) {
             return None;
         }
-        let at = from_fn(|k| here.origin[k].plus(here.offset[k]));
+        // In `f64`: what is left of the cell must make good what is rounded here, in ever less time.
+        let time = t.to_f64();
+        let at = from_fn(|k| {
+            let offset = piece.axes[k].iter().rev().fold(0.0, |sum, c| (sum + c.to_f64()) * time);
+            here.origin[k].plus(offset)
+        });
         let mut cut = *station;
         let node = if station.cell.straight {
             Node { at, tangent: station.node.tangent, curvature: zero() }
