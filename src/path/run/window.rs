@@ -423,8 +423,12 @@ fn is_sharp<S: Scalar, const N: usize>(before: &Vertex<S, N>, after: &Vertex<S, 
     dot(&turn, &turn) > S::of(SHARP * SHARP)
 }
 
+/// A third of the sum of three knots in order, rounded towards 0. (A division of wide integers is a loop on the
+/// target, and there is one for every control point and place.)
 fn third(a: i64, b: i64, c: i64) -> i64 {
-    ((i128::from(a) + i128::from(b) + i128::from(c)) / 3) as i64
+    let more = (b - a) + (c - a);
+    let floor = a + more / 3;
+    if floor < 0 && more % 3 != 0 { floor + 1 } else { floor }
 }
 
 fn drop_front<T: Copy, const M: usize>(list: &mut Vec<T, M>, count: usize) {
@@ -432,4 +436,27 @@ fn drop_front<T: Copy, const M: usize>(list: &mut Vec<T, M>, count: usize) {
     let first = list.len() - kept;
     list.copy_within(first.., 0);
     list.truncate(kept);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_third_of_three_knots() {
+        let wide =
+            |a: i64, b: i64, c: i64| ((i128::from(a) + i128::from(b) + i128::from(c)) / 3) as i64;
+        let far = 2_000_000_000_000_000_000;
+        for a in [-far, -7, -6, -5, -1, 0, 1, 2, 3, 1_000_003, far] {
+            for b in [0, 1, 2, 3, 4, 5, 999_999_999_937, far] {
+                for c in [0, 1, 2, 3, 5, 7, 1_000_000_000_039] {
+                    assert_eq!(
+                        third(a, a + b, a + b + c),
+                        wide(a, a + b, a + b + c),
+                        "{a} {b} {c}"
+                    );
+                }
+            }
+        }
+    }
 }
