@@ -22,11 +22,11 @@ const STEEPEST: f64 = 0.7;
 /// Most halvings of the speeds of a slow seed.
 const SEED_TRIES: usize = 40;
 
-/// Greatest v^3 at both ends of a cell that constant speed allows; the feed alone if it leads to a rest.
-fn steady_cubes<S: Scalar, const N: usize>(view: &View<'_, S, N>, rests: bool) -> [S; 2] {
+/// Greatest v^3 at both ends of a cell that constant speed allows.
+fn steady_cubes<S: Scalar, const N: usize>(view: &View<'_, S, N>) -> [S; 2] {
     let feed = view.bounds.goal * S::of(STEADY_FEED);
     let mut cubes = [feed * feed * feed; 2];
-    if view.cell.straight || rests {
+    if view.cell.straight {
         return cubes;
     }
     let law = Law::steady(view.cell.length);
@@ -127,8 +127,8 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
             if station.cell.length > S::ZERO {
                 // A rest has the direction in which the motion goes on from there: the shape of a cell that
                 // ends in one is not that of a motion which does not stop.
-                let view = station.view(after, limits);
-                let cubes = steady_cubes(&view, after.rest);
+                let end = station.arrival(after);
+                let cubes = steady_cubes(&View { to: &end, ..station.view(after, limits) });
                 for (work, cube) in self.two(i).into_iter().flatten().zip(cubes) {
                     work.step[0] = work.step[0].least(cube);
                 }
