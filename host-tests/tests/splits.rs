@@ -180,3 +180,31 @@ fn a_zigzag_in_pieces() {
         }
     }
 }
+
+/// In `f32` no motion is found over a cell that is a hundred times as short as its neighbour: the end of a piece
+/// next to that of a cell makes none.
+#[test]
+fn the_end_of_a_piece_makes_no_sliver() {
+    let steps = [
+        ([-0.461_639_024, 0.710_443_396, 0.0], 0.898_032_500, 46.530_050_217),
+        ([-0.802_098_003, -0.761_426_229, 0.064_157_271], 1.0, 1.0),
+        ([-0.872_547_805, 0.034_909_129, 0.576_715_572], 0.311_859_233, 1.0),
+        ([-0.539_984_527, 0.0, -0.731_109_013], 0.031_314_149, 1.0),
+        ([-0.944_269_776, 0.0, 0.0], 12.468_888_040, 1.0),
+        ([0.662_618_685, 0.337_848_054, 0.0], 0.093_213_100, 1.0),
+        ([0.0, 0.0, -0.532_847_283], 2.192_421_850, 1.0),
+        ([0.0, -0.488_543_690, -0.451_889_576], 0.043_169_670, 1.0),
+        ([0.0, 0.643_063_501, -0.368_749_402], 5.079_468_715, 1.0),
+    ];
+    let draws = steps.map(|(step, size, feed)| Draw {
+        kind: 12,
+        step: step.to_vec(),
+        size,
+        feed,
+        stop: false,
+        bend: 0.0,
+    });
+    let cuts = [vec![], vec![], vec![0.553_822_379]];
+    let machine = machine(0.009_107_192, (1.0, 1.0), 3);
+    check(&program(&draws, &[0, 1, 2]), &cuts, &machine, Precision::F32).unwrap();
+}

@@ -16,6 +16,7 @@ use super::straight::{Mark, Marks, Sleeve};
 use super::transition::{Half, Transition};
 use crate::block::{Block, PushError};
 use crate::machine::{Config, CornerMode, Ramp};
+use crate::number::vector::{norm, sub};
 use crate::number::{Coord, Scalar};
 use heapless::Deque;
 
@@ -32,6 +33,10 @@ const EXACT_SLACK: f64 = 1.0e-10;
 /// Shortest piece whose tag is shown, as a share of the length over which the feed is reached: every piece
 /// that is shown takes a node of the window.
 const SHOWN_SHARE: f64 = 1.0 / 32.0;
+/// Rounding of the turn between two lines, in units of the scalar's.
+const TURN_ROUNDING: f64 = 16.0;
+/// Least part of a cell that the end of a piece cuts off.
+const PART_OF_CELL: i64 = 8;
 /// Share of a line next to a joint that is simply passed which a run leaves alone.
 const PASSED_SHARE: i64 = 4;
 
@@ -271,7 +276,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         if !lines {
             return None;
         }
-        let slack = slack(item.tolerance, before.length.least(after.length));
+        let shorter = before.length.least(after.length);
+        let slack = slack(item.tolerance, shorter);
+        // The vertex lies at least half the turn times the shorter line off the line past it. Most lines turn by
+        // far more, and what follows is done in `f64`, which the target has no instructions for.
+        let turn = norm(&sub(&after.end_frame(false).0, &before.end_frame(true).0));
+        let least = S::of(2.0 * slack.1) / shorter;
+        if turn > least + S::EPSILON * S::of(TURN_ROUNDING) {
+            return None;
+        }
         let (sleeve, error) =
             self.sleeve.extended(&before.start, &before.end, &after.end, slack)?;
         let exact = error <= EXACT_SLACK;
@@ -351,7 +364,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                     } else {
                         next_way(&segment, &item, (way, until), (first, end))
                     };
-                    let next = self.to_mark((&item, &segment), (way, goal), config);
+                    let (next, goal) = self.to_mark((&item, &segment), (way, goal, until), config);
                     self.stage = Stage::Body { way: next, next: goal, until, first, last: end };
                     let entry = Node { at: last.at, ..segment.node(way) };
                     let from = if self.rested { entry } else { *last };
@@ -415,19 +428,26 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         marks.into_iter().find(|mark| mark.way > way).map_or(own, |mark| mark.tag)
     }
 
-    /// The end of a cell of the front item, or of the piece that ends before it.
+    /// Where a cell of the front item ends that would end at `next`, and where the next one would begin without
+    /// what pieces end between: at the end of a piece if that is near, else at one before.
     fn to_mark(
         &self,
         (item, segment): (&Item<S, N>, &Segment<S, N>),
-        (way, next): (i64, i64),
+        (way, next, until): (i64, i64, i64),
         config: &Config<S, N>,
-    ) -> i64 {
-        // What is too short to be shown is no cell of its own.
+    ) -> (i64, i64) {
+        // What is too short to be shown is no cell of its own, nor is a small part of one: in `f32` the motion
+        // over a cell a hundred times as short as its neighbour is not found.
         let least = mm_to_raw(least_piece(segment, item.feed, config)) / 2;
+        let near = least.max((next - way) / PART_OF_CELL);
         let count = usize::from(item.marks);
         let mut ends =
             (0..count).filter_map(|index| self.marks.get(index)).map(|m| mm_to_raw(m.way));
-        ends.find(|at| at - way > least).filter(|at| next - at > least).unwrap_or(next)
+        match ends.find(|at| at - way > near) {
+            Some(at) if next - at > near => (at, next),
+            Some(at) if at - next < near && next < until && until - at > near => (at, at),
+            _ => (next, next),
+        }
     }
 
     /// Forgets the marks of the front item up to a place on it.

@@ -172,9 +172,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
 
     /// Whether a line can be taken.
     pub fn has_room(&self) -> bool {
-        // Where many pieces wait, no more corners than are needed to lay knots.
-        let marked = self.pieces.len() > PIECES / 2 && self.corners.len() >= 3;
-        self.end.is_none() && self.chain.has_room() && self.corners.len() + 3 <= WAITING && !marked
+        self.end.is_none() && self.chain.has_room() && self.corners.len() + 3 <= WAITING
     }
 
     /// Arc length at the end of the last line taken, 1e-12 mm.
