@@ -3,36 +3,11 @@
 
 mod common;
 
-use common::{Draw, config, dense, draws, machine, poly_line, program, stretches};
+use common::{Draw, config, dense, draws, machine, poly_line, program, stretches, watched};
 use proptest::prelude::*;
 use splineway_host::machine::Machine;
 use splineway_host::program::{Course, Move, Program};
-use splineway_host::run::{Observer, Precision, Sample, run};
-
-/// Time of a run, and the tags in the order of their setpoints with the count of each.
-#[derive(Default)]
-struct Watch {
-    time: f64,
-    tags: Vec<(u32, u32)>,
-}
-
-impl Observer for Watch {
-    fn setpoint(&mut self, sample: &Sample<'_>) -> anyhow::Result<()> {
-        anyhow::ensure!(sample.time < 1000.0, "line {}: the run does not end", sample.tag);
-        self.time = sample.time;
-        match self.tags.last_mut() {
-            Some((tag, count)) if *tag == sample.tag => *count += 1,
-            _ => self.tags.push((sample.tag, 1)),
-        }
-        Ok(())
-    }
-}
-
-fn watched(program: &Program, machine: &Machine, precision: Precision) -> Watch {
-    let mut watch = Watch::default();
-    run(program, machine, precision, &mut [&mut watch]).unwrap();
-    watch
-}
+use splineway_host::run::Precision;
 
 /// The program with its lines cut at shares of their lengths; lines are numbered anew.
 fn split(program: &Program, cuts: &[Vec<f64>], round: bool) -> Program {
@@ -80,8 +55,7 @@ fn check(
 ) -> Result<(), TestCaseError> {
     let whole = watched(program, machine, precision);
     let pieces = watched(&split(program, cuts, false), machine, precision);
-    // Starts and ends fall on whole cycles; cells that end where pieces do are cut otherwise, which shows in
-    // programs of a few tenths of a second. (They may be finer, and the motion faster.)
+    // Starts and ends fall on whole cycles. (Cells are cut where pieces end as well: the motion may be faster.)
     let longer = pieces.time - whole.time - 3.0 * machine.cycle;
     let most = 0.005 * whole.time;
     prop_assert!(longer <= most, "{} s in pieces, {} s as a whole", pieces.time, whole.time);

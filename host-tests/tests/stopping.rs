@@ -2,26 +2,14 @@
 
 mod common;
 
-use common::{Draw, Stretch, dense, machine, poly_line, program};
+use common::{Draw, Stretch, dense, machine, poly_line, program, soak, watched};
 use fastrand::Rng;
 use splineway_host::machine::Machine;
 use splineway_host::program::{Program, Speed};
-use splineway_host::run::{Observer, Precision, Sample, run};
-
-struct Clock(f64);
-
-impl Observer for Clock {
-    fn setpoint(&mut self, sample: &Sample<'_>) -> anyhow::Result<()> {
-        anyhow::ensure!(sample.time < 1000.0, "line {}: the run does not end", sample.tag);
-        self.0 = sample.time;
-        Ok(())
-    }
-}
+use splineway_host::run::Precision;
 
 fn time(program: &Program, machine: &Machine, precision: Precision) -> f64 {
-    let mut clock = Clock(0.0);
-    run(program, machine, precision, &mut [&mut clock]).unwrap();
-    clock.0
+    watched(program, machine, precision).time
 }
 
 /// Time over the time with an exact stop after every block; starts and ends fall on whole cycles.
@@ -117,8 +105,7 @@ fn case(number: u64) -> (Program, Machine, Precision) {
 }
 
 fn count(least: u64) -> u64 {
-    let soak = std::env::var("SOAK").ok().and_then(|factor| factor.parse::<u64>().ok());
-    least * soak.unwrap_or(1)
+    least * u64::from(soak().unwrap_or(1))
 }
 
 #[test]

@@ -436,6 +436,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         (way, next, until): (i64, i64, i64),
         config: &Config<S, N>,
     ) -> (i64, i64) {
+        if item.marks == 0 {
+            return (next, next);
+        }
         // What is too short to be shown is no cell of its own, nor is a small part of one: in `f32` the motion
         // over a cell a hundred times as short as its neighbour is not found.
         let least = mm_to_raw(least_piece(segment, item.feed, config)) / 2;

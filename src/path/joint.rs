@@ -140,16 +140,6 @@ fn stop_is_shorter<S: Scalar, const N: usize>(
     Ramp::new(&config.limits, direction).length(slower) < band * S::of(share)
 }
 
-/// Whether two lines that could be parts of a run are.
-fn run<S: Scalar, const N: usize>(
-    before: &Item<S, N>,
-    after: &Item<S, N>,
-    direction: &[S; N],
-    config: &Config<S, N>,
-) -> Joint {
-    if stop_is_shorter(before, after, direction, config) { Joint::Stop } else { Joint::Run }
-}
-
 /// How two items meet, and what length the joint would like of either.
 pub fn joint<S: Scalar, const N: usize>(
     before: &Item<S, N>,
@@ -165,10 +155,13 @@ pub fn joint<S: Scalar, const N: usize>(
     let corner = Corner::new(&frame_in.0, &frame_out.0);
     let shorter = a.length.least(b.length);
     let lines = a.is_line() && b.is_line() && mode == CornerMode::Band;
+    let stops = || stop_is_shorter(before, after, &frame_in.0, config);
+    // Of two lines that could be parts of a run.
+    let run = || if stops() { Joint::Stop } else { Joint::Run };
     // A spike smaller than the tolerance is ironed out.
     let spike = lines && shorter < tolerance * S::of(SPIKE);
     if corner.cos_turn() < S::of(STOP_COSINE) {
-        return (if spike { run(before, after, &frame_in.0, config) } else { Joint::Stop }, 0);
+        return (if spike { run() } else { Joint::Stop }, 0);
     }
     let straight = corner.cos_turn() > S::ZERO && !(lines && tolerance > S::ZERO);
     if straight && passes(a, b, (&frame_in, &frame_out), tolerance, mode) {
@@ -180,7 +173,7 @@ pub fn joint<S: Scalar, const N: usize>(
     match (&a.shape, &b.shape, mode) {
         (Shape::Line(_), Shape::Line(_), CornerMode::Paper { .. }) => (Joint::Corner, 0),
         (Shape::Line(_), Shape::Line(_), CornerMode::Band) => {
-            if before.chord != after.chord && stop_is_shorter(before, after, &frame_in.0, config) {
+            if before.chord != after.chord && stops() {
                 return (Joint::Stop, 0);
             }
             let most = shorter * S::of(1.0 / LONE_ROOM);
@@ -188,11 +181,11 @@ pub fn joint<S: Scalar, const N: usize>(
             let short = corner.full_band_length(tolerance, most) >= most;
             let back = corner.cos_turn() < S::of(BACK_COSINE) && !spike;
             if !back && (slight || short) {
-                return (run(before, after, &frame_in.0, config), 0);
+                return (run(), 0);
             }
             (Joint::Corner, mm_to_raw(swing::longest_reach(&corner, tolerance, shorter)))
         }
-        _ if stop_is_shorter(before, after, &frame_in.0, config) => (Joint::Stop, 0),
+        _ if stops() => (Joint::Stop, 0),
         _ => {
             let bound = |segment: &Segment<S, N>| {
                 segment.length.least(segment.longest_angle() * S::of(3.0))

@@ -11,7 +11,6 @@
 //! next attempt allows more cycles.
 
 use super::{Halt, Planner, Progress};
-use crate::machine::Config;
 use crate::number::Scalar;
 use crate::path::node::Cell;
 use crate::profile::law::State;
@@ -311,18 +310,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// Whether a motion was found from a guess, as for a new plan; else the states are as they were.
     fn find_afresh(&mut self, stretch: Stretch) -> bool {
-        let Config { limits, iterations, .. } = self.config;
-        self.solver.guess(&mut self.window, stretch, stretch.first + 1, &limits);
-        let (steps, found) = self.solver.find(&mut self.window, stretch, &limits, iterations);
-        self.counters.steps += u32::from(steps);
-        if found && self.crawl_in(stretch).is_none() {
-            return true;
+        let found = self.find_from_guess(stretch, stretch.first + 1);
+        let runs = found && self.crawl_in(stretch).is_none();
+        if !runs {
+            self.take_agreed(stretch.first..stretch.last + 1);
         }
-        for i in stretch.first..=stretch.last {
-            if let Some(station) = self.window.get_mut(i) {
-                station.state = station.agreed;
-            }
-        }
-        false
+        runs
     }
 }

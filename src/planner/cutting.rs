@@ -156,9 +156,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if let Some(station) = self.window.get_mut(i) {
             station.lead_to(&cut.node.at, cut.agreed, t);
         }
-        let pace = self.pace();
-        self.window.bound(i, &pace);
-        self.window.bound(i + 1, &pace);
+        self.bound_halves(i);
         true
     }
 
@@ -260,6 +258,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if let Some(station) = self.window.get_mut(i) {
             station.cell = first;
         }
+        self.bound_halves(i);
+    }
+
+    /// Bounds the cell of station `i` and the next anew.
+    fn bound_halves(&mut self, i: usize) {
         let pace = self.pace();
         self.window.bound(i, &pace);
         self.window.bound(i + 1, &pace);

@@ -9,6 +9,7 @@ use crate::profile::law::{Law, State};
 use crate::profile::solver::{Aim, Stretch};
 use crate::servo::link::Branch;
 use crate::servo::piece::{Piece, Sequel};
+use core::ops::Range;
 
 /// A plan that was offered, until the interpolator has decided on it.
 #[derive(Clone, Copy, Debug)]
@@ -35,8 +36,6 @@ const LEAST_LEFT: f64 = 0.3;
 /// Where the way from rest to a speed is cut, as shares of it: constant jerk covers the last in a quarter of the
 /// time in which acceleration builds up.
 const RAMP: [f64; 3] = [0.75, 0.125, 0.02];
-/// Least of these parts, in least distances of nodes.
-const RAMP_APART: f64 = 1.0;
 /// A cell at a rest is cut only if the part there is at most this share of it.
 const MOST_PART: f64 = 0.4;
 /// New plans are asked for when this part of the present one has been run, and no more than this
@@ -88,24 +87,35 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// Gives the stations of a stretch from index `new` on states, and improves those before.
     /// Returns whether there is a motion.
     fn find(&mut self, stretch: Stretch, new: usize) -> bool {
-        let Config { limits, iterations, .. } = self.config;
-        self.solver.guess(&mut self.window, stretch, new, &limits);
-        let (steps, found) = self.solver.find(&mut self.window, stretch, &limits, iterations);
-        self.counters.steps += u32::from(steps);
-        if found {
+        if self.find_from_guess(stretch, new) {
             return true;
         }
         // From the plan as it stands, and slow speeds behind it.
-        for i in stretch.first..new {
-            if let Some(station) = self.window.get_mut(i) {
-                station.state = station.agreed;
-            }
-        }
+        self.take_agreed(stretch.first..new);
+        let limits = self.config.limits;
         let found = self.solver.seed(&mut self.window, stretch, new, &limits);
         if found {
             self.improve(stretch, Aim::Time);
         }
         found
+    }
+
+    /// The same by a guess at the stations from index `new` on, which need not lead to a motion.
+    pub(super) fn find_from_guess(&mut self, stretch: Stretch, new: usize) -> bool {
+        let Config { limits, iterations, .. } = self.config;
+        self.solver.guess(&mut self.window, stretch, new, &limits);
+        let (steps, found) = self.solver.find(&mut self.window, stretch, &limits, iterations);
+        self.counters.steps += u32::from(steps);
+        found
+    }
+
+    /// Gives stations the states of the plan that is being executed.
+    pub(super) fn take_agreed(&mut self, stations: Range<usize>) {
+        for i in stations {
+            if let Some(station) = self.window.get_mut(i) {
+                station.state = station.agreed;
+            }
+        }
     }
 
     /// Servo cycles in a lead.
@@ -265,8 +275,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             let starts = station.rest || i == stretch.first;
             let ends = after.rest || (!stretch.open && i + 1 == stretch.last);
             if (starts || ends) && station.cell.length > S::ZERO {
-                let (ramp, apart) =
-                    (self.ramp(i, S::ZERO), self.apart(station.bounds.jerk) * S::of(RAMP_APART));
+                let (ramp, apart) = (self.ramp(i, S::ZERO), self.apart(station.bounds.jerk));
                 for share in RAMP {
                     let Some(length) = self.window.get(i).map(|station| station.cell.length) else {
                         return;

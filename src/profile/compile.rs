@@ -94,7 +94,6 @@ mod tests {
     use crate::path::swing;
     use crate::path::transition::Transition;
     use crate::profile::law::State;
-    use crate::profile::rows::Bounds;
 
     /// A motion that comes to rest in a cell, or starts there, follows the cell's spline less closely
     /// than one that passes: in a corner it must stay inside the band all the same.
@@ -114,15 +113,7 @@ mod tests {
                     let (from, to) = (transition.node(index), transition.node(index + 1));
                     let order = Order { feed: 1.0, rapid: false, tag: 0 };
                     let cell = transition.cell(index, &from, order);
-                    let view = View {
-                        from: &from,
-                        cell: &cell,
-                        to: &to,
-                        bounds: Bounds::default(),
-                        limits: &limits,
-                        share: 1.0,
-                        price: 0.0,
-                    };
+                    let view = View::unbound([&from, &to], &cell, &limits);
                     // Constant jerk to or from rest: 2 v^2 = 3 |a| h.
                     let push = 2.0 / 3.0 / cell.length;
                     for (start, end) in [

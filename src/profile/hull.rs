@@ -212,15 +212,7 @@ fn no_motion_over_a_cell_of_an_arc_leaves_the_band() {
         let raw = mm_to_raw(length);
         let order = Order { feed: 1.0, rapid: false, tag: 0 };
         let (from, cell, to) = (arc.node(0), arc.cell((0, raw), order), arc.node(raw));
-        let view = View {
-            from: &from,
-            cell: &cell,
-            to: &to,
-            bounds: Bounds::default(),
-            limits: &limits,
-            share: 1.0,
-            price: 0.0,
-        };
+        let view = View::unbound([&from, &to], &cell, &limits);
         for _ in 0..300 {
             let speeds =
                 from_fn(|_| if draws.unit() < 0.4 { 1e-4 * draws.unit() } else { draws.unit() });

@@ -134,6 +134,18 @@ pub struct View<'a, S, const N: usize> {
     pub price: S,
 }
 
+#[cfg(test)]
+impl<'a, S: Scalar, const N: usize> View<'a, S, N> {
+    /// A cell for its motion alone: without bounds.
+    pub fn unbound(
+        [from, to]: [&'a Node<S, N>; 2],
+        cell: &'a Cell<S, N>,
+        limits: &'a Limits<S, N>,
+    ) -> Self {
+        Self { from, cell, to, bounds: Bounds::default(), limits, share: S::ONE, price: S::ZERO }
+    }
+}
+
 /// How one Bernstein coefficient of the jerk is made of bulge, turn and the end accelerations:
 /// index of the path jerk, and the four factors.
 type Mix = (f64, f64, f64, f64);

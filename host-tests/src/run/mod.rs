@@ -16,4 +16,4 @@ pub use happenings::{Happening, Happenings};
 pub use judge::{Judge, Verdict};
 pub use runner::{Observer, Precision, Sample, Stats, Timing, block, run, run_with};
 pub use track::Track;
-pub(crate) use track::within;
+pub(crate) use track::Winding;

@@ -197,8 +197,7 @@ impl Follower {
         let mut nearest = (self.segment, self.way);
         let mut place = None;
         let step = if self.last.is_empty() { 0.0 } else { distance(&self.last, x) };
-        let near = self.far + 2.0 * step;
-        let (mut far, mut free) = (self.way, None);
+        let mut winding = Winding::new(self.way, self.far + 2.0 * step);
         for k in lo..last {
             if k > self.segment && track.way[k] > self.far + reach {
                 break;
@@ -235,34 +234,56 @@ impl Follower {
                 }
             }
             let t = along / (length * length);
-            free = within(t, off(t) / length, (own * 1.001 + SAGITTA) / length).and_then(
-                |(from, to)| {
-                    let begin =
-                        free.filter(|_| from <= 0.0).unwrap_or(track.way[k] + from * length);
-                    if begin <= near {
-                        far = f64::max(far, track.way[k] + to * length);
-                    }
-                    (to >= 1.0).then_some(begin)
-                },
-            );
+            let band = (own * 1.001 + SAGITTA) / length;
+            winding.pass((track.way[k], length), t, off(t) / length, band);
         }
         let (segment, way) = place.unwrap_or(nearest);
         if way > self.way {
             self.way = way;
             self.segment = segment;
         }
-        self.far = far.max(self.way);
+        self.far = winding.far().max(self.way);
         self.last.clear();
         self.last.extend_from_slice(x);
         best
     }
 }
 
-/// The part of a line of length 1 that is nearer to a point than `band`, from and to; the point lies `along` it and
-/// `off` it.
-pub(crate) fn within(along: f64, off: f64, band: f64) -> Option<(f64, f64)> {
-    let half = (band * band - off * off).sqrt();
-    let (from, to) = (along - half, along + half);
-    // A NaN is neither.
-    (from <= 1.0 && to >= 0.0).then_some((from.max(0.0), to.min(1.0)))
+/// How far along a path a setpoint may have come: the path winds within its band there, and nobody can tell which
+/// turn it is. Its lines are looked at in order.
+pub(crate) struct Winding {
+    /// Where it may have been before, and how far it can have gone since.
+    near: f64,
+    far: f64,
+    /// Where the stretch within the band began that reaches to the end of the last line.
+    begin: Option<f64>,
+}
+
+impl Winding {
+    /// At a place at least; `near` is how far it can be at most without having left the band.
+    pub(crate) fn new(way: f64, near: f64) -> Self {
+        Self { near, far: way, begin: None }
+    }
+
+    /// The next line, which begins at arc length `start` and is `length` long. As shares of its length, the
+    /// setpoint lies `along` it and `off` it, and the band is so wide.
+    pub(crate) fn pass(&mut self, (start, length): (f64, f64), along: f64, off: f64, band: f64) {
+        let half = (band * band - off * off).sqrt();
+        let (from, to) = (along - half, along + half);
+        let before = self.begin.take();
+        // A NaN is neither.
+        if from <= 1.0 && to >= 0.0 {
+            let begin = before.filter(|_| from <= 0.0);
+            let begin = begin.unwrap_or(start + from.max(0.0) * length);
+            if begin <= self.near {
+                self.far = self.far.max(start + to.min(1.0) * length);
+            }
+            self.begin = (to >= 1.0).then_some(begin);
+        }
+    }
+
+    /// How far it may have come.
+    pub(crate) fn far(&self) -> f64 {
+        self.far
+    }
 }

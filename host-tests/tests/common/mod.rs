@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use splineway_host::machine::Machine;
 use splineway_host::program::Program;
-use splineway_host::run::{Events, Precision, Stats, Verdict};
+use splineway_host::run::{Events, Observer, Precision, Sample, Stats, Verdict, run};
 use splineway_host::trial;
 #[allow(unused_imports)] // As above.
 pub use splineway_host::trial::{Draw, Stretch, dense, machine, poly_line, program};
@@ -64,10 +64,41 @@ pub fn draws(axes: usize, count: std::ops::Range<usize>) -> impl Strategy<Value 
     prop::collection::vec(one, count)
 }
 
+/// How many times as many cases are asked for by `SOAK`.
+pub fn soak() -> Option<u32> {
+    std::env::var("SOAK").ok().and_then(|factor| factor.parse().ok())
+}
+
+/// Time of a run, and the tags in the order of their setpoints with the count of each.
+#[derive(Default)]
+pub struct Watch {
+    pub time: f64,
+    pub tags: Vec<(u32, u32)>,
+}
+
+impl Observer for Watch {
+    fn setpoint(&mut self, sample: &Sample<'_>) -> anyhow::Result<()> {
+        anyhow::ensure!(sample.time < 1000.0, "line {}: the run does not end", sample.tag);
+        self.time = sample.time;
+        match self.tags.last_mut() {
+            Some((tag, count)) if *tag == sample.tag => *count += 1,
+            _ => self.tags.push((sample.tag, 1)),
+        }
+        Ok(())
+    }
+}
+
+/// Runs a program without commands and without a judge.
+pub fn watched(program: &Program, machine: &Machine, precision: Precision) -> Watch {
+    let mut watch = Watch::default();
+    run(program, machine, precision, &mut [&mut watch]).unwrap();
+    watch
+}
+
 /// The same cases in every run, so that a check is repeatable; `SOAK=20 cargo test --release --test
 /// limits` draws twenty times as many new ones.
 pub fn config(cases: u32) -> ProptestConfig {
-    let soak = std::env::var("SOAK").ok().and_then(|factor| factor.parse::<u32>().ok());
+    let soak = soak();
     ProptestConfig {
         cases: cases * soak.unwrap_or(1),
         rng_seed: if soak.is_some() { RngSeed::Random } else { RngSeed::Fixed(2023) },

@@ -1,19 +1,16 @@
 //! G-code, as a board reads it.
 
 use core::hint::black_box;
-use splineway::gcode::{AXES, Dialect, Reader, Settings, Setup};
-use splineway::{Block, Coord};
+use splineway::Block;
+use splineway::gcode::{Dialect, Reader, Settings};
 
 /// A line and what comes of it.
 pub fn read(line: &[u8]) -> Option<Block<f32, 3>> {
     let settings = black_box(Settings {
         dialect: Dialect::Marlin,
-        feed: 10.0,
-        start: [Coord::ZERO; AXES],
-        axes: [true; AXES],
         lenient: true,
         block_delete: true,
-        setup: Setup::NONE,
+        ..Settings::default()
     });
     let mut reader = Reader::new(&settings);
     for number in 0..black_box(2) {

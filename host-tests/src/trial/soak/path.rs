@@ -3,7 +3,7 @@
 //! Curves are chords, made where they are looked at: an arc of a hundred turns takes no memory.
 
 use super::draw::{Place, Shape};
-use crate::run::within;
+use crate::run::Winding;
 use splineway::block::FINEST_BAND;
 
 /// How far chords may leave their curve, as a share of the tolerance and at least, mm.
@@ -256,7 +256,7 @@ impl Path {
             Off { excess: f64::INFINITY, distance: f64::INFINITY, band: 0.0, tag: first.tag };
         let (mut nearest, mut place) = ((self.at, self.way), None);
         let near = self.far + 2.0 * self.distance(&self.last, x);
-        let (mut far, mut free) = (self.way, None);
+        let mut winding = Winding::new(self.way, near);
         // Back by the reach.
         let (mut n, mut k) = self.at;
         let from = self.way - reach;
@@ -310,15 +310,7 @@ impl Path {
                 }
                 if square > 0.0 {
                     let (t, whole) = (along / square, square.sqrt());
-                    free =
-                        within(t, off(t) / whole, segment.band / whole).and_then(|(from, to)| {
-                            let begin =
-                                free.filter(|_| from <= 0.0).unwrap_or(start + from * length);
-                            if begin <= near {
-                                far = f64::max(far, start + to * length);
-                            }
-                            (to >= 1.0).then_some(begin)
-                        });
+                    winding.pass((start, length), t, off(t) / whole, segment.band / whole);
                 }
                 a = b;
                 k += 1;
@@ -332,7 +324,7 @@ impl Path {
         if way > self.way || at > self.at {
             (self.at, self.way) = (at, way.max(self.way));
         }
-        (self.far, self.last) = (far.max(self.way), *x);
+        (self.far, self.last) = (winding.far().max(self.way), *x);
         best
     }
 }
