@@ -8,7 +8,7 @@
 //! arc needs one too: its curvature jumps, and so would the acceleration.
 
 use super::hermite::Hermite;
-use super::node::{Cell, Node, Order};
+use super::node::{Cell, Node, Programmed};
 use super::segment::{Segment, mm_to_raw, raw_to_mm};
 use crate::number::Scalar;
 use crate::number::vector::{Vector, norm};
@@ -40,9 +40,9 @@ impl<S: Scalar, const N: usize> Blend<S, N> {
         let start = before.node(before.length_raw - raw);
         let end = after.node(raw);
         let length = raw_to_mm::<S>(raw + raw);
-        let bulge = start.bulge_to(&end.at, length);
+        let tangent_offset = start.tangent_offset_to(&end.at, length);
         let (a, b) = ((&start.tangent, &start.curvature), (&end.tangent, &end.curvature));
-        Self { curve: Hermite::new(a, b, length, &bulge), start, end }
+        Self { curve: Hermite::new(a, b, length, &tangent_offset), start, end }
     }
 
     /// Longest reach up to `most` that keeps within `tolerance`, mm.
@@ -103,15 +103,15 @@ impl<S: Scalar, const N: usize> Blend<S, N> {
     }
 
     /// Cell number `index`.
-    pub fn cell(&self, index: u8, from: &Node<S, N>, order: Order<S>) -> Cell<S, N> {
+    pub fn cell(&self, index: u8, from: &Node<S, N>, programmed: Programmed<S>) -> Cell<S, N> {
         let (u0, u1) = (Self::parameter(index), Self::parameter(index + 1));
         let length = self.curve.arc_length(u0, u1);
         // To the very node: where the curve itself ends is rounded.
         let to = if index + 1 < CELLS { self.curve.place(&self.start.at, u1) } else { self.end.at };
         Cell {
             length,
-            bulge: from.bulge_to(&to, length),
-            order,
+            tangent_offset: from.tangent_offset_to(&to, length),
+            programmed,
             dwell: S::ZERO,
             event: None,
             straight: false,

@@ -7,9 +7,9 @@ use super::blend::{self, Blend};
 use super::chords::Chords;
 use super::corner::Corner;
 use super::cut::{Emitted, dwell_part, next_way, rest_cell, standstill};
-use super::item::{Item, Joint};
 use super::joint::{Taken, bent_lengths, corner_mode, joint, mean_node, reach};
-use super::node::{Node, Order};
+use super::node::{Node, Programmed};
+use super::queued::{Joint, QueuedBlock};
 use super::run::{Run, Tie};
 use super::segment::{Segment, mm_to_raw, raw_to_mm};
 use super::straight::{Mark, Marks, Sleeve};
@@ -43,7 +43,7 @@ const PASSED_SHARE: i64 = 4;
 /// What is being cut at the moment.
 #[derive(Clone, Copy)]
 enum Stage<S, const N: usize> {
-    /// Nothing: the front item waits.
+    /// Nothing: the front block waits.
     Waiting,
     /// The body of the front segment, up to `until`. The cell under way ends at `next`, unless a piece of the
     /// line ends before.
@@ -78,12 +78,12 @@ fn least_piece<S: Scalar, const N: usize>(
 
 /// The look-ahead buffer over blocks.
 pub struct Builder<S, const N: usize, const BLOCKS: usize> {
-    items: Deque<Item<S, N>, BLOCKS>,
+    queue: Deque<QueuedBlock<S, N>, BLOCKS>,
     /// The rest of a curve that has been accepted last.
     chords: Option<Chords<S, N>>,
-    /// Where the last item, a line, may run on to.
+    /// Where the last block, a line, may run on to.
     sleeve: Sleeve<N>,
-    /// Marks of the items, in order.
+    /// Marks of the queued lines, in order.
     marks: Marks<S, BLOCKS>,
     /// End of the last accepted block.
     end: [Coord; N],
@@ -105,7 +105,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     pub fn new(start: [Coord; N]) -> Self {
         const { assert!(BLOCKS >= 4, "a look-ahead of fewer than 4 blocks cannot share legs") };
         Self {
-            items: Deque::new(),
+            queue: Deque::new(),
             chords: None,
             sleeve: Sleeve::NONE,
             marks: Marks::new(),
@@ -122,7 +122,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
 
     /// Forgets everything and starts anew at a point. (In place: a new one would take its size of stack.)
     pub fn restart(&mut self, start: [Coord; N]) {
-        self.items.clear();
+        self.queue.clear();
         self.marks.clear();
         self.chords = None;
         self.end = start;
@@ -141,13 +141,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
 
     /// Blocks waiting: of lines that have become one, those whose tags are kept.
     pub fn len(&self) -> usize {
-        self.items.len() + self.marks.len() + usize::from(self.chords.is_some())
+        self.queue.len() + self.marks.len() + usize::from(self.chords.is_some())
     }
 
     pub fn is_full(&self) -> bool {
-        // Of marks there is no more room before something is cut: which it will be, of three items.
-        let marked = self.marks.is_full() && self.items.len() >= 3;
-        self.items.is_full() || self.chords.is_some() || marked
+        // Of marks there is no more room before something is cut: which it will be, of three blocks.
+        let marked = self.marks.is_full() && self.queue.len() >= 3;
+        self.queue.is_full() || self.chords.is_some() || marked
     }
 
     /// Takes a block, or leaves everything as it was.
@@ -171,7 +171,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     fn feed(&mut self, config: &Config<S, N>) {
         for _ in 0..BLOCKS {
             let Some(chords) = self.chords else { return };
-            if self.items.is_full() {
+            if self.queue.is_full() {
                 return;
             }
             // Cannot fail: its fields are those of the first, its end lies between control points.
@@ -189,10 +189,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         config: &Config<S, N>,
     ) -> Result<(), PushError> {
         let reject = |reason| PushError::Rejected { tag: block.tag, reason };
-        let Some(item) = Item::new(self.end, block, whole, config).map_err(reject)? else {
+        let Some(item) = QueuedBlock::new(self.end, block, whole, config).map_err(reject)? else {
             // Zero length: nothing to do but to honour an exact stop.
             if block.exact_stop
-                && let Some(last) = self.items.back_mut()
+                && let Some(last) = self.queue.back_mut()
             {
                 last.stop_after = true;
             }
@@ -210,29 +210,29 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             None => Sleeve::NONE,
         };
         // The joint behind a block that is being cut has been decided, unless a run goes on.
-        if (self.waits() || self.items.len() > 1)
-            && let Some(last) = self.items.back_mut()
+        if (self.waits() || self.queue.len() > 1)
+            && let Some(last) = self.queue.back_mut()
         {
             (last.joint, last.want) = joint(last, &item, config);
         }
         // Cannot fail: room was checked.
-        let _ = self.items.push_back(item);
+        let _ = self.queue.push_back(item);
         Ok(())
     }
 
-    /// Whether the joint behind the front item has not been decided.
+    /// Whether the joint behind the front block has not been decided.
     fn waits(&self) -> bool {
         matches!(self.stage, Stage::Waiting | Stage::Run { until: None })
     }
 
-    /// Whether the last item may still become longer; `exact`: without turning.
+    /// Whether the last block may still become longer; `exact`: without turning.
     fn last_is_open(&self, exact: bool) -> bool {
-        let Some(front) = self.items.front() else { return false };
-        match (self.items.len(), self.stage) {
+        let Some(front) = self.queue.front() else { return false };
+        match (self.queue.len(), self.stage) {
             (1, Stage::Waiting) => exact || (front.taken == 0 && front.entered == Joint::Stop),
             (1, Stage::Run { until: None }) => exact || front.taken == 0,
             (1, _) => false,
-            // What the joint behind the front item takes of the last has been decided.
+            // What the joint behind the front block takes of the last has been decided.
             (2, _) if !self.waits() => match front.joint {
                 Joint::Stop | Joint::Run => true,
                 Joint::Corner | Joint::Blend => exact,
@@ -243,34 +243,34 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     }
 
     /// Takes a line on to which the last one runs straight as a part of it. Returns whether it is one.
-    fn take_as_part(&mut self, item: &Item<S, N>, config: &Config<S, N>) -> bool {
+    fn take_as_part(&mut self, item: &QueuedBlock<S, N>, config: &Config<S, N>) -> bool {
         let Some((longer, sleeve, mark)) = self.longer(item, config) else { return false };
         if let Some(mark) = mark {
             self.marks.push(mark);
         }
         self.sleeve = sleeve;
-        if let Some(last) = self.items.back_mut() {
+        if let Some(last) = self.queue.back_mut() {
             *last = longer;
         }
         // The joint behind a block that is being cut has been decided, unless a run goes on.
-        if let Some(n) = self.items.len().checked_sub(2)
+        if let Some(n) = self.queue.len().checked_sub(2)
             && (n > 0 || self.waits())
-            && let Some(before) = self.items.get_mut(n)
+            && let Some(before) = self.queue.get_mut(n)
         {
             (before.joint, before.want) = joint(before, &longer, config);
         }
         true
     }
 
-    /// The last item with a line that runs straight on from it, and the mark between them, if that is
+    /// The last block with a line that runs straight on from it, and the mark between them, if that is
     /// to be shown. At equal feed, tolerance and kind only, where no stop is asked for.
     #[allow(clippy::type_complexity)]
     fn longer(
         &self,
-        item: &Item<S, N>,
+        item: &QueuedBlock<S, N>,
         config: &Config<S, N>,
-    ) -> Option<(Item<S, N>, Sleeve<N>, Option<Mark<S>>)> {
-        let last = self.items.back().filter(|last| last.runs_on(item))?;
+    ) -> Option<(QueuedBlock<S, N>, Sleeve<N>, Option<Mark<S>>)> {
+        let last = self.queue.back().filter(|last| last.runs_on(item))?;
         let (before, after) = (last.segment.as_ref()?, item.segment.as_ref()?);
         let lines = before.is_line() && after.is_line() && config.corner == CornerMode::Band;
         if !lines {
@@ -300,7 +300,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let shown = last.tag != item.tag
             && piece >= least_piece(before, last.feed, config)
             && !self.marks.is_full();
-        let longer = Item {
+        let longer = QueuedBlock {
             segment: Some(Segment::line(before.start, after.end)?),
             feed: last.feed.least(item.feed),
             stop_after: item.stop_after,
@@ -322,18 +322,18 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// The next cell, if enough is known to cut it. `last` is the node the last one ended at.
     pub fn emit(&mut self, last: &Node<S, N>, config: &Config<S, N>) -> Option<Emitted<S, N>> {
         self.feed(config);
-        // A finished stage leads to the next: body, joint, next item. Each turn of this loop
-        // moves on by one of these, and an item has a body or a joint with cells, or is dropped.
+        // A finished stage leads to the next: body, joint, next block. Each turn of this loop
+        // moves on by one of these, and a block has a body or a joint with cells, or is dropped.
         for _ in 0..4 * BLOCKS {
-            let item = *self.items.front()?;
+            let item = *self.queue.front()?;
             let Some(segment) = item.segment else {
                 let dwell = dwell_part(item.dwell, config.cycle);
-                match self.items.front_mut() {
+                match self.queue.front_mut() {
                     Some(front) if dwell < item.dwell => front.dwell = item.dwell - dwell,
-                    _ => drop(self.items.pop_front()),
+                    _ => drop(self.queue.pop_front()),
                 }
                 self.rested = true;
-                return Some(standstill(last, &Item { dwell, ..item }));
+                return Some(standstill(last, &QueuedBlock { dwell, ..item }));
             };
             match self.stage {
                 Stage::Waiting => {
@@ -370,7 +370,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                     let from = if self.rested { entry } else { *last };
                     let mut cut =
                         self.body_cell(&item, &segment, (&from, &entry), (way, next), until);
-                    cut.cell.order.tag = self.tag_at(0, raw_to_mm(way.midpoint(next)));
+                    cut.cell.programmed.tag = self.tag_at(0, raw_to_mm(way.midpoint(next)));
                     self.pass_marks(next);
                     self.rested = cut.rest;
                     return Some(cut);
@@ -381,24 +381,25 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                 Stage::Body { .. } => self.start_joint(&item, &segment),
                 Stage::Corner { transition, index } if index < transition.cells() => {
                     self.stage = Stage::Corner { transition, index: index + 1 };
-                    let order = self.order_beside(index, transition.cells(), segment.length)?;
+                    let programmed =
+                        self.programmed_beside(index, transition.cells(), segment.length)?;
                     let from = if self.rested { transition.node(index) } else { *last };
                     self.rested = false;
                     return Some(Emitted {
                         from,
-                        cell: transition.cell(index, &from, order),
+                        cell: transition.cell(index, &from, programmed),
                         node: transition.node(index + 1),
                         rest: false,
                     });
                 }
                 Stage::Blend { blend, index } if index < blend::CELLS => {
                     self.stage = Stage::Blend { blend, index: index + 1 };
-                    let order = self.order_beside(index, blend::CELLS, segment.length)?;
+                    let programmed = self.programmed_beside(index, blend::CELLS, segment.length)?;
                     let from = if self.rested { blend.node(index) } else { *last };
                     self.rested = false;
                     return Some(Emitted {
                         from,
-                        cell: blend.cell(index, &from, order),
+                        cell: blend.cell(index, &from, programmed),
                         node: blend.node(index + 1),
                         rest: false,
                     });
@@ -409,30 +410,30 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         None
     }
 
-    /// What is asked of a cell of the joint behind the front item, of `cells` in all: in its first half
-    /// by the front item, `length` mm long, at the place beside it, in the second by the next.
-    fn order_beside(&self, index: u8, cells: u8, length: S) -> Option<Order<S>> {
+    /// What is asked of a cell of the joint behind the front block, of `cells` in all: in its first half
+    /// by the front block, `length` mm long, at the place beside it, in the second by the next.
+    fn programmed_beside(&self, index: u8, cells: u8, length: S) -> Option<Programmed<S>> {
         let per = raw_to_mm::<S>(self.kept) / S::from_u32(u32::from(cells));
         // From the middle of the joint to the middle of the cell.
         let way = S::from_i64(2 * i64::from(index) + 1 - i64::from(cells)) * per;
         let (item, way) = if way < S::ZERO { (0, length + way) } else { (1, way) };
-        Some(Order { tag: self.tag_at(item, way), ..self.items.get(item)?.order() })
+        Some(Programmed { tag: self.tag_at(item, way), ..self.queue.get(item)?.programmed() })
     }
 
-    /// The tag at a place of the front item (0) or the next (1), mm from its start.
+    /// The tag at a place of the front block (0) or the next (1), mm from its start.
     fn tag_at(&self, item: usize, way: S) -> u32 {
-        let count = |index: usize| self.items.get(index).map_or(0, |item| usize::from(item.marks));
+        let count = |index: usize| self.queue.get(index).map_or(0, |item| usize::from(item.marks));
         let first = if item == 0 { 0 } else { count(0) };
         let marks = (first..first + count(item)).filter_map(|index| self.marks.get(index));
-        let own = self.items.get(item).map_or(0, |item| item.tag);
+        let own = self.queue.get(item).map_or(0, |item| item.tag);
         marks.into_iter().find(|mark| mark.way > way).map_or(own, |mark| mark.tag)
     }
 
-    /// Where a cell of the front item ends that would end at `next`, and where the next one would begin without
+    /// Where a cell of the front block ends that would end at `next`, and where the next one would begin without
     /// what pieces end between: at the end of a piece if that is near, else at one before.
     fn to_mark(
         &self,
-        (item, segment): (&Item<S, N>, &Segment<S, N>),
+        (item, segment): (&QueuedBlock<S, N>, &Segment<S, N>),
         (way, next, until): (i64, i64, i64),
         config: &Config<S, N>,
     ) -> (i64, i64) {
@@ -453,9 +454,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         }
     }
 
-    /// Forgets the marks of the front item up to a place on it.
+    /// Forgets the marks of the front block up to a place on it.
     fn pass_marks(&mut self, way: i64) {
-        let Some(front) = self.items.front_mut() else { return };
+        let Some(front) = self.queue.front_mut() else { return };
         let passed = raw_to_mm::<S>(way);
         while front.marks > 0 && self.marks.get(0).is_some_and(|mark| mark.way <= passed) {
             self.marks.drop_front(1);
@@ -463,9 +464,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         }
     }
 
-    /// Shows a run the marks of the front item, which it takes from `from` on to `until`.
+    /// Shows a run the marks of the front block, which it takes from `from` on to `until`.
     fn mark_run(&mut self, from: i64, until: i64) {
-        let count = self.items.front().map_or(0, |front| usize::from(front.marks));
+        let count = self.queue.front().map_or(0, |front| usize::from(front.marks));
         let origin = self.run.reach() - from;
         let mut begins = from;
         for mark in (0..count).filter_map(|index| self.marks.get(index)) {
@@ -477,13 +478,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         }
     }
 
-    /// Whether the joint behind the front item can be decided.
+    /// Whether the joint behind the front block can be decided.
     fn front_is_ready(&self, config: &Config<S, N>) -> bool {
-        let Some(item) = self.items.front() else { return false };
-        if item.stop_after || self.items.len() >= 3 {
+        let Some(item) = self.queue.front() else { return false };
+        if item.stop_after || self.queue.len() >= 3 {
             return true;
         }
-        match self.items.get(1) {
+        match self.queue.get(1) {
             None => self.closed,
             Some(next) => {
                 self.closed
@@ -494,14 +495,14 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         }
     }
 
-    /// Decides the joint behind the front item: how it is, and what it takes of the segment.
+    /// Decides the joint behind the front block: how it is, and what it takes of the segment.
     fn decide(
         &mut self,
-        item: &Item<S, N>,
+        item: &QueuedBlock<S, N>,
         segment: &Segment<S, N>,
         config: &Config<S, N>,
     ) -> Joint {
-        let next = self.items.get(1).copied();
+        let next = self.queue.get(1).copied();
         let mut joint = item.joint;
         let ahead = next.as_ref().and_then(|next| next.segment.as_ref());
         if item.stop_after || ahead.is_none() {
@@ -518,14 +519,19 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             joint = Joint::Stop;
             self.kept = 0;
         }
-        if let Some(front) = self.items.front_mut() {
+        if let Some(front) = self.queue.front_mut() {
             front.joint = joint;
         }
         joint
     }
 
-    /// Decides the joint behind the front item and starts on its body.
-    fn start_front(&mut self, item: &Item<S, N>, segment: &Segment<S, N>, config: &Config<S, N>) {
+    /// Decides the joint behind the front block and starts on its body.
+    fn start_front(
+        &mut self,
+        item: &QueuedBlock<S, N>,
+        segment: &Segment<S, N>,
+        config: &Config<S, N>,
+    ) {
         let joint = self.decide(item, segment, config);
         if joint == Joint::Run {
             let mut until = item.taken;
@@ -537,7 +543,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             return;
         }
         let until = segment.length_raw - self.kept;
-        let ahead = self.items.get(1).and_then(|next| next.segment.as_ref());
+        let ahead = self.queue.get(1).and_then(|next| next.segment.as_ref());
         let size = |joint: Joint, kept: i64, neighbour: S| match joint {
             Joint::Stop | Joint::Run => rest_cell(segment, item.feed, &config.limits),
             Joint::Through => bent_lengths(segment.length, neighbour).0,
@@ -551,7 +557,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// Starts a run `way` along the front segment.
     fn start_run(
         &mut self,
-        (item, segment): (&Item<S, N>, &Segment<S, N>),
+        (item, segment): (&QueuedBlock<S, N>, &Segment<S, N>),
         way: i64,
         config: &Config<S, N>,
     ) {
@@ -571,10 +577,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         }
     }
 
-    /// Takes the front item into the run, if its joint is known. Returns whether it was.
+    /// Takes the front block into the run, if its joint is known. Returns whether it was.
     fn extend_run(
         &mut self,
-        (item, segment): (&Item<S, N>, &Segment<S, N>),
+        (item, segment): (&QueuedBlock<S, N>, &Segment<S, N>),
         config: &Config<S, N>,
     ) -> bool {
         if !self.front_is_ready(config) {
@@ -596,7 +602,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let tie = if joint == Joint::Stop { Tie::Rest } else { Tie::Smooth };
         let beside = Self::beside(joint, self.kept, segment);
         let mut leg = item.leg();
-        leg.order.tag = self.tag_at(0, raw_to_mm(until));
+        leg.programmed.tag = self.tag_at(0, raw_to_mm(until));
         self.run.finish(segment.node(until).at, leg, tie, beside);
         self.stage = Stage::Run { until: Some(until) };
         true
@@ -604,7 +610,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
 
     /// The run is done: on with the rest of its last line.
     fn leave_run(&mut self, segment: &Segment<S, N>, way: i64) {
-        if let Some(front) = self.items.front_mut() {
+        if let Some(front) = self.queue.front_mut() {
             front.taken = way;
         }
         self.pass_marks(way);
@@ -617,17 +623,17 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// `from` the node of the path there, which may hold the mean direction of two segments.
     fn body_cell(
         &self,
-        item: &Item<S, N>,
+        item: &QueuedBlock<S, N>,
         segment: &Segment<S, N>,
         (from, entry): (&Node<S, N>, &Node<S, N>),
         way: (i64, i64),
         until: i64,
     ) -> Emitted<S, N> {
-        let mut cell = segment.cell(way, item.order());
+        let mut cell = segment.cell(way, item.programmed());
         let mut node = segment.node(way.1);
         let at_end = way.1 >= until;
         if at_end && item.joint == Joint::Through {
-            let next = self.items.get(1).and_then(|next| next.segment.as_ref());
+            let next = self.queue.get(1).and_then(|next| next.segment.as_ref());
             if let Some(next) = next {
                 let lengths = bent_lengths(segment.length, next.length);
                 let frames = (segment.end_frame(true), next.end_frame(false));
@@ -637,15 +643,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         // A node that is simply passed has the mean tangent of both sides: the curve of the cell
         // bends by the little difference.
         for i in 0..N {
-            cell.bulge[i] += (entry.tangent[i] - from.tangent[i]) * cell.length;
+            cell.tangent_offset[i] += (entry.tangent[i] - from.tangent[i]) * cell.length;
             cell.straight &= node.tangent[i] == from.tangent[i] && from.curvature[i] == S::ZERO;
         }
         Emitted { from: *from, cell, node, rest: at_end && item.joint == Joint::Stop }
     }
 
     /// The body is done: on to the joint, or over it.
-    fn start_joint(&mut self, item: &Item<S, N>, segment: &Segment<S, N>) {
-        let ahead = self.items.get(1).and_then(|next| next.segment);
+    fn start_joint(&mut self, item: &QueuedBlock<S, N>, segment: &Segment<S, N>) {
+        let ahead = self.queue.get(1).and_then(|next| next.segment);
         let Some(ahead) = ahead else {
             self.next_item();
             return;
@@ -664,11 +670,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         }
     }
 
-    /// Drops the front item; the next one starts where its joint ended.
+    /// Drops the front block; the next one starts where its joint ended.
     fn next_item(&mut self) {
-        let done = self.items.pop_front();
+        let done = self.queue.pop_front();
         self.marks.drop_front(done.as_ref().map_or(0, |done| usize::from(done.marks)));
-        if let (Some(done), Some(next)) = (done, self.items.front_mut()) {
+        if let (Some(done), Some(next)) = (done, self.queue.front_mut()) {
             next.taken = self.kept;
             next.entered = done.joint;
             next.length_before = done.segment.map_or(S::ZERO, |segment| segment.length);

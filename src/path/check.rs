@@ -1,7 +1,7 @@
 //! The checks of a push, without a planner.
 
 use super::chords::Chords;
-use super::item::Item;
+use super::queued::QueuedBlock;
 use crate::block::{Block, BlockError};
 use crate::machine::Config;
 use crate::number::{Coord, Scalar};
@@ -18,9 +18,9 @@ impl<S: Scalar, const N: usize> Block<S, N> {
         match Chords::new(*from, self, config)? {
             // The first chord stands for all, as when it is pushed.
             Some(chords) => {
-                Item::new(*from, &chords.line(), Some(chords.whole()), config).map(|_| ())
+                QueuedBlock::new(*from, &chords.line(), Some(chords.whole()), config).map(|_| ())
             }
-            None => Item::new(*from, self, None, config).map(|_| ()),
+            None => QueuedBlock::new(*from, self, None, config).map(|_| ()),
         }
     }
 }

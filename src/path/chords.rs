@@ -6,7 +6,7 @@
 //! within that share - a line written as a curve, also one that runs back on itself - is one line to
 //! each of its turning points, at which the motion rests, and to its end.
 
-use super::item::{check_coordinates, in_range};
+use super::queued::{check_coordinates, in_range};
 use crate::block::{Block, BlockError, Field, Motion};
 use crate::machine::Config;
 use crate::number::{Coord, Scalar};

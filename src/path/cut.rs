@@ -1,7 +1,7 @@
 //! Where a segment is cut into cells.
 
-use super::item::{Item, Joint};
 use super::node::{Cell, Node};
+use super::queued::{Joint, QueuedBlock};
 use super::segment::{Segment, mm_to_raw, raw_to_mm};
 use crate::machine::{Limits, Ramp};
 use crate::number::Scalar;
@@ -42,14 +42,14 @@ pub fn dwell_part<S: Scalar>(dwell: S, cycle: S) -> S {
 /// A cell without length, for a standstill.
 pub fn standstill<S: Scalar, const N: usize>(
     from: &Node<S, N>,
-    item: &Item<S, N>,
+    item: &QueuedBlock<S, N>,
 ) -> Emitted<S, N> {
     Emitted {
         from: *from,
         cell: Cell {
             length: S::ZERO,
-            bulge: zero(),
-            order: item.order(),
+            tangent_offset: zero(),
+            programmed: item.programmed(),
             dwell: item.dwell,
             event: item.event,
             straight: true,
@@ -102,7 +102,7 @@ pub enum Remainder {
 /// The node at which the next cell of a body ends, by its way along the segment.
 pub fn next_way<S: Scalar, const N: usize>(
     segment: &Segment<S, N>,
-    item: &Item<S, N>,
+    item: &QueuedBlock<S, N>,
     (way, until): (i64, i64),
     ends: (S, S),
 ) -> i64 {

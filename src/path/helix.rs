@@ -53,8 +53,8 @@ pub struct Helix {
     sweep: f64,
 }
 
-/// A place of the arc in its plane, seen from the centre.
-struct Place {
+/// A point of the arc in its plane, in polar form about the centre.
+struct Polar {
     radius: f64,
     sin: f64,
     cos: f64,
@@ -126,7 +126,7 @@ impl Helix {
     }
 
     /// Where the arc is at a share of its way.
-    fn place(&self, share: i64) -> Place {
+    fn polar(&self, share: i64) -> Polar {
         let per = 1.0 / WHOLE as f64;
         // Whole turns drop out of the product exactly.
         let part = share.wrapping_mul(i64::from(self.turns)) & (WHOLE - 1);
@@ -134,7 +134,7 @@ impl Helix {
         let u = share as f64 * per;
         let turned = if self.sweep < 0.0 { -turned } else { turned };
         let (sin, cos) = libm::sincos(self.from + (turned + self.sweep * u));
-        Place { radius: self.radius + self.growth * u, sin, cos }
+        Polar { radius: self.radius + self.growth * u, sin, cos }
     }
 
     /// Sets what is in the plane.
@@ -179,7 +179,7 @@ impl Helix {
 
     /// Position of the plane's axes at a share; the others are left.
     pub fn set_position<const N: usize>(&self, at: &mut [Coord; N], share: i64) {
-        let Place { radius, sin, cos } = self.place(share);
+        let Polar { radius, sin, cos } = self.polar(share);
         self.put(at, self.centre.0.plus(radius * cos), self.centre.1.plus(radius * sin));
     }
 
@@ -189,7 +189,7 @@ impl Helix {
         share: i64,
         climb: &[f64; N],
     ) -> ([S; N], [S; N]) {
-        let Place { radius, sin, cos } = self.place(share);
+        let Polar { radius, sin, cos } = self.polar(share);
         let (turn, growth) = (self.angle(), self.growth);
         let speed = self.speed(radius, climb);
         let mut tangent: [f64; N] = from_fn(|i| climb[i] / speed);
@@ -209,9 +209,9 @@ impl Helix {
         (tangent.map(S::of), curvature)
     }
 
-    /// Length and bulge ([`super::node::Cell`]) of the part between two shares.
+    /// Length and tangent offset ([`super::node::Cell`]) of the part between two shares.
     ///
-    /// In `f64` and from the angles: the bulge is a small difference, and what it lost would be felt as jerk.
+    /// In `f64` and from the angles: the tangent offset is a small difference, and what it lost would be felt as jerk.
     pub fn cell<S: Scalar, const N: usize>(
         &self,
         (from, to): (i64, i64),
@@ -220,7 +220,7 @@ impl Helix {
         let per = 1.0 / WHOLE as f64;
         let (u0, part) = (from as f64 * per, (to - from) as f64 * per);
         let length = self.length((u0, u0 + part), climb);
-        let middle = self.place(from + (to - from) / 2);
+        let middle = self.polar(from + (to - from) / 2);
         let (half_sin, half_cos) = libm::sincos(self.angle() * part * 0.5);
         // Seen from the middle: what the radius grows by along it, and the chord across it.
         let grown = self.growth * part;
@@ -232,14 +232,14 @@ impl Helix {
         let speed = self.speed(radius, climb);
         let round = self.angle() * radius;
         let way = length / speed;
-        let mut bulge: [S; N] =
+        let mut tangent_offset: [S; N] =
             from_fn(|i| if self.growth == 0.0 { S::ZERO } else { S::of(climb[i] * (part - way)) });
         self.put(
-            &mut bulge,
+            &mut tangent_offset,
             S::of(out * middle.cos - across * middle.sin - (self.growth * cos - round * sin) * way),
             S::of(out * middle.sin + across * middle.cos - (self.growth * sin + round * cos) * way),
         );
-        (S::of(length), bulge)
+        (S::of(length), tangent_offset)
     }
 
     /// Greatest curvature, 1/mm.
@@ -311,7 +311,7 @@ mod tests {
         assert!(far(2000.49).is_ok() && far(2000.51).is_err());
     }
 
-    /// Tangent, curvature, lengths and bulges against differences of positions, on circles, helices and
+    /// Tangent, curvature, lengths and tangent offsets against differences of positions, on circles, helices and
     /// spirals, of many turns too.
     #[test]
     fn frames_and_cells_are_those_of_the_curve() {
@@ -347,7 +347,7 @@ mod tests {
             // A step of a hundredth of a radian.
             let step = (WHOLE as f64 * 0.01 / helix.angle().abs()) as i64;
             for share in [0, WHOLE / 3, WHOLE - step] {
-                let (length, bulge) = helix.cell::<f64, 3>((share, share + step), &climb);
+                let (length, tangent_offset) = helix.cell::<f64, 3>((share, share + step), &climb);
                 let (t0, k0): ([f64; 3], [f64; 3]) = helix.frame(share, &climb);
                 let (t1, k1): ([f64; 3], [f64; 3]) = helix.frame(share + step, &climb);
                 let (a, b) = (at(share), at(share + step));
@@ -358,7 +358,10 @@ mod tests {
                 assert!((unit - 1.0).abs() < 1e-12 && right.abs() < 1e-12);
                 for i in 0..3 {
                     let moved = b[i] - a[i];
-                    assert!((t0[i] * length + bulge[i] - moved).abs() < 1e-11, "{turns} {i}");
+                    assert!(
+                        (t0[i] * length + tangent_offset[i] - moved).abs() < 1e-11,
+                        "{turns} {i}"
+                    );
                     // Simpson and the trapezoidal rule of the same quantities.
                     let mean = f64::midpoint(t0[i], t1[i]) + (k0[i] - k1[i]) * length / 12.0;
                     assert!((mean * length - moved).abs() < 1e-9, "{turns} {i}");

@@ -6,7 +6,7 @@ use crate::number::{Coord, Scalar};
 use core::array::from_fn;
 
 /// A quintic curve over s in [0, length] that leaves the origin with a given tangent and curvature
-/// and arrives at `length x tangent + bulge` with the others. Six conditions per axis, six
+/// and arrives at `length x tangent + offset` with the others. Six conditions per axis, six
 /// coefficients: it is unique.
 #[derive(Clone, Copy, Debug)]
 pub struct Hermite<S, const N: usize> {
@@ -19,18 +19,18 @@ pub struct Hermite<S, const N: usize> {
 
 impl<S: Scalar, const N: usize> Hermite<S, N> {
     /// The curve between two directions: `start` and `end` are (tangent, curvature), `length` the
-    /// parameter length, mm, `bulge` the end point minus `length x start tangent`, mm.
+    /// parameter length, mm, `tangent_offset` the end point minus `length x start tangent`, mm.
     pub fn new(
         start: (&Vector<S, N>, &Vector<S, N>),
         end: (&Vector<S, N>, &Vector<S, N>),
         length: S,
-        bulge: &Vector<S, N>,
+        tangent_offset: &Vector<S, N>,
     ) -> Self {
         let square = length * length;
         // The straight part length x tangent x u is split off: what is left is small.
         let rest = |i: usize| {
             let slope = (end.0[i] - start.0[i]) * length;
-            (bulge[i], slope, start.1[i] * square, end.1[i] * square)
+            (tangent_offset[i], slope, start.1[i] * square, end.1[i] * square)
         };
         let half = S::of(0.5);
         Self {
@@ -61,7 +61,7 @@ impl<S: Scalar, const N: usize> Hermite<S, N> {
             (&from.tangent, &from.curvature),
             (&to.tangent, &to.curvature),
             cell.length,
-            &cell.bulge,
+            &cell.tangent_offset,
         )
     }
 
@@ -142,9 +142,9 @@ pub fn split_at<S: Scalar, const N: usize>(
     }
     let (first, second) = (curve.arc_length(S::ZERO, u), curve.arc_length(u, S::ONE));
     (
-        Cell { length: first, bulge: from.bulge_to(&middle.at, first), ..*cell },
+        Cell { length: first, tangent_offset: from.tangent_offset_to(&middle.at, first), ..*cell },
         middle,
-        Cell { length: second, bulge: middle.bulge_to(&to.at, second), ..*cell },
+        Cell { length: second, tangent_offset: middle.tangent_offset_to(&to.at, second), ..*cell },
     )
 }
 
@@ -152,7 +152,7 @@ pub fn split_at<S: Scalar, const N: usize>(
 mod tests {
     use super::*;
     use crate::number::Coord;
-    use crate::path::node::Order;
+    use crate::path::node::Programmed;
 
     /// A twentieth of a circle of 10 mm: the quintic through its ends keeps to it by nanometres,
     /// and so do the halves it is split into.
@@ -171,8 +171,8 @@ mod tests {
         let length = radius * angle;
         let cell = Cell {
             length,
-            bulge: [radius * angle.sin() - length, radius * (1.0 - angle.cos())],
-            order: Order { feed: 1.0, rapid: false, tag: 0 },
+            tangent_offset: [radius * angle.sin() - length, radius * (1.0 - angle.cos())],
+            programmed: Programmed { feed: 1.0, rapid: false, tag: 0 },
             dwell: 0.0,
             event: None,
             straight: false,

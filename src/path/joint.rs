@@ -2,8 +2,8 @@
 
 use super::blend::Blend;
 use super::corner::Corner;
-use super::item::{Frame, Item, Joint};
 use super::node::Node;
+use super::queued::{Frame, Joint, QueuedBlock};
 use super::run::SPIKE;
 use super::segment::{Segment, Shape, mm_to_raw, raw_to_mm};
 use super::swing;
@@ -110,21 +110,21 @@ pub fn passes<S: Scalar, const N: usize>(
     off <= tolerance * S::of(0.48)
 }
 
-/// How corners between two items are rounded: those between the chords of a curve, which nobody has
+/// How corners between two blocks are rounded: those between the chords of a curve, which nobody has
 /// programmed, always in the band.
 pub fn corner_mode<S: Scalar, const N: usize>(
-    before: &Item<S, N>,
-    after: &Item<S, N>,
+    before: &QueuedBlock<S, N>,
+    after: &QueuedBlock<S, N>,
     mode: CornerMode<S>,
 ) -> CornerMode<S> {
     if before.chord && after.chord { CornerMode::Band } else { mode }
 }
 
-/// Whether a stop between two items costs less than what lets the motion pass: where the feed changes, the place
+/// Whether a stop between two blocks costs less than what lets the motion pass: where the feed changes, the place
 /// of the change gives way by a share of the band; the slower feed is reached in less.
 fn stop_is_shorter<S: Scalar, const N: usize>(
-    before: &Item<S, N>,
-    after: &Item<S, N>,
+    before: &QueuedBlock<S, N>,
+    after: &QueuedBlock<S, N>,
     direction: &[S; N],
     config: &Config<S, N>,
 ) -> bool {
@@ -140,10 +140,10 @@ fn stop_is_shorter<S: Scalar, const N: usize>(
     Ramp::new(&config.limits, direction).length(slower) < band * S::of(share)
 }
 
-/// How two items meet, and what length the joint would like of either.
+/// How two blocks meet, and what length the joint would like of either.
 pub fn joint<S: Scalar, const N: usize>(
-    before: &Item<S, N>,
-    after: &Item<S, N>,
+    before: &QueuedBlock<S, N>,
+    after: &QueuedBlock<S, N>,
     config: &Config<S, N>,
 ) -> (Joint, i64) {
     let (Some(a), Some(b)) = (&before.segment, &after.segment) else {
@@ -205,11 +205,11 @@ pub struct Taken<S> {
     pub half: Option<Half<S>>,
 }
 
-/// What the joint behind `item` takes of either segment.
+/// What the joint behind a block takes of either segment.
 pub fn reach<S: Scalar, const N: usize>(
-    item: &Item<S, N>,
+    item: &QueuedBlock<S, N>,
     segment: &Segment<S, N>,
-    next: &Item<S, N>,
+    next: &QueuedBlock<S, N>,
     ahead: &Segment<S, N>,
     joint: Joint,
     config: &Config<S, N>,

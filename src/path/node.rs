@@ -16,9 +16,9 @@ pub struct Node<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Node<S, N> {
-    /// How far a point lies off the straight line along this node's tangent: see [`Cell::bulge`].
+    /// How far a point lies off the straight line along this node's tangent: see [`Cell::tangent_offset`].
     /// In `f64`, because it is a small difference: its rounding in `f32` would be felt as jerk.
-    pub fn bulge_to(&self, to: &[Coord; N], length: S) -> Vector<S, N> {
+    pub fn tangent_offset_to(&self, to: &[Coord; N], length: S) -> Vector<S, N> {
         from_fn(|i| {
             let straight = self.tangent[i].to_f64() * length.to_f64();
             S::of(to[i].minus::<f64>(self.at[i]) - straight)
@@ -34,9 +34,9 @@ pub struct Cell<S, const N: usize> {
     /// How far the next node lies off the straight line along this node's tangent, mm: next
     /// position - position - length x tangent. Kept apart from the position difference because it
     /// is small and would drown in its rounding.
-    pub bulge: Vector<S, N>,
+    pub tangent_offset: Vector<S, N>,
     /// What its block asks of it.
-    pub order: Order<S>,
+    pub programmed: Programmed<S>,
     /// Standstill at this place, s; such a cell has no length.
     pub dwell: S,
     /// What is reported when the standstill begins.
@@ -56,7 +56,7 @@ pub enum Event {
 
 /// What a block asks of the cells that are made of it.
 #[derive(Clone, Copy, Debug)]
-pub struct Order<S> {
+pub struct Programmed<S> {
     /// Programmed speed along the path, mm/s.
     pub feed: S,
     /// Whether it is run as a rapid: which override applies.

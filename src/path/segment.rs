@@ -1,7 +1,7 @@
 //! Lines and arcs as parts of the path, with exact ends and lengths.
 
 use super::helix::{Helix, WHOLE};
-use super::node::{Cell, Node, Order};
+use super::node::{Cell, Node, Programmed};
 use crate::block::{BlockError, FINEST_BAND, Turn};
 use crate::number::vector::{Vector, zero};
 use crate::number::{Coord, Scalar};
@@ -148,16 +148,17 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
     }
 
     /// The cell between two arc lengths.
-    pub fn cell(&self, way: (i64, i64), order: Order<S>) -> Cell<S, N> {
-        let (length, bulge, straight) = match &self.shape {
+    pub fn cell(&self, way: (i64, i64), programmed: Programmed<S>) -> Cell<S, N> {
+        let (length, tangent_offset, straight) = match &self.shape {
             Shape::Line(_) => (raw_to_mm::<S>(way.1 - way.0), zero(), true),
             Shape::Arc(helix) => {
                 let shares = (self.share(way.0), self.share(way.1));
-                let (length, bulge) = helix.cell(shares, &helix.climb(&self.start, &self.end));
-                (length, bulge, false)
+                let (length, tangent_offset) =
+                    helix.cell(shares, &helix.climb(&self.start, &self.end));
+                (length, tangent_offset, false)
             }
         };
-        Cell { length, bulge, order, dwell: S::ZERO, event: None, straight }
+        Cell { length, tangent_offset, programmed, dwell: S::ZERO, event: None, straight }
     }
 
     /// Longest cell that follows the curve closely enough, mm, whatever the motion over it.
@@ -188,8 +189,9 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
         match &self.shape {
             Shape::Line(tangent) => from_fn(|i| tangent[i] * way),
             Shape::Arc(helix) => {
-                let bulge = bulge_along(helix, helix.rate(self.length), frame, way);
-                from_fn(|i| frame.0[i] * way + bulge[i])
+                let tangent_offset =
+                    tangent_offset_along(helix, helix.rate(self.length), frame, way);
+                from_fn(|i| frame.0[i] * way + tangent_offset[i])
             }
         }
     }
@@ -197,7 +199,7 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
 
 /// Position after `way` mm along a circle or helix minus `way x tangent`:
 /// in the plane (R sin phi - R phi) along the tangent and R (1 - cos phi) towards the centre.
-fn bulge_along<S: Scalar, const N: usize>(
+fn tangent_offset_along<S: Scalar, const N: usize>(
     helix: &Helix,
     rate: S,
     (tangent, curvature): (&Vector<S, N>, &Vector<S, N>),

@@ -9,7 +9,7 @@
 //! Near the apex jerk alone decides the time, so the best shape scales with the band: with lengths
 //! along the leg in units of G = 8 delta / sin(turn), the length of Guo's transition (eq. 7), and
 //! offsets from the leg in units of delta, it hardly depends on the turn, nor on the limits of the
-//! machine. It does depend on x = r / G, how much of the leg (r) there is for it. [`SHAPES`] holds the
+//! machine. It does depend on x = r / G, how much of the leg (r) there is for it. [`TEMPLATES`] holds the
 //! best shapes of a search (downhill simplex on the eight numbers; time over a zigzag of long legs
 //! with this core's own speed law, mean over three directions in the axes' frame). Between its rows
 //! and columns shapes are interpolated; then the true deviation of the curve is computed and the
@@ -23,7 +23,7 @@ use core::array::from_fn;
 
 /// One shape: distances of P0..P4 from the corner in units of G, offsets of P3 and P4 and of P5 in
 /// units of delta, to the inside.
-type Shape = [f64; 8];
+type Template = [f64; 8];
 
 /// Share of the band that the shapes use. A motion that rests or starts within a cell leaves the
 /// spline by up to four per cent of the band (`profile::compile` tests it).
@@ -37,7 +37,7 @@ const COSINE: [f64; TURNS] = [0.866, 0.5, 0.0, -0.5, -0.707, -0.901];
 const ROOM: [f64; 5] = [1.0, 2.0, 4.0, 10.0, 30.0];
 
 /// The best shapes found, by room and turn.
-const SHAPES: [[Shape; TURNS]; 5] = [
+const TEMPLATES: [[Template; TURNS]; 5] = [
     [
         [0.875, 0.787, 0.620, 0.399, 0.206, 0.089, 0.366, 0.935],
         [0.8744, 0.7863, 0.6201, 0.3992, 0.2125, 0.0886, 0.3661, 0.9347],
@@ -111,12 +111,12 @@ pub fn half<S: Scalar>(corner: &Corner<S>, delta: S, room: S) -> Half<S> {
 }
 
 /// The shape for a corner with room `ratio`, interpolated.
-fn shape<S: Scalar>(corner: &Corner<S>, ratio: f64) -> Shape {
+fn shape<S: Scalar>(corner: &Corner<S>, ratio: f64) -> Template {
     let cosine = corner.cos_turn().to_f64();
     let (row, down) = bracket(&ROOM, ratio);
     let (column, across) = bracket(&COSINE, cosine);
     let mix = |k: usize, row: usize| {
-        SHAPES[row][column][k] * (1.0 - across) + SHAPES[row][column + 1][k] * across
+        TEMPLATES[row][column][k] * (1.0 - across) + TEMPLATES[row][column + 1][k] * across
     };
     from_fn(|k| mix(k, row) * (1.0 - down) + mix(k, row + 1) * down)
 }
@@ -137,7 +137,13 @@ fn bracket<const M: usize>(list: &[f64; M], x: f64) -> (usize, f64) {
 }
 
 /// The Bezier spans of the B-spline's first half.
-fn polygon<S: Scalar>(corner: &Corner<S>, shape: &Shape, guo: S, delta: S, ratio: f64) -> Half<S> {
+fn polygon<S: Scalar>(
+    corner: &Corner<S>,
+    shape: &Template,
+    guo: S,
+    delta: S,
+    ratio: f64,
+) -> Half<S> {
     let [d0, d1, d2, d3, d4, o3, o4, apex] = shape.map(S::of);
     let on = |d: S, o: S| (-(d * guo), o * delta);
     let zero = S::ZERO;

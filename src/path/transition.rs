@@ -5,7 +5,7 @@
 //! leg, 0 at the corner, y to the inside of the turn.
 
 use super::corner::Corner;
-use super::node::{Cell, Node, Order, integral};
+use super::node::{Cell, Node, Programmed, integral};
 use crate::number::vector::{Vector, mix, shifted};
 use crate::number::{Coord, Scalar};
 use core::array::from_fn;
@@ -195,14 +195,14 @@ impl<S: Scalar, const N: usize> Transition<S, N> {
     }
 
     /// Cell number `index`, between the nodes `index` and `index + 1`.
-    pub fn cell(&self, index: u8, from: &Node<S, N>, order: Order<S>) -> Cell<S, N> {
+    pub fn cell(&self, index: u8, from: &Node<S, N>, programmed: Programmed<S>) -> Cell<S, N> {
         let first = index < self.half.cells;
         let length = self.half.length(if first { index } else { self.cells() - 1 - index });
         let (a, b) = (self.offset(index), self.offset(index + 1));
         Cell {
             length,
-            bulge: from_fn(|i| (b[i] - a[i]) - from.tangent[i] * length),
-            order,
+            tangent_offset: from_fn(|i| (b[i] - a[i]) - from.tangent[i] * length),
+            programmed,
             dwell: S::ZERO,
             event: None,
             straight: false,

@@ -171,7 +171,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         };
         let last = i + 1 == self.window.len();
         let (before, after) = (&before.cell, &here.cell);
-        let differs = !last && before.order.tag != after.order.tag;
+        let differs = !last && before.programmed.tag != after.programmed.tag;
         // A long dwell is many cells.
         let dwells = |cell: &Cell<S, N>| !(cell.length > S::ZERO) && cell.event.is_none();
         differs || (here.rest && (last || !(dwells(before) && dwells(after))))

@@ -39,7 +39,7 @@ pub fn piece<S: Scalar, const N: usize>(
     });
     let mut piece = Piece {
         serial: place.serial,
-        tag: view.cell.order.tag,
+        tag: view.cell.programmed.tag,
         time: law.time,
         origin: view.from.at,
         axes,
@@ -74,7 +74,7 @@ fn rest_at<S: Scalar, const N: usize>(piece: &mut Piece<S, N>, place: &[Coord; N
 pub fn standstill<S: Scalar, const N: usize>(view: &View<'_, S, N>, place: Place) -> Piece<S, N> {
     Piece {
         serial: place.serial,
-        tag: view.cell.order.tag,
+        tag: view.cell.programmed.tag,
         time: view.cell.dwell,
         origin: view.from.at,
         axes: [[S::ZERO; 5]; N],
@@ -90,7 +90,7 @@ mod tests {
     use super::*;
     use crate::machine::{AxisLimits, Limits};
     use crate::path::corner::Corner;
-    use crate::path::node::Order;
+    use crate::path::node::Programmed;
     use crate::path::swing;
     use crate::path::transition::Transition;
     use crate::profile::law::State;
@@ -111,8 +111,8 @@ mod tests {
                 let transition = Transition::new([Coord::ZERO; 2], (&a, &b), &corner, half);
                 for index in 0..transition.cells() {
                     let (from, to) = (transition.node(index), transition.node(index + 1));
-                    let order = Order { feed: 1.0, rapid: false, tag: 0 };
-                    let cell = transition.cell(index, &from, order);
+                    let programmed = Programmed { feed: 1.0, rapid: false, tag: 0 };
+                    let cell = transition.cell(index, &from, programmed);
                     let view = View::unbound([&from, &to], &cell, &limits);
                     // Constant jerk to or from rest: 2 v^2 = 3 |a| h.
                     let push = 2.0 / 3.0 / cell.length;

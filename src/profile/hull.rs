@@ -9,7 +9,7 @@ use crate::machine::{AxisLimits, Config, Limits};
 use crate::number::{ArcLength, Coord, Scalar};
 use crate::path::builder::Builder;
 use crate::path::cut::Emitted;
-use crate::path::node::{Node, Order};
+use crate::path::node::{Node, Programmed};
 use crate::path::segment::{Segment, mm_to_raw};
 use crate::servo::piece::Sequel;
 use core::array::from_fn;
@@ -176,7 +176,8 @@ fn ends<S: Scalar>(rounds: u32, floor: f64) {
         cells(&mut draws, &config, |_, cut| {
             let length = cut.cell.length.to_f64();
             for i in 0..AXES {
-                let way = cut.from.tangent[i].to_f64() * length + cut.cell.bulge[i].to_f64();
+                let way =
+                    cut.from.tangent[i].to_f64() * length + cut.cell.tangent_offset[i].to_f64();
                 let missed = way - cut.node.at[i].minus::<f64>(cut.from.at[i]);
                 let most = 4.0 * S::EPSILON.to_f64() * length + floor;
                 assert!(missed.abs() <= most, "round {round}: {missed} of {length} on axis {i}");
@@ -210,8 +211,8 @@ fn no_motion_over_a_cell_of_an_arc_leaves_the_band() {
         let arc = arc.unwrap();
         let length = arc.longest_cell(band);
         let raw = mm_to_raw(length);
-        let order = Order { feed: 1.0, rapid: false, tag: 0 };
-        let (from, cell, to) = (arc.node(0), arc.cell((0, raw), order), arc.node(raw));
+        let programmed = Programmed { feed: 1.0, rapid: false, tag: 0 };
+        let (from, cell, to) = (arc.node(0), arc.cell((0, raw), programmed), arc.node(raw));
         let view = View::unbound([&from, &to], &cell, &limits);
         for _ in 0..300 {
             let speeds =

@@ -3,11 +3,11 @@
 //! On a cell every axis moves as x(t) = x0' s(t) + y(t): s is the path's quartic ([`Law`]), y the
 //! quintic that takes the axis from the tangent to the path, with
 //!   y = y' = 0, y'' = E0            at the start, E0 = x0'' v0^2,
-//!   y = bulge, y' = turn v1, y'' = E1  at the end, E1 = x1'' v1^2 + turn a1, turn = x1' - x0'.
+//!   y = offset, y' = turn v1, y'' = E1  at the end, E1 = x1'' v1^2 + turn a1, turn = x1' - x0'.
 //! Its jerk is a parabola in t. With w = 1 / T the Bernstein coefficients of the whole are
-//!   Q0 = x0' j(0)    +  60 bulge w^3 - 24 turn v1 w^2 + (3 E1 - 9 E0) w
-//!   Q1 = x0' j(mean) - 120 bulge w^3 + 60 turn v1 w^2 + (9 E0 - 9 E1) w
-//!   Q2 = x0' j(T)    +  60 bulge w^3 - 36 turn v1 w^2 + (9 E1 - 3 E0) w
+//!   Q0 = x0' j(0)    +  60 offset w^3 - 24 turn v1 w^2 + (3 E1 - 9 E0) w
+//!   Q1 = x0' j(mean) - 120 offset w^3 + 60 turn v1 w^2 + (9 E0 - 9 E1) w
+//!   Q2 = x0' j(T)    +  60 offset w^3 - 36 turn v1 w^2 + (9 E1 - 3 E0) w
 //! and those of the acceleration A0, A0 + Q0 T / 3, A1 - Q2 T / 3, A1. A polynomial lies between
 //! its least and greatest Bernstein coefficient: where these keep the limits, the axis keeps them
 //! at every instant of the cell. (For the jerk those of either half of the cell are taken: Q0, (Q0 +
@@ -77,7 +77,7 @@ impl<S: Scalar> Bounds<S> {
         to: &Node<S, N>,
         Pace { limits, cycle, feed, rapid }: &Pace<S, N>,
     ) -> Self {
-        let feed = cell.order.feed * if cell.order.rapid { *rapid } else { *feed };
+        let feed = cell.programmed.feed * if cell.programmed.rapid { *rapid } else { *feed };
         let mut bounds = Self {
             goal: S::ZERO,
             speed: feed.least(cell.length / (*cycle * S::of(LEAST_CYCLE_SHARE))),
@@ -92,7 +92,7 @@ impl<S: Scalar> Bounds<S> {
             let (t0, t1) = (from.tangent[i], to.tangent[i]);
             let early = t0 + from.curvature[i] * quarter;
             let late = t1 - to.curvature[i] * quarter;
-            let middle = four * t0 + cell.bulge[i] * per - early - late - t1;
+            let middle = four * t0 + cell.tangent_offset[i] * per - early - late - t1;
             let ends = t0.abs().greatest(t1.abs()).greatest(middle.abs());
             let share = ends.greatest(early.abs()).greatest(late.abs());
             if share * bounds.speed > axis.velocity {
@@ -146,11 +146,11 @@ impl<'a, S: Scalar, const N: usize> View<'a, S, N> {
     }
 }
 
-/// How one Bernstein coefficient of the jerk is made of bulge, turn and the end accelerations:
+/// How one Bernstein coefficient of the jerk is made of offset, turn and the end accelerations:
 /// index of the path jerk, and the four factors.
 type Mix = (f64, f64, f64, f64);
 
-/// Factors of bulge w^3, turn v1 w^2, E0 w and E1 w in Q0, Q1, Q2.
+/// Factors of offset w^3, turn v1 w^2, E0 w and E1 w in Q0, Q1, Q2.
 const JERK_MIX: [Mix; 3] =
     [(60.0, -24.0, -9.0, 3.0), (-120.0, 60.0, 9.0, -9.0), (60.0, -36.0, -3.0, 9.0)];
 
@@ -159,7 +159,7 @@ const JERK_MIX: [Mix; 3] =
 pub struct Axis<S> {
     pub tangent: S,
     pub turn: S,
-    pub bulge: S,
+    pub tangent_offset: S,
     pub k0: S,
     pub k1: S,
     /// E0 and E1.
@@ -176,7 +176,7 @@ impl<S: Scalar> Axis<S> {
         Self {
             tangent,
             turn,
-            bulge: view.cell.bulge[i],
+            tangent_offset: view.cell.tangent_offset[i],
             k0,
             k1,
             e0: k0 * law.v0 * law.v0,
@@ -193,10 +193,10 @@ impl<S: Scalar> Axis<S> {
     }
 
     #[inline]
-    fn jerk(&self, law: &Law<S>, jerk: S, (bulge, turn, e0, e1): Mix) -> S {
+    fn jerk(&self, law: &Law<S>, jerk: S, (offset, turn, e0, e1): Mix) -> S {
         let w = law.rate;
         self.tangent * jerk
-            + ((S::of(bulge) * self.bulge * w + S::of(turn) * self.turn * law.v1) * w
+            + ((S::of(offset) * self.tangent_offset * w + S::of(turn) * self.turn * law.v1) * w
                 + S::of(e0) * self.e0
                 + S::of(e1) * self.e1)
                 * w
@@ -372,7 +372,8 @@ fn axis_rows<S: Scalar, const N: usize, K: Sink<S>>(
 ) {
     let zero = S::ZERO;
     let axis = Axis::new(view, law, i);
-    let bent = axis.turn != zero || axis.bulge != zero || axis.k0 != zero || axis.k1 != zero;
+    let bent =
+        axis.turn != zero || axis.tangent_offset != zero || axis.k0 != zero || axis.k1 != zero;
     if !bent && axis.tangent == zero {
         return;
     }
@@ -414,9 +415,10 @@ impl<S: Scalar> Axis<S> {
     #[inline]
     fn jerk_gradients(&self, law: &Law<S>, slopes: &Slopes<S>) -> [Gradient<S>; 3] {
         let (w, two) = (law.rate, S::of(2.0));
-        let gradient = |slope: &Gradient<S>, (bulge, turn, e0, e1): Mix| {
-            let (bulge, turn, e0, e1) = (S::of(bulge), S::of(turn), S::of(e0), S::of(e1));
-            let per_rate = (S::of(3.0) * bulge * self.bulge * w + two * turn * self.turn * law.v1)
+        let gradient = |slope: &Gradient<S>, (offset, turn, e0, e1): Mix| {
+            let (offset, turn, e0, e1) = (S::of(offset), S::of(turn), S::of(e0), S::of(e1));
+            let per_rate = (S::of(3.0) * offset * self.tangent_offset * w
+                + two * turn * self.turn * law.v1)
                 * w
                 + e0 * self.e0
                 + e1 * self.e1;
@@ -472,7 +474,7 @@ mod tests {
     use super::*;
     use crate::machine::AxisLimits;
     use crate::number::Coord;
-    use crate::path::node::Order;
+    use crate::path::node::Programmed;
     use crate::profile::law::State;
     use std::vec::Vec;
 
@@ -526,8 +528,8 @@ mod tests {
         };
         let cell = Cell {
             length: h,
-            bulge: [-0.07 * k, 0.09 * k],
-            order: Order { feed: 100.0, rapid: false, tag: 0 },
+            tangent_offset: [-0.07 * k, 0.09 * k],
+            programmed: Programmed { feed: 100.0, rapid: false, tag: 0 },
             dwell: 0.0,
             event: None,
             straight,

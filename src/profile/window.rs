@@ -5,7 +5,7 @@ use super::rows::{Bounds, Pace, View};
 use crate::machine::Limits;
 use crate::number::vector::dot;
 use crate::number::{ArcLength, Coord, Scalar};
-use crate::path::node::{Cell, Event, Node, Order};
+use crate::path::node::{Cell, Event, Node, Programmed};
 use core::array::from_fn;
 use heapless::Deque;
 
@@ -49,8 +49,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
         let mut stations = Deque::new();
         let cell = Cell {
             length: S::ZERO,
-            bulge: [S::ZERO; N],
-            order: Order { feed: S::ZERO, rapid: false, tag: 0 },
+            tangent_offset: [S::ZERO; N],
+            programmed: Programmed { feed: S::ZERO, rapid: false, tag: 0 },
             dwell: S::ZERO,
             event: None,
             straight: true,
@@ -227,11 +227,11 @@ impl<S: Scalar, const N: usize> Station<S, N> {
         if self.cell.straight {
             let way: [S; N] = from_fn(|i| end[i].minus(self.node.at[i]));
             self.cell.length = dot(&way, &self.node.tangent);
-            self.cell.bulge = [S::ZERO; N];
+            self.cell.tangent_offset = [S::ZERO; N];
         } else {
             // The length that takes this time: then it is a part of the same quintic.
             self.cell.length = Law::length(self.agreed, arriving, time);
-            self.cell.bulge = self.node.bulge_to(end, self.cell.length);
+            self.cell.tangent_offset = self.node.tangent_offset_to(end, self.cell.length);
         }
     }
 
@@ -246,7 +246,7 @@ impl<S: Scalar, const N: usize> Station<S, N> {
         if !next.rest {
             return next.node;
         }
-        let chord: [S; N] = from_fn(|i| here.tangent[i] * cell.length + cell.bulge[i]);
+        let chord: [S; N] = from_fn(|i| here.tangent[i] * cell.length + cell.tangent_offset[i]);
         let per = S::of(2.0) / dot(&chord, &chord);
         let (along, across) =
             (dot(&here.tangent, &chord) * per, dot(&here.curvature, &chord) * per);

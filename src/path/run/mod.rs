@@ -1,19 +1,19 @@
 //! Runs of short lines as one cubic B-spline inside their tolerance band.
 //!
-//! [`chain`] holds the poly-line, thinned; [`Run`] lays knots along it, where it turns; [`window`]
+//! [`polyline`] holds the poly-line, thinned; [`Run`] lays knots along it, where it turns; [`sliding`]
 //! makes a spline over them that is inside the band, by a bound, and has [`crate::spline::sweep`]
 //! smooth it as far as the band allows. A stretch of spans is kept in hand: when it is full, or the
 //! run ends, it is smoothed and its first spans are handed on for good.
 
-mod chain;
-mod curve;
-mod window;
+mod polyline;
+mod sliding;
+mod span;
 
-pub use self::chain::{Leg, SPIKE};
-pub use self::window::Tie;
+pub use self::polyline::{Leg, SPIKE};
+pub use self::sliding::Tie;
 
-use self::chain::{Chain, Ray};
-use self::window::Window;
+use self::polyline::{Polyline, Ray};
+use self::sliding::SlidingSpline;
 use super::cut::{Emitted, LONGEST_CELL_TIME, Remainder, next_piece};
 use super::node::Node;
 use super::segment::{mm_to_raw, raw_to_mm};
@@ -22,34 +22,35 @@ use crate::number::vector::{Vector, dot, norm, sub, zero};
 use crate::number::{Coord, Scalar};
 use heapless::Deque;
 
-/// Share of the tolerance by which vertices may lie off the line between two corners of a run: at
+/// Share of the tolerance by which vertices may lie off the line between two dominant points: at
 /// least this far apart knots are laid.
 const COARSE: f64 = 0.7;
-/// Most vertices between two corners.
+/// Most vertices between two dominant points.
 const PASSED: u32 = 5;
 /// Pieces with tags of their own that are remembered; of more, the tag of the next is shown.
 const PIECES: usize = 10;
-/// Corners waiting for their spans.
+/// Dominant points waiting for their spans.
 const WAITING: usize = 6;
-/// Length of the spans at a corner, times turn over tolerance: what a uniform cubic spline with
+/// Length of the spans at a dominant point, times turn over tolerance: what a uniform cubic spline with
 /// spans of this length cuts off is two thirds of the band.
-const CORNER_SPAN: f64 = 4.0;
-/// Reach at a corner, times turn^1.5 over tolerance: see [`crate::spline::sweep`].
-const CORNER_REACH: f64 = 25.0;
-/// Twice the sine of half the turn (100 degrees) from which on a corner of a run is a rest.
+const DOMINANT_SPAN: f64 = 4.0;
+/// Reach at a dominant point, times turn^1.5 over tolerance: see [`crate::spline::sweep`].
+const DOMINANT_REACH: f64 = 25.0;
+/// Twice the sine of half the turn (100 degrees) from which on a dominant point is a rest.
 const BACK: f64 = 1.53;
 /// Least cosine between a line and the line that stands for it and others.
 const AHEAD: f64 = 0.3;
-/// Spans next to each other differ in length by less than this share of the distance to a corner.
+/// Spans next to each other differ in length by less than this share of the distance to a dominant point.
 const GRADE: f64 = 0.5;
 /// Spans handed on at once.
 const BATCH: usize = 6;
 /// Share of the first or last line of a smooth end that one span may take: two must fit.
 const SMOOTH_SHARE: f64 = 0.49;
 
-/// A corner of the run: where the poly-line turns.
+/// A dominant point of the run: a vertex at which the poly-line turns, so that knots are laid by it. (The term is
+/// Park and Lee's, 2007, "B-spline curve fitting based on adaptive curve refinement using dominant points".)
 #[derive(Clone, Copy)]
-struct Corner<S, const N: usize> {
+struct DominantPoint<S, const N: usize> {
     way: i64,
     at: [Coord; N],
     /// Direction in which it is reached.
@@ -65,11 +66,11 @@ struct Corner<S, const N: usize> {
 
 /// A run of lines.
 pub struct Run<S, const N: usize> {
-    chain: Chain<S, N>,
-    window: Window<S, N>,
-    /// Corners from the one that knots have been laid up to.
-    corners: Deque<Corner<S, N>, WAITING>,
-    /// Vertex of the chain at the newest corner, and the next to be looked at.
+    polyline: Polyline<S, N>,
+    spline: SlidingSpline<S, N>,
+    /// Dominant points from the one that knots have been laid up to.
+    dominant: Deque<DominantPoint<S, N>, WAITING>,
+    /// Vertex of the polyline at the newest dominant point, and the next to be looked at.
     newest: u32,
     next: u32,
     start: Tie,
@@ -78,19 +79,19 @@ pub struct Run<S, const N: usize> {
     ramp: Ramp<S>,
     /// Longest span next to a smooth start, mm.
     beside: S,
-    state: State,
-    /// Spans of the window handed on, and that may be.
+    knots: KnotState,
+    /// Spans of the spline handed on, and that may be.
     handed: usize,
     ready: usize,
     /// Cells of the next one that have been handed on.
     part: u32,
     /// Pieces of lines that have tags of their own.
-    pieces: Deque<Piece<S>, PIECES>,
+    pieces: Deque<TaggedPiece<S>, PIECES>,
 }
 
 /// A piece of a line with a tag of its own.
 #[derive(Clone, Copy)]
-struct Piece<S> {
+struct TaggedPiece<S> {
     /// Where it ends, 1e-12 mm.
     to: i64,
     /// mm.
@@ -98,15 +99,15 @@ struct Piece<S> {
     tag: u32,
 }
 
-impl<S: Scalar> Piece<S> {
+impl<S: Scalar> TaggedPiece<S> {
     fn from(&self) -> i64 {
         self.to - mm_to_raw(self.length)
     }
 }
 
-/// How far the window has come.
+/// How far the spline has come.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum State {
+enum KnotState {
     /// Not begun.
     New,
     /// Taking knots.
@@ -120,16 +121,16 @@ enum State {
 impl<S: Scalar, const N: usize> Run<S, N> {
     pub const fn new() -> Self {
         Self {
-            chain: Chain::new(),
-            window: Window::new(),
-            corners: Deque::new(),
+            polyline: Polyline::new(),
+            spline: SlidingSpline::new(),
+            dominant: Deque::new(),
             newest: 0,
             next: 1,
             start: Tie::Rest,
             end: None,
             ramp: Ramp::NONE,
             beside: S::ZERO,
-            state: State::Tied,
+            knots: KnotState::Tied,
             handed: 0,
             ready: 0,
             part: 0,
@@ -139,51 +140,51 @@ impl<S: Scalar, const N: usize> Run<S, N> {
 
     /// Forgets the run.
     pub fn clear(&mut self) {
-        self.window.clear();
-        self.state = State::Tied;
+        self.spline.clear();
+        self.knots = KnotState::Tied;
         (self.handed, self.ready, self.part) = (0, 0, 0);
     }
 
     /// Starts a run at a point. Next to a smooth start spans are `beside` mm long at most.
     pub fn begin(&mut self, at: [Coord; N], tie: Tie, leg: Leg<S>, (ramp, beside): (Ramp<S>, S)) {
-        let rest_size = ramp.first_cell(leg.order.feed);
-        self.chain.begin(at, leg);
-        self.window.clear();
-        self.corners.clear();
+        let rest_size = ramp.first_cell(leg.programmed.feed);
+        self.polyline.begin(at, leg);
+        self.spline.clear();
+        self.dominant.clear();
         self.pieces.clear();
         (self.newest, self.next) = (0, 1);
         (self.start, self.end) = (tie, None);
         (self.ramp, self.beside) = (ramp, beside);
-        self.state = State::New;
+        self.knots = KnotState::New;
         (self.handed, self.ready) = (0, 0);
-        let _ = self.corners.push_back(Corner {
+        let _ = self.dominant.push_back(DominantPoint {
             way: 0,
             at,
             direction: zero(),
             size: rest_size,
-            feed: leg.order.feed,
+            feed: leg.programmed.feed,
             stop: false,
             tolerance: leg.tolerance,
         });
         if tie == Tie::Rest {
-            self.window.corner(0, rest_size);
+            self.spline.slow_at(0, rest_size);
         }
     }
 
     /// Whether a line can be taken.
     pub fn has_room(&self) -> bool {
-        self.end.is_none() && self.chain.has_room() && self.corners.len() + 3 <= WAITING
+        self.end.is_none() && self.polyline.has_room() && self.dominant.len() + 3 <= WAITING
     }
 
     /// Arc length at the end of the last line taken, 1e-12 mm.
     pub fn reach(&self) -> i64 {
-        self.chain.reach()
+        self.polyline.reach()
     }
 
     /// Takes note of a piece of the next line, between two arc lengths, and its tag. Where there is no room
     /// the tag is not shown.
     pub fn mark(&mut self, from: i64, to: i64, tag: u32) {
-        if let Some((start, before)) = self.chain.growing() {
+        if let Some((start, before)) = self.polyline.growing() {
             // The next line may become one with those before it, and show its last tag all over.
             let start = self.pieces.back().map_or(start, |piece| start.max(piece.to));
             if start < from {
@@ -194,16 +195,16 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     }
 
     fn note(&mut self, from: i64, to: i64, tag: u32) {
-        let _ = self.pieces.push_back(Piece { to, length: raw_to_mm(to - from), tag });
+        let _ = self.pieces.push_back(TaggedPiece { to, length: raw_to_mm(to - from), tag });
     }
 
     /// Takes a line to `at`.
     pub fn push(&mut self, at: [Coord; N], leg: Leg<S>) {
-        self.chain.push(at, leg);
-        let first = self.start == Tie::Smooth && self.chain.end() == 1;
+        self.polyline.push(at, leg);
+        let first = self.start == Tie::Smooth && self.polyline.end() == 1;
         if first {
             // The first line of a smooth start stays as it is.
-            self.chain.settle();
+            self.polyline.settle();
         }
         self.look(first);
     }
@@ -212,49 +213,49 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     pub fn finish(&mut self, at: [Coord; N], leg: Leg<S>, tie: Tie, beside: S) {
         if tie == Tie::Smooth {
             // It stays as it is.
-            self.chain.settle();
+            self.polyline.settle();
             self.look(true);
         }
-        self.chain.push(at, leg);
-        self.chain.settle();
+        self.polyline.push(at, leg);
+        self.polyline.settle();
         self.look(true);
         self.end = Some(tie);
         if tie == Tie::Rest
-            && let Some(last) = self.corners.back_mut()
+            && let Some(last) = self.dominant.back_mut()
         {
-            let rest_size = self.ramp.first_cell(leg.order.feed);
+            let rest_size = self.ramp.first_cell(leg.programmed.feed);
             last.size = last.size.least(rest_size);
-            self.window.corner(last.way, rest_size);
+            self.spline.slow_at(last.way, rest_size);
         }
         if tie == Tie::Smooth
-            && let Some(last) = self.corners.back_mut()
+            && let Some(last) = self.dominant.back_mut()
         {
             last.size = beside.least(last.size * S::of(SMOOTH_SHARE));
         }
         self.grade();
     }
 
-    /// Looks at new vertices for corners; the last one is one if the run is `closed` there.
+    /// Looks at new vertices for dominant points; the last one is one if the run is `closed` there.
     fn look(&mut self, closed: bool) {
-        // Every turn takes a vertex or makes a corner.
-        while self.next != self.chain.end() {
+        // Every turn takes a vertex or makes a dominant point.
+        while self.next != self.polyline.end() {
             if self.next.wrapping_sub(self.newest) > 1 && !self.reaches(self.next) {
-                self.corner(self.next.wrapping_sub(1));
+                self.dominate(self.next.wrapping_sub(1));
             }
             self.next = self.next.wrapping_add(1);
         }
         let last = self.next.wrapping_sub(1);
         if closed && last != self.newest {
-            self.corner(last);
+            self.dominate(last);
         }
     }
 
-    /// Whether the line from the newest corner to a vertex stands for all between.
+    /// Whether the line from the newest dominant point to a vertex stands for all between.
     fn reaches(&self, serial: u32) -> bool {
-        let (Some(corner), Some(end)) = (self.corners.back(), self.chain.vertex(serial)) else {
+        let (Some(point), Some(end)) = (self.dominant.back(), self.polyline.vertex(serial)) else {
             return false;
         };
-        let ray = Ray::<S, N>::new(&corner.at, &end.at);
+        let ray = Ray::<S, N>::new(&point.at, &end.at);
         let ahead = |direction: &Vector<S, N>| dot(direction, &ray.direction) > S::of(AHEAD);
         let most = end.leg.tolerance * S::of(COARSE);
         let first = self.newest.wrapping_add(1);
@@ -263,7 +264,9 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         between <= PASSED
             && ahead(&end.direction)
             && (0..between).all(|k| {
-                let Some(vertex) = self.chain.vertex(first.wrapping_add(k)) else { return false };
+                let Some(vertex) = self.polyline.vertex(first.wrapping_add(k)) else {
+                    return false;
+                };
                 let (on, off) = ray.place(&vertex.at);
                 let ordered = on + most >= along && on <= ray.length + most;
                 along = along.greatest(on);
@@ -272,10 +275,10 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             })
     }
 
-    /// Makes a vertex the newest corner.
-    fn corner(&mut self, serial: u32) {
+    /// Makes a vertex the newest dominant point.
+    fn dominate(&mut self, serial: u32) {
         let (Some(vertex), Some(before)) =
-            (self.chain.vertex(serial), self.corners.back().copied())
+            (self.polyline.vertex(serial), self.dominant.back().copied())
         else {
             return;
         };
@@ -291,66 +294,68 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         if !first {
             let turn = norm(&sub(&direction, &before.direction)).greatest(S::of(1.0e-6));
             let band = before.tolerance.least(vertex.leg.tolerance);
-            size = size.least(band * S::of(CORNER_SPAN) / turn);
-            let mut reach = band * S::of(CORNER_REACH) / (turn * turn.sqrt());
+            size = size.least(band * S::of(DOMINANT_SPAN) / turn);
+            let mut reach = band * S::of(DOMINANT_REACH) / (turn * turn.sqrt());
             if turn > S::of(BACK) {
                 stop = true;
-                let rest_size = self.ramp.first_cell(vertex.leg.order.feed.least(before.feed));
+                let rest_size = self.ramp.first_cell(vertex.leg.programmed.feed.least(before.feed));
                 size = size.least(rest_size);
                 reach = rest_size;
             }
-            self.window.corner(before.way, reach);
+            self.spline.slow_at(before.way, reach);
         }
-        if let Some(corner) = self.corners.back_mut() {
-            corner.size = size;
-            corner.stop = stop;
+        if let Some(point) = self.dominant.back_mut() {
+            point.size = size;
+            point.stop = stop;
         }
-        let _ = self.corners.push_back(Corner {
+        let _ = self.dominant.push_back(DominantPoint {
             way: vertex.way,
             at: vertex.at,
             direction,
             size: length,
-            feed: vertex.leg.order.feed,
+            feed: vertex.leg.programmed.feed,
             stop: false,
             tolerance: vertex.leg.tolerance,
         });
         self.grade();
     }
 
-    /// Sizes at neighbouring corners differ by no more than their distance allows.
+    /// Sizes at neighbouring dominant points differ by no more than their distance allows.
     fn grade(&mut self) {
-        let n = self.corners.len();
-        let limit = |a: Option<Corner<S, N>>, b: Option<Corner<S, N>>| {
+        let n = self.dominant.len();
+        let limit = |a: Option<DominantPoint<S, N>>, b: Option<DominantPoint<S, N>>| {
             let (a, b) = (a?, b?);
             let way = raw_to_mm::<S>((a.way - b.way).abs());
             Some(a.size + way * S::of(GRADE))
         };
-        let get = |corners: &Deque<_, WAITING>, i: usize| corners.get(i).copied();
+        let get = |dominant: &Deque<_, WAITING>, i: usize| dominant.get(i).copied();
         for (a, b) in (1..n).map(|i| (i - 1, i)).chain((1..n).rev().map(|i| (i, i - 1))) {
-            let most = limit(get(&self.corners, a), get(&self.corners, b));
-            if let (Some(most), Some(corner)) = (most, self.corners.get_mut(b)) {
-                corner.size = corner.size.least(most);
+            let most = limit(get(&self.dominant, a), get(&self.dominant, b));
+            if let (Some(most), Some(point)) = (most, self.dominant.get_mut(b)) {
+                point.size = point.size.least(most);
             }
         }
     }
 
     /// Lays the next knot, if enough is known and there is room.
     fn extend(&mut self) -> bool {
-        let known = self.corners.len() >= if self.end.is_some() { 2 } else { 3 };
-        let (from, to) = (self.corners.front().copied(), self.corners.get(1).copied());
-        let (State::New | State::Open, Some(from)) = (self.state, from) else { return false };
-        if self.state == State::Open && !self.window.has_room() {
+        let known = self.dominant.len() >= if self.end.is_some() { 2 } else { 3 };
+        let (from, to) = (self.dominant.front().copied(), self.dominant.get(1).copied());
+        let (KnotState::New | KnotState::Open, Some(from)) = (self.knots, from) else {
+            return false;
+        };
+        if self.knots == KnotState::Open && !self.spline.has_room() {
             return false;
         }
         let (Some(to), true) = (to, known) else {
             // All knots are laid, or the run has come to nothing: it ends where it started.
-            if self.end.is_some() && self.state == State::New {
-                self.state = State::Tied;
+            if self.end.is_some() && self.knots == KnotState::New {
+                self.knots = KnotState::Tied;
                 return true;
             }
             return self.end.is_some() && self.tie(from.way);
         };
-        let here = if self.state == State::New { from.way } else { self.window.end() };
+        let here = if self.knots == KnotState::New { from.way } else { self.spline.end() };
         let way = match next_piece(
             (raw_to_mm(here - from.way), raw_to_mm(to.way - here)),
             (from.size, to.size),
@@ -360,39 +365,39 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             (_, Remainder::Two) => here + (to.way - here) / 2,
             (step, Remainder::More) => here + mm_to_raw(step).max(1),
         };
-        if self.state == State::New {
-            self.window.begin(&self.chain, here, self.start, way - here);
-            self.state = State::Open;
+        if self.knots == KnotState::New {
+            self.spline.begin(&self.polyline, here, self.start, way - here);
+            self.knots = KnotState::Open;
         }
         let Some(way) = self.allowed(here, way) else {
             self.tie_at_rest();
-            self.state = State::Broken;
+            self.knots = KnotState::Broken;
             return true;
         };
         self.lay(way);
         if way == to.way {
-            self.corners.pop_front();
+            self.dominant.pop_front();
             if to.stop {
                 self.tie_at_rest();
-                self.state = State::Broken;
+                self.knots = KnotState::Broken;
             }
         }
-        self.chain.release_before(self.window.oldest_needed());
+        self.polyline.release_before(self.spline.oldest_needed());
         true
     }
 
     /// Lays a knot. The span that it completes shows the tag of what it ends on.
     fn lay(&mut self, way: i64) {
-        let before = self.window.spans.len();
-        self.window.push(&self.chain, way);
-        if self.window.spans.len() == before {
+        let before = self.spline.spans.len();
+        self.spline.push(&self.polyline, way);
+        if self.spline.spans.len() == before {
             return;
         }
-        let (begins, ends) = self.window.stretch(before);
+        let (begins, ends) = self.spline.stretch(before);
         if let Some(tag) = self.tag_at(ends - 1)
-            && let Some(leg) = self.window.legs.last_mut()
+            && let Some(leg) = self.spline.legs.last_mut()
         {
-            leg.order.tag = tag;
+            leg.programmed.tag = tag;
         }
         // At most all of them.
         while self.pieces.front().is_some_and(|piece| piece.to <= begins) {
@@ -408,91 +413,91 @@ impl<S: Scalar, const N: usize> Run<S, N> {
 
     /// The knot that was asked for, or one nearer at which the band is kept.
     fn allowed(&self, here: i64, way: i64) -> Option<i64> {
-        let line = self.chain.line_end(here);
+        let line = self.polyline.line_end(here);
         let tries =
             [way, here + (way - here) / 2, line.min(way), here + (line.min(way) - here) / 4];
-        tries.into_iter().find(|&w| w > here && self.window.allows(&self.chain, &[w, w, w]))
+        tries.into_iter().find(|&w| w > here && self.spline.allows(&self.polyline, &[w, w, w]))
     }
 
     /// Ends the spline at its last knot.
     fn tie(&mut self, end: i64) -> bool {
         if self.end == Some(Tie::Smooth) {
-            let step = self.window.last_step();
+            let step = self.spline.last_step();
             let ways = [end + step, end + 2 * step];
-            if self.window.allows(&self.chain, &ways) {
+            if self.spline.allows(&self.polyline, &ways) {
                 for way in ways {
                     self.lay(way);
                 }
-                self.window.tied = 3;
-                self.state = State::Tied;
+                self.spline.tied = 3;
+                self.knots = KnotState::Tied;
                 return true;
             }
             self.end = Some(Tie::Rest);
         }
         self.tie_at_rest();
-        self.state = State::Tied;
+        self.knots = KnotState::Tied;
         true
     }
 
     fn tie_at_rest(&mut self) {
-        let end = self.window.end();
+        let end = self.spline.end();
         for _ in 0..2 {
             self.lay(end);
         }
-        self.window.tied = 1;
+        self.spline.tied = 1;
     }
 
     /// Goes on from rest behind a broken stretch.
     fn reopen(&mut self) {
-        let way = self.window.end();
-        let ahead = self.corners.get(1).map(|corner| corner.feed);
+        let way = self.spline.end();
+        let ahead = self.dominant.get(1).map(|point| point.feed);
         let mut rest_size = S::ZERO;
-        if let Some(corner) = self.corners.front_mut() {
-            let feed = ahead.map_or(corner.feed, |ahead| ahead.least(corner.feed));
+        if let Some(point) = self.dominant.front_mut() {
+            let feed = ahead.map_or(point.feed, |ahead| ahead.least(point.feed));
             rest_size = self.ramp.first_cell(feed);
-            corner.way = way;
-            corner.at = self.chain.point(way);
-            corner.size = rest_size;
+            point.way = way;
+            point.at = self.polyline.point(way);
+            point.size = rest_size;
         }
-        self.window.begin(&self.chain, way, Tie::Rest, 0);
-        self.window.corner(way, rest_size);
-        self.state = State::Open;
+        self.spline.begin(&self.polyline, way, Tie::Rest, 0);
+        self.spline.slow_at(way, rest_size);
+        self.knots = KnotState::Open;
         (self.handed, self.ready) = (0, 0);
     }
 
     /// Whether everything has been handed on.
     pub fn is_done(&self) -> bool {
-        self.state == State::Tied && self.handed == self.window.spans.len()
+        self.knots == KnotState::Tied && self.handed == self.spline.spans.len()
     }
 
     /// The next cell, if there is one for good. `last` is the node it starts at; after a rest the
     /// spline's own direction counts.
     pub fn next(&mut self, last: &Node<S, N>, rested: bool, sweeps: u16) -> Option<Emitted<S, N>> {
         // Every turn hands on a cell, lays a knot, or makes spans ready.
-        for _ in 0..4 * window::CONTROLS {
+        for _ in 0..4 * sliding::CONTROLS {
             if self.handed < self.ready {
                 return self.hand(last, rested);
             }
             if self.extend() {
                 continue;
             }
-            let tied = matches!(self.state, State::Tied | State::Broken);
-            if !tied && (self.state == State::New || self.window.has_room()) {
+            let tied = matches!(self.knots, KnotState::Tied | KnotState::Broken);
+            if !tied && (self.knots == KnotState::New || self.spline.has_room()) {
                 return None;
             }
-            self.window.release(self.handed);
+            self.spline.release(self.handed);
             (self.handed, self.ready) = (0, 0);
-            let spans = self.window.spans.len();
+            let spans = self.spline.spans.len();
             if spans == 0 {
-                if self.state == State::Tied {
+                if self.knots == KnotState::Tied {
                     return None;
                 }
                 self.reopen();
                 continue;
             }
-            self.window.improve(sweeps);
+            self.spline.improve(sweeps);
             self.ready = if tied { spans.min(BATCH) } else { BATCH.min(spans - 1) };
-            self.window.frozen = self.ready + 3;
+            self.spline.frozen = self.ready + 3;
         }
         None
     }
@@ -500,20 +505,20 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     /// Hands on a cell.
     fn hand(&mut self, last: &Node<S, N>, rested: bool) -> Option<Emitted<S, N>> {
         let (span, part) = (self.handed, self.part);
-        let curve = self.window.curve(span);
-        let ends = (&self.window.start(span), &self.window.finish(span));
+        let curve = self.spline.curve(span);
+        let ends = (&self.spline.start(span), &self.spline.finish(span));
         let from = if rested { Node { at: last.at, ..curve.node(part, ends) } } else { *last };
         let node = curve.node(part + 1, ends);
-        let order = self.window.legs.get(span)?.order;
-        let cell = curve.cell(part, &from, &node, order);
+        let programmed = self.spline.legs.get(span)?.programmed;
+        let cell = curve.cell(part, &from, &node, programmed);
         self.part += 1;
         if self.part == curve.parts() {
             self.part = 0;
             self.handed += 1;
         }
-        let at_end = self.handed == self.window.spans.len();
-        let rest = match self.state {
-            State::Broken => at_end,
+        let at_end = self.handed == self.spline.spans.len();
+        let rest = match self.knots {
+            KnotState::Broken => at_end,
             _ => at_end && self.end == Some(Tie::Rest),
         };
         Some(Emitted { from, cell, node, rest })
@@ -525,7 +530,7 @@ mod tests {
     use super::*;
     use crate::machine::{AxisLimits, Limits};
     use crate::path::hermite::Hermite;
-    use crate::path::node::Order;
+    use crate::path::node::Programmed;
     use std::vec::Vec;
 
     const BAND: f64 = 0.02;
@@ -549,8 +554,8 @@ mod tests {
         band: impl Fn(usize) -> f64,
     ) -> Vec<Emitted<f64, 2>> {
         let at = |p: &[f64; 2]| p.map(|x| Coord::from_mm(x).unwrap());
-        let order = Order { feed: 100.0, rapid: false, tag: 0 };
-        let leg = |line| Leg { order, tolerance: band(line), error: 0.0 };
+        let programmed = Programmed { feed: 100.0, rapid: false, tag: 0 };
+        let leg = |line| Leg { programmed, tolerance: band(line), error: 0.0 };
         let mut line = 0;
         let mut run = std::boxed::Box::new(Run::new());
         let mut list: Vec<Emitted<f64, 2>> = Vec::new();

@@ -12,8 +12,8 @@
 //! the poly-line is straight, so the difference e has the spline's own second derivative, which is
 //! linear on a span: |e| <= max(|e_a|, |e_b|) + gap^2 / 8 max |c''|.
 
-use super::chain::{Chain, Leg, Vertex};
-use super::curve::Curve;
+use super::polyline::{Leg, Polyline, Vertex};
+use super::span::SpanCurve;
 use crate::number::list::some;
 use crate::number::vector::{Vector, dot, norm, sub, zero};
 use crate::number::{Coord, Scalar};
@@ -41,8 +41,8 @@ const REST_SHARE: f64 = 1.0 / 96.0;
 const SHARP: f64 = 0.15;
 /// How far along its line the point that a place is compared with may lie, as a share of the tolerance.
 const SLIP: f64 = 2.0;
-/// Corners that are remembered for the spans behind them.
-const CORNERS: usize = 8;
+/// Places to be slow at that are remembered for the spans behind them.
+const SLOW_POINTS: usize = 8;
 
 /// A control point and the newest knot it depends on.
 #[derive(Clone, Copy, Debug)]
@@ -63,7 +63,7 @@ pub enum Tie {
 }
 
 /// The stretch.
-pub struct Window<S, const N: usize> {
+pub struct SlidingSpline<S, const N: usize> {
     /// The two knots before that of the first control point.
     before: [i64; 2],
     pub controls: Vec<Control<N>, CONTROLS>,
@@ -77,8 +77,8 @@ pub struct Window<S, const N: usize> {
     pub frozen: usize,
     /// Control points at the back that do not move yet, or at all.
     pub tied: usize,
-    /// Arc length and reach of corners ahead of the last span.
-    corners: Vec<(i64, S), CORNERS>,
+    /// Arc length and reach of places to be slow at ahead of the last span.
+    slow_points: Vec<(i64, S), SLOW_POINTS>,
     /// Reach at the end of the last span.
     reach: S,
 }
@@ -90,10 +90,10 @@ struct Draft<S, const N: usize> {
     places: Vec<Place<S, N>, SPAN_PLACES>,
 }
 
-/// Reach where no corner is known.
+/// Reach where no such place is known.
 const FAR: f64 = 1.0e3;
 
-impl<S: Scalar, const N: usize> Window<S, N> {
+impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
     pub const fn new() -> Self {
         Self {
             before: [0; 2],
@@ -104,7 +104,7 @@ impl<S: Scalar, const N: usize> Window<S, N> {
             places: Vec::new(),
             frozen: 0,
             tied: 0,
-            corners: Vec::new(),
+            slow_points: Vec::new(),
             reach: S::ZERO,
         }
     }
@@ -112,10 +112,10 @@ impl<S: Scalar, const N: usize> Window<S, N> {
     /// Empties it.
     pub fn clear(&mut self) {
         self.forget();
-        self.corners.clear();
+        self.slow_points.clear();
     }
 
-    /// Forgets the spline, not the corners ahead.
+    /// Forgets the spline, not the places to be slow at ahead.
     fn forget(&mut self) {
         self.controls.clear();
         self.poles.clear();
@@ -125,15 +125,15 @@ impl<S: Scalar, const N: usize> Window<S, N> {
     }
 
     /// Starts anew at an arc length; for a smooth start the first span is `step` long.
-    pub fn begin(&mut self, chain: &Chain<S, N>, way: i64, tie: Tie, step: i64) {
+    pub fn begin(&mut self, polyline: &Polyline<S, N>, way: i64, tie: Tie, step: i64) {
         self.forget();
         let step = if tie == Tie::Smooth { step } else { 0 };
         self.before = [way - 2 * step, way - step];
-        let here = self.corners.iter().find(|(corner, _)| *corner == way);
+        let here = self.slow_points.iter().find(|(at, _)| *at == way);
         self.reach = here.map_or(S::of(FAR), |(_, reach)| *reach);
         self.frozen = if tie == Tie::Smooth { 3 } else { 1 };
         self.tied = 3;
-        self.push(chain, way);
+        self.push(polyline, way);
     }
 
     /// Knot number `j`, from -2 on.
@@ -172,13 +172,13 @@ impl<S: Scalar, const N: usize> Window<S, N> {
         self.end() - self.knot(n - 2)
     }
 
-    /// Arc length before which the chain is no longer needed.
+    /// Arc length before which the polyline is no longer needed.
     pub fn oldest_needed(&self) -> i64 {
         self.knot((self.controls.len().cast_signed() - 6).max(-2))
     }
 
     /// Whether the base spline keeps to the band in the spans that these knots would make.
-    pub fn allows(&self, chain: &Chain<S, N>, more: &[i64]) -> bool {
+    pub fn allows(&self, polyline: &Polyline<S, N>, more: &[i64]) -> bool {
         let known = self.controls.len().cast_signed();
         let first = (known - 3).max(0);
         (first..known + more.len().cast_signed() - 3).all(|span| {
@@ -187,14 +187,14 @@ impl<S: Scalar, const N: usize> Window<S, N> {
                 let new = || more.get((j - known) as usize).copied().unwrap_or(0);
                 if j < known { self.knot(j) } else { new() }
             });
-            ways[3] <= ways[2] || Self::draft(chain, &ways).is_some()
+            ways[3] <= ways[2] || Self::draft(polyline, &ways).is_some()
         })
     }
 
     /// Takes a knot.
-    pub fn push(&mut self, chain: &Chain<S, N>, way: i64) {
+    pub fn push(&mut self, polyline: &Polyline<S, N>, way: i64) {
         let n = self.controls.len().cast_signed();
-        let base = chain.point(third(self.knot(n - 2), self.knot(n - 1), way));
+        let base = polyline.point(third(self.knot(n - 2), self.knot(n - 1), way));
         if let (Some(last), Some(pole)) = (self.controls.last(), self.poles.last_mut()) {
             pole.edge = from_fn(|i| base[i].minus(last.base[i]));
         }
@@ -202,7 +202,7 @@ impl<S: Scalar, const N: usize> Window<S, N> {
         let _ = self.poles.push(Pole::new(zero()));
         if n >= 3 {
             let ways = self.ways(n - 3);
-            if let Some(draft) = Self::draft(chain, &ways) {
+            if let Some(draft) = Self::draft(polyline, &ways) {
                 self.take(draft, ways[3]);
             }
         }
@@ -212,8 +212,8 @@ impl<S: Scalar, const N: usize> Window<S, N> {
         let mut span = draft.span;
         let start = self.reach;
         self.reach += span.step;
-        self.corners.retain(|(way, _)| *way >= end);
-        for (way, reach) in &self.corners {
+        self.slow_points.retain(|(way, _)| *way >= end);
+        for (way, reach) in &self.slow_points {
             self.reach = self.reach.least(*reach + raw_to_mm(*way - end));
         }
         span.reach = start.least(self.reach);
@@ -233,12 +233,12 @@ impl<S: Scalar, const N: usize> Window<S, N> {
         let _ = self.legs.push(draft.leg);
     }
 
-    /// A corner: where it is and the reach there.
-    pub fn corner(&mut self, way: i64, reach: S) {
-        if self.corners.is_full() {
-            self.corners.remove(0);
+    /// A place at which the motion has to be slow, and the reach there.
+    pub fn slow_at(&mut self, way: i64, reach: S) {
+        if self.slow_points.is_full() {
+            self.slow_points.remove(0);
         }
-        let _ = self.corners.push((way, reach));
+        let _ = self.slow_points.push((way, reach));
         // What it means for the spans before it.
         let end = self.knot(self.spans.len().cast_signed());
         let mut there = reach + raw_to_mm((way - end).max(0));
@@ -255,13 +255,13 @@ impl<S: Scalar, const N: usize> Window<S, N> {
 
     /// A span over six knots with its places of comparison; `None` if the base spline leaves the band
     /// there, or has more vertices beside it than there is room for.
-    fn draft(chain: &Chain<S, N>, ways: &[i64; 6]) -> Option<Draft<S, N>> {
+    fn draft(polyline: &Polyline<S, N>, ways: &[i64; 6]) -> Option<Draft<S, N>> {
         let local = Local::new(ways);
         let (from, to) = (ways[2], ways[3]);
-        let leg = chain.lines(from, to).map(|(_, end)| end.leg).reduce(|a, b| a.with(&b))?;
+        let leg = polyline.lines(from, to).map(|(_, end)| end.leg).reduce(|a, b| a.with(&b))?;
         let radius = leg.tolerance * S::of(SHARE) - leg.error;
         let [origin, others @ ..]: [[Coord; N]; 4] =
-            from_fn(|j| chain.point(third(ways[j], ways[j + 1], ways[j + 2])));
+            from_fn(|j| polyline.point(third(ways[j], ways[j + 1], ways[j + 2])));
         let from_origin = |at: &[Coord; N]| -> Vector<S, N> { from_fn(|i| at[i].minus(origin[i])) };
         let [b, c, d] = others.each_ref().map(from_origin);
         let place = |way: i64, at: &[Coord; N], line: Option<(&Vertex<S, N>, &Vertex<S, N>)>| {
@@ -289,17 +289,17 @@ impl<S: Scalar, const N: usize> Window<S, N> {
         let mut places: Vec<Place<S, N>, SPAN_PLACES> = Vec::new();
         let mut at_end = S::ZERO;
         let mut widest = 0;
-        for line in chain.lines(from, to) {
+        for line in polyline.lines(from, to) {
             let (start, end) = line;
             let (first, last) = (start.way.max(from), end.way.min(to));
             // The start: a vertex, or a place on the line.
-            let at = chain.point(first);
+            let at = polyline.point(first);
             if start.way < first {
                 places.push(place(first, &at, Some(line))).ok()?;
             } else if is_sharp(start, end) {
                 if first > from {
                     // Both lines must be near where they meet.
-                    let before = chain.lines(first - 1, first).next();
+                    let before = polyline.lines(first - 1, first).next();
                     places.push(place(first, &at, before)).ok()?;
                 }
                 places.push(place(first, &at, Some(line))).ok()?;
@@ -311,12 +311,12 @@ impl<S: Scalar, const N: usize> Window<S, N> {
             if gap > (to - from) / 8 * 5 {
                 gap = gap / 2 + 1;
                 let middle = first + gap;
-                places.push(place(middle, &chain.point(middle), Some(line))).ok()?;
+                places.push(place(middle, &polyline.point(middle), Some(line))).ok()?;
             }
             widest = widest.max(gap);
             if last == to {
-                let sharp = chain.leaving(to).is_some_and(|next| is_sharp(end, next));
-                let end = place(to, &chain.point(to), (sharp || end.way > to).then_some(line));
+                let sharp = polyline.leaving(to).is_some_and(|next| is_sharp(end, next));
+                let end = place(to, &polyline.point(to), (sharp || end.way > to).then_some(line));
                 if sharp {
                     places.push(end).ok()?;
                 } else {
@@ -360,13 +360,13 @@ impl<S: Scalar, const N: usize> Window<S, N> {
     }
 
     /// The curve of a span.
-    pub fn curve(&self, span: usize) -> Curve<S, N> {
+    pub fn curve(&self, span: usize) -> SpanCurve<S, N> {
         let edges = edges(&self.poles, span, |pole| pole.shift);
         let moved = |pole: &Pole<S, N>| pole.shift != [S::ZERO; N];
         let still = !some::<_, 4>(&self.poles, span).is_some_and(|poles| poles.iter().any(moved));
         let (first, step) =
             self.spans.get(span).map_or((edges, S::ONE), |s| (s.first(&edges), s.step));
-        Curve::new(first, step, still)
+        SpanCurve::new(first, step, still)
     }
 
     /// The point at the start of a span.

@@ -1,6 +1,6 @@
 //! Blocks that wait for their neighbours, checked and with their geometry.
 
-use super::node::{Event, Order};
+use super::node::{Event, Programmed};
 use super::run::Leg;
 use super::segment::Segment;
 use crate::block::{Block, BlockError, Feed, Field, Motion};
@@ -32,7 +32,7 @@ const EVENT_CYCLES: f64 = 1.5;
 
 /// A block that waits for its neighbours.
 #[derive(Clone, Copy, Debug)]
-pub struct Item<S, const N: usize> {
+pub struct QueuedBlock<S, const N: usize> {
     /// `None` for a standstill.
     pub segment: Option<Segment<S, N>>,
     pub dwell: S,
@@ -49,7 +49,7 @@ pub struct Item<S, const N: usize> {
     pub marks: u16,
     /// Greatest distance of the ends of its pieces from it, mm.
     pub error: S,
-    /// Joint to the next item, once that is known.
+    /// Joint to the next block, once that is known.
     pub joint: Joint,
     /// Length the joint would like of either segment, 1e-12 mm.
     pub want: i64,
@@ -64,15 +64,15 @@ pub struct Item<S, const N: usize> {
 /// Tangent and curvature.
 pub type Frame<S, const N: usize> = ([S; N], [S; N]);
 
-impl<S: Scalar, const N: usize> Item<S, N> {
+impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
     /// What it asks of its cells.
-    pub fn order(&self) -> Order<S> {
-        Order { feed: self.feed, rapid: self.rapid, tag: self.tag }
+    pub fn programmed(&self) -> Programmed<S> {
+        Programmed { feed: self.feed, rapid: self.rapid, tag: self.tag }
     }
 
     /// What it asks of a run that it is a part of.
     pub fn leg(&self) -> Leg<S> {
-        Leg { order: self.order(), tolerance: self.tolerance, error: self.error }
+        Leg { programmed: self.programmed(), tolerance: self.tolerance, error: self.error }
     }
 
     /// Whether a block goes on as this one does: no stop between them, and alike in all but direction.

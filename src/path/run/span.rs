@@ -2,7 +2,7 @@
 
 use crate::number::vector::{Vector, dot, norm, shifted, sub};
 use crate::number::{Coord, Scalar};
-use crate::path::node::{Cell, Node, Order, by_arc_length, integral};
+use crate::path::node::{Cell, Node, Programmed, by_arc_length, integral};
 use core::array::from_fn;
 
 /// Turn of a cell, rad. A cell is a quintic through its ends with their tangents and curvatures,
@@ -13,7 +13,7 @@ const PARTS: u32 = 8;
 
 /// A cubic by its first derivative, a parabola in Bezier form.
 #[derive(Clone, Copy)]
-pub struct Curve<S, const N: usize> {
+pub struct SpanCurve<S, const N: usize> {
     first: [Vector<S, N>; 3],
     /// Length of the parameter, mm.
     step: S,
@@ -21,7 +21,7 @@ pub struct Curve<S, const N: usize> {
     parts: u32,
 }
 
-impl<S: Scalar, const N: usize> Curve<S, N> {
+impl<S: Scalar, const N: usize> SpanCurve<S, N> {
     /// From the Bezier points of the first derivative; `still` if the control points are those of
     /// the programmed line.
     pub fn new(first: [Vector<S, N>; 3], step: S, still: bool) -> Self {
@@ -93,16 +93,23 @@ impl<S: Scalar, const N: usize> Curve<S, N> {
         part: u32,
         from: &Node<S, N>,
         to: &Node<S, N>,
-        order: Order<S>,
+        programmed: Programmed<S>,
     ) -> Cell<S, N> {
         let mut length = self.length(self.place(part), self.place(part + 1));
-        let mut bulge = [S::ZERO; N];
+        let mut tangent_offset = [S::ZERO; N];
         if self.straight {
             let way: Vector<S, N> = from_fn(|i| to.at[i].minus(from.at[i]));
             length = dot(&way, &from.tangent);
         } else {
-            bulge = from.bulge_to(&to.at, length);
+            tangent_offset = from.tangent_offset_to(&to.at, length);
         }
-        Cell { length, bulge, order, dwell: S::ZERO, event: None, straight: self.straight }
+        Cell {
+            length,
+            tangent_offset,
+            programmed,
+            dwell: S::ZERO,
+            event: None,
+            straight: self.straight,
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::number::vector::{Vector, dot, norm, zero};
 use crate::number::{Coord, Scalar};
-use crate::path::node::Order;
+use crate::path::node::Programmed;
 use crate::path::segment::{Segment, raw_to_mm};
 use core::array::from_fn;
 use heapless::{Deque, Vec};
@@ -23,10 +23,10 @@ const SHORT: i64 = 10 * Coord::PER_MM;
 /// Most difference of the feeds of lines that become one, relative.
 const FEED_SLACK: f64 = 0.02;
 
-/// What is asked for on a line of the chain.
+/// What is asked for on a line of the polyline.
 #[derive(Clone, Copy, Debug)]
 pub struct Leg<S> {
-    pub order: Order<S>,
+    pub programmed: Programmed<S>,
     /// Tolerance, mm.
     pub tolerance: S,
     /// Greatest distance of the vertices left out, mm.
@@ -36,16 +36,19 @@ pub struct Leg<S> {
 impl<S: Scalar> Leg<S> {
     /// Whether two lines may become one, or share a span.
     pub fn is_like(&self, other: &Self) -> bool {
-        let (a, b) = (self.order.feed, other.order.feed);
+        let (a, b) = (self.programmed.feed, other.programmed.feed);
         (a - b).abs() <= a.least(b) * S::of(FEED_SLACK)
-            && self.order.rapid == other.order.rapid
+            && self.programmed.rapid == other.programmed.rapid
             && self.tolerance == other.tolerance
     }
 
     /// What is asked for where both are.
     pub fn with(&self, later: &Self) -> Self {
         Self {
-            order: Order { feed: self.order.feed.least(later.order.feed), ..later.order },
+            programmed: Programmed {
+                feed: self.programmed.feed.least(later.programmed.feed),
+                ..later.programmed
+            },
             tolerance: self.tolerance.least(later.tolerance),
             error: self.error.greatest(later.error),
         }
@@ -64,7 +67,7 @@ pub struct Vertex<S, const N: usize> {
 }
 
 /// The poly-line.
-pub struct Chain<S, const N: usize> {
+pub struct Polyline<S, const N: usize> {
     vertices: Deque<Vertex<S, N>, VERTICES>,
     /// Running number of the first vertex.
     first: u32,
@@ -78,7 +81,7 @@ pub struct Chain<S, const N: usize> {
     brought: S,
 }
 
-impl<S: Scalar, const N: usize> Chain<S, N> {
+impl<S: Scalar, const N: usize> Polyline<S, N> {
     pub const fn new() -> Self {
         Self {
             vertices: Deque::new(),
@@ -194,7 +197,7 @@ impl<S: Scalar, const N: usize> Chain<S, N> {
 
     /// Where the line starts that may become one with the next, and its tag.
     pub fn growing(&self) -> Option<(i64, u32)> {
-        let tag = self.growing.as_ref()?.leg.order.tag;
+        let tag = self.growing.as_ref()?.leg.programmed.tag;
         Some((self.vertices.back()?.way, tag))
     }
 
@@ -246,7 +249,7 @@ impl<S: Scalar, const N: usize> Chain<S, N> {
         low.min(last)
     }
 
-    /// The point at an arc length. Beyond either end the chain goes on straight, for as much as its
+    /// The point at an arc length. Beyond either end the polyline goes on straight, for as much as its
     /// last line is long.
     pub fn point(&self, way: i64) -> [Coord; N] {
         let (Some(front), Some(back)) = (self.vertices.front(), self.vertices.back()) else {
