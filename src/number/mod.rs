@@ -10,6 +10,7 @@ pub(crate) mod list;
 mod root;
 mod scalar;
 pub(crate) use root::cube_root;
+pub(crate) mod serial;
 pub(crate) mod shared;
 pub(crate) mod vector;
 

@@ -3,6 +3,7 @@
 use super::stop::{DEPTHS, HARD, SHARES, Stop};
 use super::{Halt, Planner};
 use crate::number::Scalar;
+use crate::number::serial::NodeSerial;
 use crate::profile::law::State;
 use crate::profile::solver::{Aim, Stretch};
 use crate::servo::link::Branch;
@@ -96,7 +97,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             while self.changes.added.len() > added
                 && let Some((serial, cell)) = self.changes.added.pop()
             {
-                self.take_out(self.window.index(serial), cell, &pace);
+                self.take_out(self.window.clamped_index(serial), cell, &pace);
             }
             for (k, state) in states.iter().enumerate() {
                 self.window.set_state(i + 1 + k, *state);
@@ -112,8 +113,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if at == self.planned_end {
             return false;
         }
-        let next = at.wrapping_add(1);
-        let i = self.window.index(next);
+        let next = at.next();
+        let i = self.window.clamped_index(next);
         if halt == Halt::Block && !self.ends_block(i) {
             return false;
         }
@@ -124,17 +125,17 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// Lets the motion stay at the next rest of the plan.
     fn rest_as_agreed(&mut self) -> bool {
         let at = self.side.progress();
-        let last = self.stretch_from(self.window.index(at)).last;
+        let last = self.stretch_from(self.window.clamped_index(at)).last;
         at != self.planned_end && self.rest_there(self.window.serial(last), Halt::Hold)
     }
 
     /// Lets the motion stay at a node at which it rests; whether a plan was made for it.
-    fn rest_there(&mut self, node: u32, halt: Halt) -> bool {
+    fn rest_there(&mut self, node: NodeSerial, halt: Halt) -> bool {
         if node == self.planned_end {
             self.halt = Some(halt);
             return false;
         }
-        let i = self.window.index(node);
+        let i = self.window.clamped_index(node);
         let stretch = Stretch { first: i, last: i, open: false };
         self.publish(stretch, Branch::Node(node), self.overrides, Some(halt));
         true

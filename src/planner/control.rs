@@ -12,6 +12,7 @@
 
 use super::{Halt, Planner, Progress};
 use crate::number::Scalar;
+use crate::number::serial::NodeSerial;
 use crate::path::node::Cell;
 use crate::profile::law::State;
 use crate::profile::rows::Pace;
@@ -39,7 +40,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// Does what is asked for. `Some` if there is nothing else to do in this call.
-    pub(super) fn obey(&mut self, wish: &Wish, at: u32) -> Option<Progress> {
+    pub(super) fn obey(&mut self, wish: &Wish, at: NodeSerial) -> Option<Progress> {
         let resumed = wish.resumes != self.resumes;
         self.resumes = wish.resumes;
         let brakes = wish.holds() || wish.aborts != self.aborts;
@@ -99,7 +100,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.overrides = wish.overrides;
             self.bound_all();
         }
-        let end = self.window.index(self.planned_end);
+        let end = self.end_index();
         let pauses = self.window.get_mut(end).is_some_and(|end| core::mem::take(&mut end.pause));
         if pauses || (wish.single && matches!(halted, Some(Halt::Block))) {
             // A resume that was pressed before this was known was not meant for it.
@@ -115,7 +116,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.dropped == Some(abort) {
             return;
         }
-        self.window.truncate(self.window.index(self.planned_end));
+        self.window.truncate(self.end_index());
         if let Some(station) = self.window.last() {
             self.builder.restart(station.node.at);
         }
@@ -144,7 +145,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// The stretch from a branch to the end of the plan, or to the first rest in it.
     pub(super) fn stretch_from(&self, first: usize) -> Stretch {
-        let end = self.window.index(self.planned_end);
+        let end = self.end_index();
         let rests = |i: &usize| self.window.get(*i).is_some_and(|station| station.rest);
         let last = (first + 1..end).find(rests).unwrap_or(end);
         Stretch { first, last, open: false }
@@ -228,7 +229,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// A plan at other overrides: from the next servo cycle on, or else from a node on.
-    fn retune(&mut self, overrides: (u16, u16), at: u32) -> bool {
+    fn retune(&mut self, overrides: (u16, u16), at: NodeSerial) -> bool {
         let before = core::mem::replace(&mut self.overrides, overrides);
         let cut = self.cut_in();
         let stops = cut.is_some_and(|(first, _)| self.is_stopping(first));
@@ -240,14 +241,14 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         self.undo();
         // One that is far off would only keep the next try waiting.
-        let near = |node: &u32| {
-            let all = self.window.index(at)..self.window.index(*node);
+        let near = |node: &NodeSerial| {
+            let all = self.window.clamped_index(at)..self.window.clamped_index(*node);
             let time = all.fold(S::ZERO, |time, i| time + self.agreed_time(i));
             *node != self.planned_end && time < self.config.lead * S::of(NEAR_LEADS)
         };
         let node = self.branch(at).filter(near);
         if !stops && let Some(node) = node {
-            if self.retune_from(self.window.index(node), Branch::Node(node), before) {
+            if self.retune_from(self.window.clamped_index(node), Branch::Node(node), before) {
                 return true;
             }
             self.undo();
@@ -270,7 +271,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// A plan at the pace that is set now.
     fn retune_from(&mut self, first: usize, branch: Branch, before: (u16, u16)) -> bool {
-        let end = self.window.index(self.planned_end);
+        let end = self.end_index();
         let by_cycle = matches!(branch, Branch::Cycle(_));
         let pace = self.pace();
         self.window.bound(first, &pace);

@@ -7,6 +7,7 @@
 use super::Planner;
 use super::stop::PHASES;
 use crate::number::Scalar;
+use crate::number::serial::{CycleSerial, NodeSerial};
 use crate::number::vector::{dot, norm, zero};
 use crate::path::hermite::{self, Hermite};
 use crate::path::node::{Cell, Node};
@@ -25,9 +26,9 @@ pub const ADDED: usize = 12;
 #[derive(Clone, Debug)]
 pub struct Changes<S, const N: usize> {
     /// The station whose cell was under way, with its running number.
-    pub replaced: Option<(u32, Station<S, N>)>,
+    pub replaced: Option<(NodeSerial, Station<S, N>)>,
     /// Stations put in, in order: running number, and the cell that each was put into.
-    pub added: heapless::Vec<(u32, Cell<S, N>), ADDED>,
+    pub added: heapless::Vec<(NodeSerial, Cell<S, N>), ADDED>,
 }
 
 impl<S, const N: usize> Changes<S, N> {
@@ -57,15 +58,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     pub(super) fn cut_in(&mut self) -> Option<(usize, Branch)> {
         self.changes = Changes::NONE;
         let line = self.side.timeline()?;
-        let when = self.side.cycles().wrapping_add(self.reaction);
+        let when = self.side.cycles().plus(self.reaction);
         let cycle = self.config.cycle;
-        let end = self.window.index(self.planned_end);
+        let end = self.end_index();
         let (mut began, mut lag) = (line.began, line.lag);
         // As the interpolator will do it, to the last bit.
-        for i in self.window.index(line.serial)..end {
+        for i in self.window.clamped_index(line.serial)..end {
             let time = self.agreed_time(i);
-            let left = when.wrapping_sub(began);
-            let t = lag + S::from_u32(left) * cycle;
+            let passed = when.since(began)?;
+            let t = lag + S::from_u32(passed) * cycle;
             if t < time {
                 return self.cut_cell(i, t, time, when);
             }
@@ -78,7 +79,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 }
             }
             lag = lag + S::from_u32(count) * cycle - time;
-            began = began.wrapping_add(count);
+            began = began.plus(count);
         }
         None
     }
@@ -89,7 +90,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     pub(super) fn cut_dwell(&mut self) -> Option<(Stretch, Branch)> {
         self.changes = Changes::NONE;
         let line = self.side.timeline()?;
-        let i = self.window.index(line.serial);
+        let i = self.window.clamped_index(line.serial);
         let original = *self.window.get(i)?;
         let Cell { length, dwell, event, .. } = original.cell;
         let runs = self.window.serial(i) == line.serial && line.serial != self.planned_end;
@@ -97,8 +98,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return None;
         }
         let cycle = self.config.cycle;
-        let when = self.side.cycles().wrapping_add(self.reaction);
-        let left = dwell - (line.lag + S::from_u32(when.wrapping_sub(line.began)) * cycle);
+        let when = self.side.cycles().plus(self.reaction);
+        let left = dwell - (line.lag + S::from_u32(when.since(line.began)?) * cycle);
         if !(left >= cycle * S::of(LEAST_CYCLES)) {
             return None;
         }
@@ -113,8 +114,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// Whether the node under way, and the motion with it, stands still.
-    pub(super) fn stands(&self, at: u32) -> bool {
-        let cell = self.window.get(self.window.index(at)).map(|station| station.cell.length);
+    pub(super) fn stands(&self, at: NodeSerial) -> bool {
+        let cell =
+            self.window.get(self.window.clamped_index(at)).map(|station| station.cell.length);
         at != self.planned_end && cell.is_some_and(|length| !(length > S::ZERO))
     }
 
@@ -125,7 +127,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// Cuts the cell of station `i`, `t` seconds after its start.
-    fn cut_cell(&mut self, i: usize, t: S, time: S, when: u32) -> Option<(usize, Branch)> {
+    fn cut_cell(&mut self, i: usize, t: S, time: S, when: CycleSerial) -> Option<(usize, Branch)> {
         let original = *self.window.get(i)?;
         if time - t < self.config.cycle * S::of(LEAST_CYCLES) {
             // Hardly anything is left of it: branch off at its end, if it is passed at speed.
@@ -237,8 +239,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if !self.window.insert_after(i, station) {
             return false;
         }
-        if self.planned_end.wrapping_sub(self.window.serial(i + 1)) <= u32::MAX / 2 {
-            self.planned_end = self.planned_end.wrapping_add(1);
+        if !self.planned_end.is_before(self.window.serial(i + 1)) {
+            self.planned_end = self.planned_end.next();
         }
         true
     }
@@ -358,16 +360,16 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let changes = core::mem::replace(&mut self.changes, Changes::NONE);
         let pace = self.pace();
         for (serial, cell) in changes.added.iter().rev() {
-            self.take_out(self.window.index(*serial), *cell, &pace);
+            self.take_out(self.window.clamped_index(*serial), *cell, &pace);
         }
         if let Some((serial, original)) = changes.replaced {
-            let i = self.window.index(serial);
+            let i = self.window.clamped_index(serial);
             if let Some(station) = self.window.get_mut(i) {
                 *station = original;
             }
         }
         self.window.measure(0);
-        let last = self.window.index(self.planned_end);
+        let last = self.end_index();
         for i in 0..self.window.len() {
             if let Some(station) = self.window.get_mut(i) {
                 station.state = if i <= last { station.agreed } else { State::REST };
@@ -382,7 +384,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             station.cell = cell;
         }
         self.window.remove(i);
-        self.planned_end = self.planned_end.wrapping_sub(1);
+        self.planned_end = self.planned_end.previous();
         self.window.bound(before, pace);
     }
 }

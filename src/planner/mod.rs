@@ -15,6 +15,7 @@ use self::plan::Pending;
 
 use crate::block::{Block, BlockError, PushError};
 use crate::machine::{Config, ConfigError};
+use crate::number::serial::{CycleSerial, NodeSerial};
 use crate::number::vector::zero;
 use crate::number::{Coord, Scalar};
 use crate::path::builder::Builder;
@@ -95,7 +96,7 @@ pub struct Planner<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NOD
     window: Window<S, N, NODES>,
     solver: Solver<S, NODES>,
     /// Running number of the node at which the present plan ends.
-    planned_end: u32,
+    planned_end: NodeSerial,
     /// The plan that was offered last, until the interpolator has decided on it.
     pending: Option<Pending>,
     /// What that plan has changed in the window.
@@ -118,9 +119,9 @@ pub struct Planner<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NOD
     /// Plans made when a rest at the end of a block was looked for last.
     tried: u32,
     /// Node at which it is time for a new plan.
-    checkpoint: u32,
+    checkpoint: NodeSerial,
     /// Tick at which the motion came to rest with nothing planned.
-    waiting_since: Option<u32>,
+    waiting_since: Option<CycleSerial>,
     finished: bool,
     counters: Counters,
 }
@@ -158,7 +159,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Link<S, N, NODES> {
                 builder: Builder::new(start),
                 window: Window::new(node),
                 solver: Solver::new(),
-                planned_end: 0,
+                planned_end: NodeSerial::ZERO,
                 pending: None,
                 changes: Changes::NONE,
                 requests,
@@ -170,7 +171,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Link<S, N, NODES> {
                 dropped: None,
                 reaction: 0,
                 tried: 0,
-                checkpoint: 0,
+                checkpoint: NodeSerial::ZERO,
                 waiting_since: None,
                 finished: false,
                 counters: Counters::default(),
@@ -250,7 +251,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// Nodes of the window that lie ahead of the motion: the fill of the look-ahead.
     pub fn nodes_ahead(&self) -> usize {
-        self.window.len() - 1 - self.window.index(self.side.progress())
+        self.window.len() - 1 - self.window.clamped_index(self.side.progress())
     }
 
     /// Counts since the start.
@@ -268,7 +269,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         // While a plan is undecided, the motion may be on the one before, whose running numbers mean
         // something else from the new plan's first node on: keep all behind that.
         let behind = match self.pending {
-            Some(pending) if at.wrapping_sub(pending.first) <= u32::MAX / 2 => pending.first,
+            Some(pending) if !at.is_before(pending.first) => pending.first,
             _ => at,
         };
         self.window.release_before(behind);
@@ -317,9 +318,16 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
     }
 
+    /// Index of the station at which the agreed plan ends: it is never released before the motion is there.
+    fn end_index(&self) -> usize {
+        debug_assert!(self.window.find(self.planned_end).is_some());
+        self.window.clamped_index(self.planned_end)
+    }
+
     /// Whether a plan may end at a node.
-    fn may_rest_at(&self, serial: u32) -> bool {
-        let rests = self.window.get(self.window.index(serial)).is_some_and(|station| station.rest);
+    fn may_rest_at(&self, serial: NodeSerial) -> bool {
+        let rests =
+            self.window.get(self.window.clamped_index(serial)).is_some_and(|station| station.rest);
         rests
             || serial == self.planned_end
             || self.pending.is_some_and(|pending| pending.end == serial)
@@ -336,7 +344,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         let now = self.side.cycles();
         let since = *self.waiting_since.get_or_insert(now);
-        let waited = S::from_u32(now.wrapping_sub(since)) * self.config.cycle;
+        let waited = S::from_u32(now.since(since).unwrap_or(u32::MAX)) * self.config.cycle;
         let full = self.builder.is_full() || self.window.room() < LEAST_ROOM;
         if !(full || self.finished || waited >= self.config.start_delay) {
             return Progress::NeedsBlocks;
@@ -350,9 +358,9 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// In motion: plan on when a part of the plan has been run or its end is near.
-    fn poll_moving(&mut self, at: u32) -> Progress {
+    fn poll_moving(&mut self, at: NodeSerial) -> Progress {
         self.waiting_since = None;
-        if self.window.get(self.window.index(self.planned_end)).is_some_and(|end| end.pause) {
+        if self.window.get(self.end_index()).is_some_and(|end| end.pause) {
             return Progress::Waiting;
         }
         let urgent = self.ends_within(self.config.lead * S::of(URGENT_LEADS), at);
@@ -369,7 +377,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if end == self.planned_end {
             return if self.builder.len() > 0 { Progress::Waiting } else { Progress::NeedsBlocks };
         }
-        let passed = at.wrapping_sub(self.checkpoint) <= u32::MAX / 2;
+        let passed = !at.is_before(self.checkpoint);
         if !(passed || urgent) {
             return Progress::Waiting;
         }

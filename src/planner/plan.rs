@@ -4,6 +4,7 @@ use super::cutting::{ADDED, Changes};
 use super::{Halt, Planner, Progress};
 use crate::machine::Config;
 use crate::number::Scalar;
+use crate::number::serial::NodeSerial;
 use crate::profile::compile::{self, Place};
 use crate::profile::law::{Law, State};
 use crate::profile::solver::{Aim, Stretch};
@@ -15,9 +16,9 @@ use core::ops::Range;
 #[derive(Clone, Copy, Debug)]
 pub struct Pending {
     /// Node from which it starts.
-    pub first: u32,
+    pub first: NodeSerial,
     /// Node at which it ends.
-    pub end: u32,
+    pub end: NodeSerial,
     /// Whether it branches off at a servo cycle.
     pub by_cycle: bool,
     /// Overrides that were in effect before, per cent.
@@ -55,7 +56,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.planned_end = pending.end;
             self.changes = Changes::NONE;
             // The part of the window before is the same in both plans.
-            for i in self.window.index(pending.first)..self.window.len() {
+            for i in self.window.clamped_index(pending.first)..self.window.len() {
                 if let Some(station) = self.window.get_mut(i) {
                     station.agreed = station.state;
                 }
@@ -64,7 +65,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         self.counters.late += 1;
         #[cfg(feature = "defmt")]
-        defmt::warn!("the plan from node {} came too late", pending.first);
+        defmt::warn!("the plan from node {} came too late", pending.first.raw());
         self.undo();
         self.halt = pending.halt;
         if self.overrides != pending.overrides {
@@ -125,9 +126,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// Whether less than this time, s, is left from the end of the piece under way to the end of
     /// the plan. Looks no further than it must.
-    pub(super) fn ends_within(&self, limit: S, at: u32) -> bool {
+    pub(super) fn ends_within(&self, limit: S, at: NodeSerial) -> bool {
         let mut time = S::ZERO;
-        for i in self.window.index(at) + 1..self.window.index(self.planned_end) {
+        for i in self.window.clamped_index(at) + 1..self.end_index() {
             time += self.agreed_time(i);
             if time >= limit {
                 return false;
@@ -149,7 +150,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// that rest would save nothing, and a motion that all but rests in the middle of its way is one that
     /// no solver gets going again.
     pub(super) fn is_stopping(&self, first: usize) -> bool {
-        let end = self.window.index(self.planned_end);
+        let end = self.end_index();
         first < end
             && (first..end).all(|i| {
                 let Some(from) = self.window.get(i) else { return false };
@@ -161,9 +162,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// The node from which a new plan can branch off: a lead ahead of the motion, or half of what is left
     /// of the plan if that is less. At its end the motion would rest.
-    pub(super) fn branch(&self, at: u32) -> Option<u32> {
-        let end = self.window.index(self.planned_end);
-        let first = self.window.index(at) + 1;
+    pub(super) fn branch(&self, at: NodeSerial) -> Option<NodeSerial> {
+        let end = self.end_index();
+        let first = self.window.clamped_index(at) + 1;
         let mut left = S::ZERO;
         for i in first..end {
             left += self.agreed_time(i);
@@ -202,7 +203,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// One planning step: states for everything behind the branch, handed over as a plan.
-    pub(super) fn plan(&mut self, branch: u32, single: bool) -> Progress {
+    pub(super) fn plan(&mut self, branch: NodeSerial, single: bool) -> Progress {
         if branch != self.planned_end {
             if let Some(progress) = self.plan_from(branch, single) {
                 return progress;
@@ -215,9 +216,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// A plan from a node on; `None` if it would crawl and the node is not a rest.
-    fn plan_from(&mut self, branch: u32, single: bool) -> Option<Progress> {
-        let first = self.window.index(branch);
-        let new = self.window.index(self.planned_end).max(first);
+    fn plan_from(&mut self, branch: NodeSerial, single: bool) -> Option<Progress> {
+        let first = self.window.clamped_index(branch);
+        let new = self.end_index().max(first);
         let mut stretch = Stretch { first, last: self.window.len() - 1, open: true };
         let mut halt = None;
         if single && let Some(end) = self.block_end(first) {
@@ -240,7 +241,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if !self.find(stretch, new) {
             self.counters.stuck += 1;
             #[cfg(feature = "defmt")]
-            defmt::warn!("no motion found from node {}", branch);
+            defmt::warn!("no motion found from node {}", branch.raw());
             return Some(Progress::Waiting);
         }
         if branch != self.planned_end && self.crawl_in(stretch).is_some() {
@@ -366,16 +367,16 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let by_cycle = matches!(branch, Branch::Cycle(_));
         let before = core::mem::replace(&mut self.halt, halt);
         self.pending = Some(Pending { first, end, by_cycle, overrides, halt: before });
-        let cells = end.wrapping_sub(first);
+        let cells = end.since(first).unwrap_or(0);
         let run = (cells / PLAN_PART).max(cells.saturating_sub(CELLS_LEFT)).max(1);
-        self.checkpoint = first.wrapping_add(run);
+        self.checkpoint = first.plus(run);
         self.counters.plans += 1;
         #[cfg(feature = "defmt")]
         defmt::debug!(
             "plan {}: nodes {} to {}, {} steps so far",
             self.counters.plans,
-            first,
-            end,
+            first.raw(),
+            end.raw(),
             self.counters.steps
         );
     }

@@ -2,6 +2,7 @@
 
 use super::law::Law;
 use super::rows::{Axis, View};
+use crate::number::serial::NodeSerial;
 use crate::number::{ArcLength, Coord, Scalar};
 use crate::servo::piece::{Piece, Sequel};
 use core::array::from_fn;
@@ -9,7 +10,7 @@ use core::array::from_fn;
 /// Where a piece stands in the path.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
-    pub serial: u32,
+    pub serial: NodeSerial,
     pub way: ArcLength,
     pub sequel: Sequel,
 }
@@ -121,8 +122,11 @@ mod tests {
                         (State::REST, State { b: 1.0, a: push }),
                     ] {
                         let law = Law::new(cell.length, start, end).unwrap();
-                        let place =
-                            Place { serial: 0, way: ArcLength::ZERO, sequel: Sequel::Motion };
+                        let place = Place {
+                            serial: NodeSerial::ZERO,
+                            way: ArcLength::ZERO,
+                            sequel: Sequel::Motion,
+                        };
                         let piece = piece(&view, &law, place);
                         for k in 0..=20 {
                             let at = piece.at(law.time * f64::from(k) / 20.0);

@@ -6,6 +6,7 @@ use super::law::{Law, State};
 use super::rows::{Bounds, Pace, View};
 use crate::block::{Block, FINEST_BAND, Feed, Motion, Turn};
 use crate::machine::{AxisLimits, Config, Limits};
+use crate::number::serial::NodeSerial;
 use crate::number::{ArcLength, Coord, Scalar};
 use crate::path::builder::Builder;
 use crate::path::cut::Emitted;
@@ -120,7 +121,7 @@ fn law<S: Scalar>(length: S, [p0, p1, p2, p3]: [S; 4]) -> Option<Law<S>> {
 /// The greatest velocity of any axis over its limit in such a motion.
 fn over<S: Scalar>(view: &View<'_, S, AXES>, speeds: [S; 4]) -> f64 {
     let Some(law) = law(view.cell.length, speeds) else { return 0.0 };
-    let place = Place { serial: 0, way: ArcLength::ZERO, sequel: Sequel::Motion };
+    let place = Place { serial: NodeSerial::ZERO, way: ArcLength::ZERO, sequel: Sequel::Motion };
     let piece = piece(view, &law, place);
     let mut worst = 0.0f64;
     for (axis, c) in view.limits.axes().iter().zip(&piece.axes) {
@@ -218,7 +219,8 @@ fn no_motion_over_a_cell_of_an_arc_leaves_the_band() {
             let speeds =
                 from_fn(|_| if draws.unit() < 0.4 { 1e-4 * draws.unit() } else { draws.unit() });
             let Some(law) = law(length, speeds) else { continue };
-            let place = Place { serial: 0, way: ArcLength::ZERO, sequel: Sequel::Motion };
+            let place =
+                Place { serial: NodeSerial::ZERO, way: ArcLength::ZERO, sequel: Sequel::Motion };
             let piece = piece(&view, &law, place);
             for k in 1..32 {
                 let at = piece.at(law.time * f64::from(k) / 32.0);

@@ -3,6 +3,7 @@
 use super::law::{Law, State};
 use super::rows::{Bounds, Pace, View};
 use crate::machine::Limits;
+use crate::number::serial::NodeSerial;
 use crate::number::vector::dot;
 use crate::number::{ArcLength, Coord, Scalar};
 use crate::path::node::{Cell, Event, Node, Programmed};
@@ -32,7 +33,7 @@ pub struct Station<S, const N: usize> {
 pub struct Window<S, const N: usize, const NODES: usize> {
     stations: Deque<Station<S, N>, NODES>,
     /// Running number of the first station.
-    first: u32,
+    first: NodeSerial,
 }
 
 impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
@@ -65,7 +66,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
             state: State::REST,
             agreed: State::REST,
         });
-        Self { stations, first: 0 }
+        Self { stations, first: NodeSerial::ZERO }
     }
 
     /// Number of stations, at least 1.
@@ -79,15 +80,20 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
     }
 
     /// Running number of a station.
-    pub fn serial(&self, index: usize) -> u32 {
-        self.first.wrapping_add(index as u32)
+    pub fn serial(&self, index: usize) -> NodeSerial {
+        self.first.plus(index as u32)
+    }
+
+    /// Index of a station by its running number, if it is in the window.
+    pub fn find(&self, serial: NodeSerial) -> Option<usize> {
+        let ahead = serial.since(self.first)? as usize;
+        (ahead < self.len()).then_some(ahead)
     }
 
     /// Index of a station by its running number: of the first one if that has been released, of
     /// the last one if it is yet to come.
-    pub fn index(&self, serial: u32) -> usize {
-        let ahead = serial.wrapping_sub(self.first);
-        if ahead > u32::MAX / 2 { 0 } else { (ahead as usize).min(self.len() - 1) }
+    pub fn clamped_index(&self, serial: NodeSerial) -> usize {
+        serial.since(self.first).map_or(0, |ahead| (ahead as usize).min(self.len() - 1))
     }
 
     pub fn get(&self, index: usize) -> Option<&Station<S, N>> {
@@ -190,15 +196,14 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
     }
 
     /// Forgets the stations before the one with this running number.
-    pub fn release_before(&mut self, serial: u32) {
+    pub fn release_before(&mut self, serial: NodeSerial) {
         // At most the whole window.
         for _ in 0..NODES {
-            let ahead = serial.wrapping_sub(self.first);
-            if ahead == 0 || ahead > u32::MAX / 2 || self.stations.len() <= 1 {
+            if !self.first.is_before(serial) || self.stations.len() <= 1 {
                 return;
             }
             self.stations.pop_front();
-            self.first = self.first.wrapping_add(1);
+            self.first = self.first.next();
         }
     }
 

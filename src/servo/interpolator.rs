@@ -3,6 +3,7 @@
 use super::link::{Ahead, ServoSide, Timeline};
 use super::piece::Slot;
 use super::setpoint::{Activity, Setpoint};
+use crate::number::serial::{CycleSerial, NodeSerial};
 use crate::number::{Coord, Scalar};
 
 /// Pieces that may begin within one servo cycle: each lasts at least a quarter of one.
@@ -26,7 +27,7 @@ pub struct Interpolator<'a, S: Scalar, const N: usize> {
     /// Whether the piece under way has an event that has not been reported.
     event: bool,
     /// Node at which the next piece starts.
-    serial: u32,
+    serial: NodeSerial,
     /// Setpoint while at rest.
     rest: Setpoint<S, N>,
 }
@@ -41,7 +42,7 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
             lag: S::ZERO,
             count: 0,
             event: false,
-            serial: 0,
+            serial: NodeSerial::ZERO,
             rest: Setpoint { origin: start, ..Setpoint::REST },
         }
     }
@@ -74,7 +75,7 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
             }
             let starves = piece.starves();
             t = t - self.time;
-            self.begin(ahead, t, last.wrapping_add(1));
+            self.begin(ahead, t, last.next());
             if self.piece.is_none() && starves {
                 self.side.count_starved();
             }
@@ -99,7 +100,7 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
     }
 
     /// Takes up the next piece, `over` seconds into it at the end of servo cycle `now`.
-    fn begin(&mut self, ahead: Ahead, over: S, now: u32) {
+    fn begin(&mut self, ahead: Ahead, over: S, now: CycleSerial) {
         self.piece = self.side.next(ahead);
         self.lag = over;
         self.count = 0;
@@ -108,7 +109,7 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
             self.time = piece.time();
             self.event = piece.has_event();
             self.side.report(&Timeline { serial, began: now, lag: over });
-            self.serial = serial.wrapping_add(1);
+            self.serial = serial.next();
         } else {
             self.side.report(&Timeline { serial: self.serial, began: now, lag: S::ZERO });
         }

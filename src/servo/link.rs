@@ -17,6 +17,7 @@ use super::control::Requests;
 use super::interleave::{Fault, is_planted, point};
 use super::piece::{Piece, Slot};
 use crate::number::Scalar;
+use crate::number::serial::{CycleSerial, NodeSerial};
 use crate::number::shared::Shared;
 use core::sync::atomic::{
     AtomicU32,
@@ -28,9 +29,9 @@ use core::sync::atomic::{
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Branch {
     /// At the node with this running number.
-    Node(u32),
+    Node(NodeSerial),
     /// Where the plan before stands at the end of the servo cycle with this number.
-    Cycle(u32),
+    Cycle(CycleSerial),
 }
 
 /// What has become of an offer: the low two bits of [`Flags::offer`]; the others count offers.
@@ -126,9 +127,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Link<S, N, NODES> {
 #[derive(Clone, Copy, Debug)]
 pub struct Timeline<S> {
     /// Node from which it starts.
-    pub serial: u32,
+    pub serial: NodeSerial,
     /// Servo cycle at whose end it was first evaluated or taken up.
-    pub began: u32,
+    pub began: CycleSerial,
     /// How far into the piece the end of that cycle is, s.
     pub lag: S,
 }
@@ -189,8 +190,8 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
     /// Offers the pieces written since the last time; none at all means a rest at the branch.
     pub fn offer(&mut self, branch: Branch) {
         let (place, by_cycle) = match branch {
-            Branch::Node(serial) => (serial, 0),
-            Branch::Cycle(cycle) => (cycle, 1),
+            Branch::Node(serial) => (serial.raw(), 0),
+            Branch::Cycle(cycle) => (cycle.raw(), 1),
         };
         if is_planted(Fault::OfferFirst) {
             self.flags().offer.store(self.offered.wrapping_add(1) << 2 | OPEN, Release);
@@ -203,8 +204,9 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
         self.flags().offer.store(self.offered << 2 | OPEN, Release);
     }
 
-    pub fn progress(&self) -> u32 {
-        self.flags().progress.load(Acquire)
+    /// Node from which the piece under way starts, or at which the motion rests.
+    pub fn progress(&self) -> NodeSerial {
+        NodeSerial::from_raw(self.flags().progress.load(Acquire))
     }
 
     /// When the piece under way began; `None` if it changed at every look, or if the interpolator
@@ -213,8 +215,8 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
         for _ in 0..LOOKS {
             let version = self.flags().version.load(Acquire);
             let timeline = Timeline {
-                serial: self.flags().progress.load(Relaxed),
-                began: self.flags().began.load(Relaxed),
+                serial: NodeSerial::from_raw(self.flags().progress.load(Relaxed)),
+                began: CycleSerial::from_raw(self.flags().began.load(Relaxed)),
                 lag: self.flags().lag.load(),
             };
             let plan = self.flags().plan.load(Relaxed);
@@ -226,9 +228,9 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
         None
     }
 
-    /// Servo cycles so far.
-    pub fn cycles(&self) -> u32 {
-        self.flags().cycles.load(Acquire)
+    /// Number of the last servo cycle.
+    pub fn cycles(&self) -> CycleSerial {
+        CycleSerial::from_raw(self.flags().cycles.load(Acquire))
     }
 
     pub fn starved(&self) -> u32 {
@@ -266,7 +268,12 @@ impl<'a, S: Scalar, const N: usize> ServoSide<'a, S, N> {
         }
         let place = self.flags.branch.load(Relaxed);
         let by_cycle = self.flags.by_cycle.load(Relaxed) != 0;
-        Some((offer, if by_cycle { Branch::Cycle(place) } else { Branch::Node(place) }))
+        let branch = if by_cycle {
+            Branch::Cycle(CycleSerial::from_raw(place))
+        } else {
+            Branch::Node(NodeSerial::from_raw(place))
+        };
+        Some((offer, branch))
     }
 
     /// Takes or refuses an offer; `false` if it has been withdrawn meanwhile.
@@ -282,26 +289,24 @@ impl<'a, S: Scalar, const N: usize> ServoSide<'a, S, N> {
     }
 
     /// Whether a new plan has just been taken that branches off at the end of servo cycle `last`.
-    pub fn change_over(&mut self, last: u32) -> bool {
+    pub fn change_over(&mut self, last: CycleSerial) -> bool {
         let Some((offer, Branch::Cycle(cycle))) = self.open() else { return false };
-        let ahead = cycle.wrapping_sub(last);
-        if ahead > u32::MAX / 2 {
+        if cycle.is_before(last) {
             self.decide(offer, REFUSED);
         }
-        ahead == 0 && self.decide(offer, TAKEN)
+        cycle == last && self.decide(offer, TAKEN)
     }
 
     /// What comes at node `serial`: to be asked before [`ServoSide::next`].
-    pub fn ahead(&self, serial: u32) -> Ahead {
+    pub fn ahead(&self, serial: NodeSerial) -> Ahead {
         let lasts = |plan: usize, next: usize| next < self.length(plan);
         if let Some((offer, Branch::Node(node))) = self.open() {
-            let ahead = node.wrapping_sub(serial);
-            if ahead == 0 {
+            if node == serial {
                 // Taken or withdrawn: either plan may be the one.
                 let goes_on = lasts(1 - self.active, 0) && lasts(self.active, self.next);
                 return Ahead { decide: Some((offer, TAKEN)), may_rest: !goes_on };
             }
-            if ahead > u32::MAX / 2 {
+            if node.is_before(serial) {
                 let may_rest = !lasts(self.active, self.next);
                 return Ahead { decide: Some((offer, REFUSED)), may_rest };
             }
@@ -332,20 +337,20 @@ impl<'a, S: Scalar, const N: usize> ServoSide<'a, S, N> {
         self.flags.version.store(version.wrapping_add(1), Relaxed);
         fence(Release);
         self.flags.plan.store(self.plan, Relaxed);
-        self.flags.began.store(timeline.began, Relaxed);
+        self.flags.began.store(timeline.began.raw(), Relaxed);
         self.flags.lag.store(timeline.lag);
-        self.flags.progress.store(timeline.serial, Release);
+        self.flags.progress.store(timeline.serial.raw(), Release);
         self.flags.version.store(version.wrapping_add(2), Release);
     }
 
     /// Number of the last servo cycle.
-    pub fn cycles(&self) -> u32 {
-        self.flags.cycles.load(Relaxed)
+    pub fn cycles(&self) -> CycleSerial {
+        CycleSerial::from_raw(self.flags.cycles.load(Relaxed))
     }
 
     /// Counts a servo cycle.
     pub fn count_cycle(&self) {
-        self.flags.cycles.store(self.cycles().wrapping_add(1), Release);
+        self.flags.cycles.store(self.cycles().next().raw(), Release);
     }
 
     /// Counts a stop for want of blocks.

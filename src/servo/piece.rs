@@ -2,6 +2,7 @@
 
 use super::interleave::point;
 use super::setpoint::{Activity, Setpoint};
+use crate::number::serial::NodeSerial;
 use crate::number::shared::Shared;
 use crate::number::{ArcLength, Coord, Scalar};
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
@@ -21,7 +22,7 @@ pub enum Sequel {
 #[derive(Clone, Copy, Debug)]
 pub struct Piece<S, const N: usize> {
     /// Running number of the node it starts at.
-    pub serial: u32,
+    pub serial: NodeSerial,
     /// Tag of the block.
     pub tag: u32,
     /// Duration, s.
@@ -79,7 +80,7 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
 
     pub fn store(&self, piece: &Piece<S, N>) {
         point();
-        self.serial.store(piece.serial, Relaxed);
+        self.serial.store(piece.serial.raw(), Relaxed);
         self.tag.store(piece.tag, Relaxed);
         let event = if piece.event { EVENT } else { 0 };
         self.sequel.store(piece.sequel as u32 | event, Relaxed);
@@ -99,8 +100,8 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
 
     /// Running number of the node it starts at.
     #[inline]
-    pub fn serial(&self) -> u32 {
-        self.serial.load(Relaxed)
+    pub fn serial(&self) -> NodeSerial {
+        NodeSerial::from_raw(self.serial.load(Relaxed))
     }
 
     /// Duration, s.
