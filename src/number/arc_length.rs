@@ -49,7 +49,7 @@ mod tests {
     #[test]
     fn lengths_add_up_without_a_bias_and_wrap() {
         for step in [1.234_567_89e-4f64, -3.3e-8, 0.7] {
-            let sum = (0..10_000).fold(ArcLength::ZERO, |way, _| way.plus(step));
+            let sum = (0..10_000).fold(ArcLength::ZERO, |sum, _| sum.plus(step));
             // Every step is rounded alike.
             assert!((sum.to_mm() - 10_000.0 * step).abs() <= 10_000.0 * 0.5e-7);
         }

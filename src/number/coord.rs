@@ -71,10 +71,10 @@ impl Coord {
         Self(self.0.saturating_add((mm * S::of(1.0e12)).to_i64()))
     }
 
-    /// The point at `fraction` (in 1/2^62, 0..=2^62) of the way to `to`; exact to one unit.
+    /// The point at `fraction` (in 1/2^62, 0..=2^62) of the line to `to`; exact to one unit.
     #[must_use]
     pub(crate) fn towards(self, to: Self, fraction: i64) -> Self {
-        let way = i128::from(to.0) - i128::from(self.0);
-        Self(self.0 + ((way * i128::from(fraction)) >> 62) as i64)
+        let step = i128::from(to.0) - i128::from(self.0);
+        Self(self.0 + ((step * i128::from(fraction)) >> 62) as i64)
     }
 }

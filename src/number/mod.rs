@@ -6,6 +6,7 @@
 
 mod arc_length;
 mod coord;
+mod length;
 pub(crate) mod list;
 mod root;
 mod scalar;
@@ -16,4 +17,5 @@ pub(crate) mod vector;
 
 pub use arc_length::ArcLength;
 pub use coord::Coord;
+pub(crate) use length::Length;
 pub use scalar::Scalar;

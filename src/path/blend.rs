@@ -9,9 +9,9 @@
 
 use super::hermite::Hermite;
 use super::node::{Cell, Node, Programmed};
-use super::segment::{Segment, mm_to_raw, raw_to_mm};
-use crate::number::Scalar;
+use super::segment::Segment;
 use crate::number::vector::{Vector, norm};
+use crate::number::{Length, Scalar};
 use core::array::from_fn;
 
 /// Share of the band that is used; the rest covers the distance between samples.
@@ -36,10 +36,10 @@ pub struct Blend<S, const N: usize> {
 impl<S: Scalar, const N: usize> Blend<S, N> {
     /// The blend that leaves `before` and reaches `after` `reach` mm away from their joint.
     pub fn new(before: &Segment<S, N>, after: &Segment<S, N>, reach: S) -> Self {
-        let raw = mm_to_raw(reach);
-        let start = before.node(before.length_raw - raw);
-        let end = after.node(raw);
-        let length = raw_to_mm::<S>(raw + raw);
+        let exact = Length::from_mm(reach);
+        let start = before.node(before.exact_length - exact);
+        let end = after.node(exact);
+        let length = (exact + exact).to_mm::<S>();
         let tangent_offset = start.tangent_offset_to(&end.at, length);
         let (a, b) = ((&start.tangent, &start.curvature), (&end.tangent, &end.curvature));
         Self { curve: Hermite::new(a, b, length, &tangent_offset), start, end }
@@ -69,18 +69,18 @@ impl<S: Scalar, const N: usize> Blend<S, N> {
     }
 
     /// Greatest distance between blend and joint, each point of the blend held against the point
-    /// of the same share of the way: never less than the true distance.
+    /// of the same share of the arc length: never less than the true distance.
     fn distance(&self, before: &Segment<S, N>, after: &Segment<S, N>, reach: S) -> S {
         let (frame_in, frame_out) = (before.end_frame(true), after.end_frame(false));
         let origin = before.walk((&frame_in.0, &frame_in.1), -reach);
         let mut worst = S::ZERO;
         for k in 1..SAMPLES {
             let u = S::from_i64(k) / S::from_i64(SAMPLES);
-            let way = (S::of(2.0) * u - S::ONE) * reach;
-            let programmed = if way < S::ZERO {
-                before.walk((&frame_in.0, &frame_in.1), way)
+            let along = (S::of(2.0) * u - S::ONE) * reach;
+            let programmed = if along < S::ZERO {
+                before.walk((&frame_in.0, &frame_in.1), along)
             } else {
-                after.walk((&frame_out.0, &frame_out.1), way)
+                after.walk((&frame_out.0, &frame_out.1), along)
             };
             let p = self.curve.offset(u);
             let gap: Vector<S, N> = from_fn(|i| origin[i] + p[i] - programmed[i]);

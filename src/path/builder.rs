@@ -6,18 +6,18 @@
 use super::blend::{self, Blend};
 use super::chords::Chords;
 use super::corner::Corner;
-use super::cut::{Emitted, dwell_part, next_way, rest_cell, standstill};
+use super::cut::{Emitted, dwell_part, next_cut, rest_cell, standstill};
 use super::joint::{Taken, bent_lengths, corner_mode, joint, mean_node, reach};
 use super::node::{Node, Programmed};
 use super::queued::{Joint, QueuedBlock};
 use super::run::{Run, Tie};
-use super::segment::{Segment, mm_to_raw, raw_to_mm};
+use super::segment::Segment;
 use super::straight::{Mark, Marks, Sleeve};
 use super::transition::{Half, Transition};
 use crate::block::{Block, PushError};
 use crate::machine::{Config, CornerMode, Ramp};
 use crate::number::vector::{norm, sub};
-use crate::number::{Coord, Scalar};
+use crate::number::{Coord, Length, Scalar};
 use heapless::Deque;
 
 /// How far, as a share of the tolerance, the end of a piece may lie off the line that it is a part of; and
@@ -45,12 +45,12 @@ const PASSED_SHARE: i64 = 4;
 enum Stage<S, const N: usize> {
     /// Nothing: the front block waits.
     Waiting,
-    /// The body of the front segment, up to `until`. The cell under way ends at `next`, unless a piece of the
+    /// The body of the front segment, up to `until`. The cell under s ends at `next`, unless a piece of the
     /// line ends before.
-    Body { way: i64, next: i64, until: i64, first: S, last: S },
+    Body { s: Length, next: Length, until: Length, first: S, last: S },
     /// A run of lines from the front segment on. Once its end is known, the front segment is its last
     /// line, which it leaves at `until`.
-    Run { until: Option<i64> },
+    Run { until: Option<Length> },
     /// The corner behind the front segment.
     Corner { transition: Transition<S, N>, index: u8 },
     /// The blend behind the front segment.
@@ -89,14 +89,14 @@ pub struct Builder<S, const N: usize, const BLOCKS: usize> {
     end: [Coord; N],
     closed: bool,
     stage: Stage<S, N>,
-    /// Length kept free of the front segment's end by the joint under way, 1e-12 mm.
-    kept: i64,
+    /// Length kept free of the front segment's end by the joint under s.
+    kept: Length,
     /// Shape of that joint, if it is a corner.
     half: Option<Half<S>>,
-    /// The run of lines under way.
+    /// The run of lines under s.
     run: Run<S, N>,
     /// Place on the front segment from which on the run takes it.
-    run_from: i64,
+    run_from: Length,
     /// Whether the last cell ended at rest, so that the direction may change.
     rested: bool,
 }
@@ -112,10 +112,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             end: start,
             closed: false,
             stage: Stage::Waiting,
-            kept: 0,
+            kept: Length::ZERO,
             half: None,
             run: Run::new(),
-            run_from: 0,
+            run_from: Length::ZERO,
             rested: true,
         }
     }
@@ -128,7 +128,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         self.end = start;
         self.closed = false;
         self.stage = Stage::Waiting;
-        self.kept = 0;
+        self.kept = Length::ZERO;
         self.half = None;
         self.run.clear();
         self.rested = true;
@@ -167,7 +167,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         self.take(block, None, config)
     }
 
-    /// Takes chords of the curve under way as long as there is room.
+    /// Takes chords of the curve under s as long as there is room.
     fn feed(&mut self, config: &Config<S, N>) {
         for _ in 0..BLOCKS {
             let Some(chords) = self.chords else { return };
@@ -229,8 +229,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     fn last_is_open(&self, exact: bool) -> bool {
         let Some(front) = self.queue.front() else { return false };
         match (self.queue.len(), self.stage) {
-            (1, Stage::Waiting) => exact || (front.taken == 0 && front.entered == Joint::Stop),
-            (1, Stage::Run { until: None }) => exact || front.taken == 0,
+            (1, Stage::Waiting) => {
+                exact || (front.taken == Length::ZERO && front.entered == Joint::Stop)
+            }
+            (1, Stage::Run { until: None }) => exact || front.taken == Length::ZERO,
             (1, _) => false,
             // What the joint behind the front block takes of the last has been decided.
             (2, _) if !self.waits() => match front.joint {
@@ -293,7 +295,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         }
         let begun = match last.marks {
             0 => S::ZERO,
-            _ => self.marks.get(self.marks.len().checked_sub(1)?)?.way,
+            _ => self.marks.get(self.marks.len().checked_sub(1)?)?.s,
         };
         let piece = before.length - begun;
         // Without room for a mark the piece is shown as a part of the next.
@@ -311,7 +313,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                 .least(item.tolerance * S::of(ROUNDED_SHARE)),
             ..*last
         };
-        Some((longer, sleeve, shown.then_some(Mark { way: before.length, tag: last.tag })))
+        Some((longer, sleeve, shown.then_some(Mark { s: before.length, tag: last.tag })))
     }
 
     /// No more blocks for now: the path ends, at rest, where the last block ends.
@@ -347,36 +349,36 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                         self.rested = cut.rest;
                         return Some(cut);
                     }
-                    if let Some(way) = until {
+                    if let Some(s) = until {
                         if !self.run.is_done() {
                             return None;
                         }
-                        self.leave_run(&segment, way);
+                        self.leave_run(&segment, s);
                     } else if !self.run.has_room() || !self.extend_run((&item, &segment), config) {
                         return None;
                     }
                 }
-                Stage::Body { way, next, until, first, last: end } if way < until => {
+                Stage::Body { s, next, until, first, last: end } if s < until => {
                     // Where pieces end there are nodes as well, and the others stay where they are: written in
                     // pieces, a line takes no longer.
-                    let goal = if next > way {
+                    let goal = if next > s {
                         next
                     } else {
-                        next_way(&segment, &item, (way, until), (first, end))
+                        next_cut(&segment, &item, (s, until), (first, end))
                     };
-                    let (next, goal) = self.to_mark((&item, &segment), (way, goal, until), config);
-                    self.stage = Stage::Body { way: next, next: goal, until, first, last: end };
-                    let entry = Node { at: last.at, ..segment.node(way) };
+                    let (next, goal) = self.to_mark((&item, &segment), (s, goal, until), config);
+                    self.stage = Stage::Body { s: next, next: goal, until, first, last: end };
+                    let entry = Node { at: last.at, ..segment.node(s) };
                     let from = if self.rested { entry } else { *last };
                     let mut cut =
-                        self.body_cell(&item, &segment, (&from, &entry), (way, next), until);
-                    cut.cell.programmed.tag = self.tag_at(0, raw_to_mm(way.midpoint(next)));
+                        self.body_cell(&item, &segment, (&from, &entry), (s, next), until);
+                    cut.cell.programmed.tag = self.tag_at(0, s.midpoint(next).to_mm());
                     self.pass_marks(next);
                     self.rested = cut.rest;
                     return Some(cut);
                 }
-                Stage::Body { way, .. } if item.joint == Joint::Run => {
-                    self.start_run((&item, &segment), way, config);
+                Stage::Body { s, .. } if item.joint == Joint::Run => {
+                    self.start_run((&item, &segment), s, config);
                 }
                 Stage::Body { .. } => self.start_joint(&item, &segment),
                 Stage::Corner { transition, index } if index < transition.cells() => {
@@ -413,20 +415,20 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// What is asked of a cell of the joint behind the front block, of `cells` in all: in its first half
     /// by the front block, `length` mm long, at the place beside it, in the second by the next.
     fn programmed_beside(&self, index: u8, cells: u8, length: S) -> Option<Programmed<S>> {
-        let per = raw_to_mm::<S>(self.kept) / S::from_u32(u32::from(cells));
+        let per = self.kept.to_mm::<S>() / S::from_u32(u32::from(cells));
         // From the middle of the joint to the middle of the cell.
-        let way = S::from_i64(2 * i64::from(index) + 1 - i64::from(cells)) * per;
-        let (item, way) = if way < S::ZERO { (0, length + way) } else { (1, way) };
-        Some(Programmed { tag: self.tag_at(item, way), ..self.queue.get(item)?.programmed() })
+        let s = S::from_i64(2 * i64::from(index) + 1 - i64::from(cells)) * per;
+        let (item, s) = if s < S::ZERO { (0, length + s) } else { (1, s) };
+        Some(Programmed { tag: self.tag_at(item, s), ..self.queue.get(item)?.programmed() })
     }
 
     /// The tag at a place of the front block (0) or the next (1), mm from its start.
-    fn tag_at(&self, item: usize, way: S) -> u32 {
+    fn tag_at(&self, item: usize, s: S) -> u32 {
         let count = |index: usize| self.queue.get(index).map_or(0, |item| usize::from(item.marks));
         let first = if item == 0 { 0 } else { count(0) };
         let marks = (first..first + count(item)).filter_map(|index| self.marks.get(index));
         let own = self.queue.get(item).map_or(0, |item| item.tag);
-        marks.into_iter().find(|mark| mark.way > way).map_or(own, |mark| mark.tag)
+        marks.into_iter().find(|mark| mark.s > s).map_or(own, |mark| mark.tag)
     }
 
     /// Where a cell of the front block ends that would end at `next`, and where the next one would begin without
@@ -434,20 +436,20 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     fn to_mark(
         &self,
         (item, segment): (&QueuedBlock<S, N>, &Segment<S, N>),
-        (way, next, until): (i64, i64, i64),
+        (s, next, until): (Length, Length, Length),
         config: &Config<S, N>,
-    ) -> (i64, i64) {
+    ) -> (Length, Length) {
         if item.marks == 0 {
             return (next, next);
         }
         // What is too short to be shown is no cell of its own, nor is a small part of one: in `f32` the motion
         // over a cell a hundred times as short as its neighbour is not found.
-        let least = mm_to_raw(least_piece(segment, item.feed, config)) / 2;
-        let near = least.max((next - way) / PART_OF_CELL);
+        let least = Length::from_mm(least_piece(segment, item.feed, config)) / 2;
+        let near = least.max((next - s) / PART_OF_CELL);
         let count = usize::from(item.marks);
         let mut ends =
-            (0..count).filter_map(|index| self.marks.get(index)).map(|m| mm_to_raw(m.way));
-        match ends.find(|at| at - way > near) {
+            (0..count).filter_map(|index| self.marks.get(index)).map(|m| Length::from_mm(m.s));
+        match ends.find(|&at| at - s > near) {
             Some(at) if next - at > near => (at, next),
             Some(at) if at - next < near && next < until && until - at > near => (at, at),
             _ => (next, next),
@@ -455,22 +457,22 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     }
 
     /// Forgets the marks of the front block up to a place on it.
-    fn pass_marks(&mut self, way: i64) {
+    fn pass_marks(&mut self, s: Length) {
         let Some(front) = self.queue.front_mut() else { return };
-        let passed = raw_to_mm::<S>(way);
-        while front.marks > 0 && self.marks.get(0).is_some_and(|mark| mark.way <= passed) {
+        let passed = s.to_mm::<S>();
+        while front.marks > 0 && self.marks.get(0).is_some_and(|mark| mark.s <= passed) {
             self.marks.drop_front(1);
             front.marks -= 1;
         }
     }
 
     /// Shows a run the marks of the front block, which it takes from `from` on to `until`.
-    fn mark_run(&mut self, from: i64, until: i64) {
+    fn mark_run(&mut self, from: Length, until: Length) {
         let count = self.queue.front().map_or(0, |front| usize::from(front.marks));
         let origin = self.run.reach() - from;
         let mut begins = from;
         for mark in (0..count).filter_map(|index| self.marks.get(index)) {
-            let ends = mm_to_raw(mark.way);
+            let ends = Length::from_mm(mark.s);
             if ends > from && begins < until {
                 self.run.mark(origin + begins, origin + ends, mark.tag);
             }
@@ -512,12 +514,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             (Joint::Corner | Joint::Blend, Some(next), Some(ahead)) => {
                 reach(item, segment, next, ahead, joint, config)
             }
-            _ => Taken { raw: 0, half: None },
+            _ => Taken { length: Length::ZERO, half: None },
         };
-        (self.kept, self.half) = (taken.raw, taken.half);
-        if matches!(joint, Joint::Corner | Joint::Blend) && self.kept <= 0 {
+        (self.kept, self.half) = (taken.length, taken.half);
+        if matches!(joint, Joint::Corner | Joint::Blend) && self.kept <= Length::ZERO {
             joint = Joint::Stop;
-            self.kept = 0;
+            self.kept = Length::ZERO;
         }
         if let Some(front) = self.queue.front_mut() {
             front.joint = joint;
@@ -536,43 +538,44 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         if joint == Joint::Run {
             let mut until = item.taken;
             if item.entered == Joint::Through {
-                until += segment.length_raw / PASSED_SHARE;
+                until += segment.exact_length / PASSED_SHARE;
             }
-            let first = raw_to_mm(until - item.taken);
-            self.stage = Stage::Body { way: item.taken, next: 0, until, first, last: first };
+            let first = (until - item.taken).to_mm();
+            self.stage =
+                Stage::Body { s: item.taken, next: Length::ZERO, until, first, last: first };
             return;
         }
-        let until = segment.length_raw - self.kept;
+        let until = segment.exact_length - self.kept;
         let ahead = self.queue.get(1).and_then(|next| next.segment.as_ref());
-        let size = |joint: Joint, kept: i64, neighbour: S| match joint {
+        let size = |joint: Joint, kept: Length, neighbour: S| match joint {
             Joint::Stop | Joint::Run => rest_cell(segment, item.feed, &config.limits),
             Joint::Through => bent_lengths(segment.length, neighbour).0,
-            Joint::Corner | Joint::Blend => raw_to_mm::<S>(kept) * S::of(0.5),
+            Joint::Corner | Joint::Blend => kept.to_mm::<S>() * S::of(0.5),
         };
         let first = size(item.entered, item.taken, item.length_before);
         let last = size(joint, self.kept, ahead.map_or(S::ZERO, |ahead| ahead.length));
-        self.stage = Stage::Body { way: item.taken, next: 0, until, first, last };
+        self.stage = Stage::Body { s: item.taken, next: Length::ZERO, until, first, last };
     }
 
-    /// Starts a run `way` along the front segment.
+    /// Starts a run `s` along the front segment.
     fn start_run(
         &mut self,
         (item, segment): (&QueuedBlock<S, N>, &Segment<S, N>),
-        way: i64,
+        s: Length,
         config: &Config<S, N>,
     ) {
         let tie = if self.rested { Tie::Rest } else { Tie::Smooth };
         let ramp = Ramp::new(&config.limits, &segment.end_frame(false).0);
         let beside = Self::beside(item.entered, item.taken, segment);
-        self.run.begin(segment.node(way).at, tie, item.leg(), (ramp, beside));
-        self.run_from = way;
+        self.run.begin(segment.node(s).at, tie, item.leg(), (ramp, beside));
+        self.run_from = s;
         self.stage = Stage::Run { until: None };
     }
 
     /// Length of a cell next to a joint that takes so much of a segment, mm: the motion is slow there.
-    fn beside(joint: Joint, taken: i64, segment: &Segment<S, N>) -> S {
+    fn beside(joint: Joint, taken: Length, segment: &Segment<S, N>) -> S {
         match joint {
-            Joint::Corner | Joint::Blend => raw_to_mm::<S>(taken) * S::of(0.5),
+            Joint::Corner | Joint::Blend => taken.to_mm::<S>() * S::of(0.5),
             _ => segment.length,
         }
     }
@@ -587,36 +590,36 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             return false;
         }
         let joint = self.decide(item, segment, config);
-        self.mark_run(self.run_from, segment.length_raw - self.kept);
+        self.mark_run(self.run_from, segment.exact_length - self.kept);
         if joint == Joint::Run {
             self.run.push(segment.end, item.leg());
-            self.run_from = 0;
+            self.run_from = Length::ZERO;
             self.next_item();
             self.stage = Stage::Run { until: None };
             return true;
         }
-        let mut until = segment.length_raw - self.kept;
+        let mut until = segment.exact_length - self.kept;
         if joint == Joint::Through {
-            until -= segment.length_raw / PASSED_SHARE;
+            until -= segment.exact_length / PASSED_SHARE;
         }
         let tie = if joint == Joint::Stop { Tie::Rest } else { Tie::Smooth };
         let beside = Self::beside(joint, self.kept, segment);
         let mut leg = item.leg();
-        leg.programmed.tag = self.tag_at(0, raw_to_mm(until));
+        leg.programmed.tag = self.tag_at(0, until.to_mm());
         self.run.finish(segment.node(until).at, leg, tie, beside);
         self.stage = Stage::Run { until: Some(until) };
         true
     }
 
     /// The run is done: on with the rest of its last line.
-    fn leave_run(&mut self, segment: &Segment<S, N>, way: i64) {
+    fn leave_run(&mut self, segment: &Segment<S, N>, s: Length) {
         if let Some(front) = self.queue.front_mut() {
-            front.taken = way;
+            front.taken = s;
         }
-        self.pass_marks(way);
-        let until = segment.length_raw - self.kept;
-        let size = raw_to_mm(until - way);
-        self.stage = Stage::Body { way, next: 0, until, first: size, last: size };
+        self.pass_marks(s);
+        let until = segment.exact_length - self.kept;
+        let size = (until - s).to_mm();
+        self.stage = Stage::Body { s, next: Length::ZERO, until, first: size, last: size };
     }
 
     /// One cell of the front segment's body. `entry` is the segment's own node at its start,
@@ -626,12 +629,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         item: &QueuedBlock<S, N>,
         segment: &Segment<S, N>,
         (from, entry): (&Node<S, N>, &Node<S, N>),
-        way: (i64, i64),
-        until: i64,
+        s: (Length, Length),
+        until: Length,
     ) -> Emitted<S, N> {
-        let mut cell = segment.cell(way, item.programmed());
-        let mut node = segment.node(way.1);
-        let at_end = way.1 >= until;
+        let mut cell = segment.cell(s, item.programmed());
+        let mut node = segment.node(s.1);
+        let at_end = s.1 >= until;
         if at_end && item.joint == Joint::Through {
             let next = self.queue.get(1).and_then(|next| next.segment.as_ref());
             if let Some(next) = next {
@@ -656,7 +659,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             self.next_item();
             return;
         };
-        let reach = raw_to_mm::<S>(self.kept);
+        let reach = self.kept.to_mm::<S>();
         match (item.joint, self.half) {
             (Joint::Corner, Some(half)) => {
                 let (a, b) = (segment.end_frame(true).0, ahead.end_frame(false).0);
@@ -680,7 +683,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             next.length_before = done.segment.map_or(S::ZERO, |segment| segment.length);
         }
         self.pass_marks(self.kept);
-        self.kept = 0;
+        self.kept = Length::ZERO;
         self.stage = Stage::Waiting;
     }
 }

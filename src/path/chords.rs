@@ -1,4 +1,4 @@
-//! A cubic curve on its way into the look-ahead: as chords, made one at a time as there is room.
+//! A cubic curve that is taken into the look-ahead: as chords, made one at a time as there is room.
 //!
 //! The chords stay within a sixteenth of the tolerance of the curve, and the run they become
 //! ([`super::run`]) within the rest of it: so a curve is followed within its tolerance, and curves that
@@ -30,7 +30,7 @@ pub struct Chords<S, const N: usize> {
     start: [Coord; N],
     end: [Coord; N],
     /// From the start to the other three Bezier points, mm.
-    ways: [[f64; N]; 3],
+    offsets: [[f64; N]; 3],
     /// Length, mm.
     length: S,
     cut: Cut,
@@ -60,7 +60,7 @@ impl<S: Scalar, const N: usize> Chords<S, N> {
         }
         let tolerance = block.tolerance.unwrap_or(config.tolerance);
         in_range(Field::Tolerance, tolerance, LEAST_TOLERANCE, 1.0e3)?;
-        let ways =
+        let offsets =
             [controls[0], controls[1], to].map(|point| from_fn(|i| point[i].minus::<f64>(from[i])));
         let sag = tolerance.to_f64() * SHARE;
         let mut line = *block;
@@ -71,18 +71,18 @@ impl<S: Scalar, const N: usize> Chords<S, N> {
             exact_stop: block.exact_stop,
             start: from,
             end: to,
-            ways,
+            offsets,
             length: S::ZERO,
             cut: Cut::Even,
             count: 1,
             next: 1,
         };
         chords.length = S::of(chords.measured());
-        if let Some((count, at)) = turning_points(&ways, sag) {
+        if let Some((count, at)) = turning_points(&offsets, sag) {
             (chords.count, chords.cut) = (count + 1, Cut::At(at));
             return Ok(Some(chords));
         }
-        let count = libm::ceil(Scalar::sqrt(0.75 * bend(&ways) / sag));
+        let count = libm::ceil(Scalar::sqrt(0.75 * bend(&offsets) / sag));
         if count > MOST {
             let least = tolerance.to_f64() * (count / MOST) * (count / MOST);
             let (field, value) = (Field::Tolerance, tolerance.to_f64());
@@ -103,22 +103,22 @@ impl<S: Scalar, const N: usize> Chords<S, N> {
     }
 
     /// From the start to the place at a share of the parameter, mm.
-    fn way(&self, u: f64) -> [f64; N] {
+    fn offset(&self, u: f64) -> [f64; N] {
         let v = 1.0 - u;
-        let [a, b, c] = &self.ways;
+        let [a, b, c] = &self.offsets;
         from_fn(|i| 3.0 * v * u * (v * a[i] + u * b[i]) + u * u * u * c[i])
     }
 
     /// The place at a share of the parameter: between the least and the greatest coordinates of the Bezier
     /// points, as it is but for rounding, so that it is a coordinate that is accepted.
     fn place(&self, u: f64) -> [Coord; N] {
-        let way = self.way(u);
+        let offset = self.offset(u);
         from_fn(|i| {
             let (mut least, mut greatest) = (self.start[i], self.start[i]);
             for point in self.points() {
                 (least, greatest) = (least.min(point[i]), greatest.max(point[i]));
             }
-            self.start[i].plus(way[i]).clamp(least, greatest)
+            self.start[i].plus(offset[i]).clamp(least, greatest)
         })
     }
 
@@ -132,7 +132,7 @@ impl<S: Scalar, const N: usize> Chords<S, N> {
 
     /// Length, mm: the integral of the speed along it, by Simpson's rule in equal parts.
     fn measured(&self) -> f64 {
-        let [a, b, c] = &self.ways;
+        let [a, b, c] = &self.offsets;
         let speed = |u: f64| -> f64 {
             let v = 1.0 - u;
             let mut square = 0.0;
@@ -182,21 +182,22 @@ fn bend<const N: usize>([a, b, c]: &[[f64; N]; 3]) -> f64 {
 
 /// How many turning points a straight cubic from 0 has, and where, by the parameter; `None` if it leaves
 /// the line to its farthest Bezier point by more than `sag`.
-fn turning_points<const N: usize>(ways: &[[f64; N]; 3], sag: f64) -> Option<(u32, [f64; 2])> {
-    let square = |way: &[f64; N]| way.iter().map(|x| x * x).sum::<f64>();
-    let [mut farthest, others @ ..] = *ways;
-    for way in others {
-        if square(&way) > square(&farthest) {
-            farthest = way;
+fn turning_points<const N: usize>(offsets: &[[f64; N]; 3], sag: f64) -> Option<(u32, [f64; 2])> {
+    let square = |offset: &[f64; N]| offset.iter().map(|x| x * x).sum::<f64>();
+    let [mut farthest, others @ ..] = *offsets;
+    for offset in others {
+        if square(&offset) > square(&farthest) {
+            farthest = offset;
         }
     }
     let size = Scalar::sqrt(square(&farthest));
     if !(size > 0.0) {
         return Some((0, [1.0; 2]));
     }
-    let along = ways.map(|way| way.iter().zip(&farthest).map(|(x, d)| x * d).sum::<f64>() / size);
-    for (way, along) in ways.iter().zip(along) {
-        let off: [f64; N] = from_fn(|i| way[i] - along * farthest[i] / size);
+    let along =
+        offsets.map(|offset| offset.iter().zip(&farthest).map(|(x, d)| x * d).sum::<f64>() / size);
+    for (offset, along) in offsets.iter().zip(along) {
+        let off: [f64; N] = from_fn(|i| offset[i] - along * farthest[i] / size);
         if square(&off) > sag * sag {
             return None;
         }

@@ -2,14 +2,14 @@
 
 use super::node::{Cell, Node};
 use super::queued::{Joint, QueuedBlock};
-use super::segment::{Segment, mm_to_raw, raw_to_mm};
+use super::segment::Segment;
 use crate::machine::{Limits, Ramp};
-use crate::number::Scalar;
 use crate::number::vector::zero;
+use crate::number::{Length, Scalar};
 
 /// Longest time one cell may take at the programmed feed, s.
 pub const LONGEST_CELL_TIME: f64 = 0.25;
-/// Each cell of a line may be longer than the one before by this share of the way from the end.
+/// Each cell of a line may be longer than the one before by this share of the distance from the end.
 const GROWTH: f64 = 0.5;
 
 /// A cell, the nodes it starts and ends at, and whether the motion rests at the end.
@@ -99,25 +99,25 @@ pub enum Remainder {
     More,
 }
 
-/// The node at which the next cell of a body ends, by its way along the segment.
-pub fn next_way<S: Scalar, const N: usize>(
+/// The node at which the next cell of a body ends, by its arc length along the segment.
+pub fn next_cut<S: Scalar, const N: usize>(
     segment: &Segment<S, N>,
     item: &QueuedBlock<S, N>,
-    (way, until): (i64, i64),
+    (s, until): (Length, Length),
     ends: (S, S),
-) -> i64 {
-    let done = raw_to_mm::<S>(way - item.taken);
-    let left = raw_to_mm::<S>(until - way);
+) -> Length {
+    let done = (s - item.taken).to_mm::<S>();
+    let left = (until - s).to_mm::<S>();
     let longest = segment.longest_cell(item.tolerance).least(item.feed * S::of(LONGEST_CELL_TIME));
     match next_piece((done, left), ends, longest) {
         // From rest to rest there must be a node between.
-        (_, Remainder::One) if !(way == item.taken && item.joint == Joint::Stop) => until,
-        (_, Remainder::One | Remainder::Two) => way + (until - way + 1) / 2,
+        (_, Remainder::One) if !(s == item.taken && item.joint == Joint::Stop) => until,
+        (_, Remainder::One | Remainder::Two) => s + (until - s + Length::UNIT) / 2,
         (step, Remainder::More) => {
             // At least a thousandth of what is left of a line, so that the count of cells is bounded. On
             // an arc the band has the last word.
-            let least = if segment.is_line() { (until - way) / 1024 } else { 0 };
-            way + mm_to_raw(step).max(least).max(1)
+            let least = if segment.is_line() { (until - s) / 1024 } else { Length::ZERO };
+            s + Length::from_mm(step).max(least).max(Length::UNIT)
         }
     }
 }

@@ -37,7 +37,7 @@ const PARTS: u32 = 16;
 /// Whole of a share.
 pub const WHOLE: i64 = 1 << 62;
 
-/// A circle, helix or spiral by its share of the way: 0 to [`WHOLE`].
+/// A circle, helix or spiral by a share of its angle: 0 to [`WHOLE`].
 #[derive(Clone, Copy, Debug)]
 pub struct Helix {
     plane: (u8, u8),
@@ -125,7 +125,7 @@ impl Helix {
         self.sweep + if self.sweep < 0.0 { -turns } else { turns }
     }
 
-    /// Where the arc is at a share of its way.
+    /// Where the arc is at a share of its angle.
     fn polar(&self, share: i64) -> Polar {
         let per = 1.0 / WHOLE as f64;
         // Whole turns drop out of the product exactly.
@@ -157,8 +157,8 @@ impl Helix {
     fn speed<const N: usize>(&self, radius: f64, climb: &[f64; N]) -> f64 {
         let round = self.angle() * radius;
         let mut square = round * round + self.growth * self.growth;
-        for way in climb {
-            square += way * way;
+        for travel in climb {
+            square += travel * travel;
         }
         libm::sqrt(square)
     }
@@ -231,13 +231,19 @@ impl Helix {
         let radius = middle.radius - grown * 0.5;
         let speed = self.speed(radius, climb);
         let round = self.angle() * radius;
-        let way = length / speed;
+        let share = length / speed;
         let mut tangent_offset: [S; N] =
-            from_fn(|i| if self.growth == 0.0 { S::ZERO } else { S::of(climb[i] * (part - way)) });
+            from_fn(
+                |i| if self.growth == 0.0 { S::ZERO } else { S::of(climb[i] * (part - share)) },
+            );
         self.put(
             &mut tangent_offset,
-            S::of(out * middle.cos - across * middle.sin - (self.growth * cos - round * sin) * way),
-            S::of(out * middle.sin + across * middle.cos - (self.growth * sin + round * cos) * way),
+            S::of(
+                out * middle.cos - across * middle.sin - (self.growth * cos - round * sin) * share,
+            ),
+            S::of(
+                out * middle.sin + across * middle.cos - (self.growth * sin + round * cos) * share,
+            ),
         );
         (S::of(length), tangent_offset)
     }

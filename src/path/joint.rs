@@ -5,12 +5,12 @@ use super::corner::Corner;
 use super::node::Node;
 use super::queued::{Frame, Joint, QueuedBlock};
 use super::run::SPIKE;
-use super::segment::{Segment, Shape, mm_to_raw, raw_to_mm};
+use super::segment::{Segment, Shape};
 use super::swing;
 use super::transition::Half;
 use crate::machine::{Config, CornerMode, Ramp};
 use crate::number::vector::{dot, norm};
-use crate::number::{Coord, Scalar};
+use crate::number::{Coord, Length, Scalar};
 use core::array::from_fn;
 
 /// Cosine of the turn (160 degrees) beyond which a joint is an exact stop: there a stop is faster
@@ -35,8 +35,8 @@ const TINY_REACH: f64 = 1.0 / 16.0;
 const TINY_RAMP: f64 = 1.0 / 8.0;
 /// Share of a line that a run which goes on along it keeps for itself.
 const RUN_SHARE: i64 = 4;
-/// Least reach of a joint, 1e-12 mm: where there is less room than for a line, a stop is faster.
-const LEAST_REACH: i64 = 500_000;
+/// Least reach of a joint: where there is less room than for a line, a stop is faster.
+const LEAST_REACH: Length = Length::from_raw(500_000);
 /// Least length of a straight piece between two transitions of the paper, as a part of the second's reach.
 const PAPER_BODY: i64 = 64;
 /// Most of a line that is kept to get going on it.
@@ -145,9 +145,9 @@ pub fn joint<S: Scalar, const N: usize>(
     before: &QueuedBlock<S, N>,
     after: &QueuedBlock<S, N>,
     config: &Config<S, N>,
-) -> (Joint, i64) {
+) -> (Joint, Length) {
     let (Some(a), Some(b)) = (&before.segment, &after.segment) else {
-        return (Joint::Stop, 0);
+        return (Joint::Stop, Length::ZERO);
     };
     let mode = corner_mode(before, after, config.corner);
     let tolerance = before.band().least(after.band());
@@ -161,37 +161,37 @@ pub fn joint<S: Scalar, const N: usize>(
     // A spike smaller than the tolerance is ironed out.
     let spike = lines && shorter < tolerance * S::of(SPIKE);
     if corner.cos_turn() < S::of(STOP_COSINE) {
-        return (if spike { run() } else { Joint::Stop }, 0);
+        return (if spike { run() } else { Joint::Stop }, Length::ZERO);
     }
     let straight = corner.cos_turn() > S::ZERO && !(lines && tolerance > S::ZERO);
     if straight && passes(a, b, (&frame_in, &frame_out), tolerance, mode) {
-        return (Joint::Through, 0);
+        return (Joint::Through, Length::ZERO);
     }
     if !(tolerance > S::ZERO) {
-        return (Joint::Stop, 0);
+        return (Joint::Stop, Length::ZERO);
     }
     match (&a.shape, &b.shape, mode) {
-        (Shape::Line(_), Shape::Line(_), CornerMode::Paper { .. }) => (Joint::Corner, 0),
+        (Shape::Line(_), Shape::Line(_), CornerMode::Paper { .. }) => (Joint::Corner, Length::ZERO),
         (Shape::Line(_), Shape::Line(_), CornerMode::Band) => {
             if before.chord != after.chord && stops() {
-                return (Joint::Stop, 0);
+                return (Joint::Stop, Length::ZERO);
             }
             let most = shorter * S::of(1.0 / LONE_ROOM);
             let slight = corner.cos_turn() > S::of(LONE_COSINE);
             let short = corner.full_band_length(tolerance, most) >= most;
             let back = corner.cos_turn() < S::of(BACK_COSINE) && !spike;
             if !back && (slight || short) {
-                return (run(), 0);
+                return (run(), Length::ZERO);
             }
-            (Joint::Corner, mm_to_raw(swing::longest_reach(&corner, tolerance, shorter)))
+            (Joint::Corner, Length::from_mm(swing::longest_reach(&corner, tolerance, shorter)))
         }
-        _ if stops() => (Joint::Stop, 0),
+        _ if stops() => (Joint::Stop, Length::ZERO),
         _ => {
             let bound = |segment: &Segment<S, N>| {
                 segment.length.least(segment.longest_angle() * S::of(3.0))
             };
             let most = bound(a).least(bound(b)) * S::of(0.5);
-            (Joint::Blend, mm_to_raw(Blend::longest_reach(a, b, tolerance, most)))
+            (Joint::Blend, Length::from_mm(Blend::longest_reach(a, b, tolerance, most)))
         }
     }
 }
@@ -199,8 +199,8 @@ pub fn joint<S: Scalar, const N: usize>(
 /// What a joint takes of either segment.
 #[derive(Clone, Copy, Debug)]
 pub struct Taken<S> {
-    /// Length, 1e-12 mm; none or less if there is no room for the joint.
-    pub raw: i64,
+    /// Length; none or less if there is no room for the joint.
+    pub length: Length,
     /// Its shape, if it is a corner between lines.
     pub half: Option<Half<S>>,
 }
@@ -214,80 +214,84 @@ pub fn reach<S: Scalar, const N: usize>(
     joint: Joint,
     config: &Config<S, N>,
 ) -> Taken<S> {
-    let mut left = segment.length_raw - item.taken;
+    let mut left = segment.exact_length - item.taken;
     // A node that is passed is bent: the bend must end before the next transition begins.
     let bent = item.entered == Joint::Through;
-    if item.entered == Joint::Stop && item.taken == 0 {
+    if item.entered == Joint::Stop && item.taken == Length::ZERO {
         // A transition from rest on gets going in cells as long as its shape asks for: where the feed is
         // reached in less, there must be a stretch before it that is cut for that.
         let ramp = Ramp::new(&config.limits, &segment.end_frame(false).0).length(item.feed);
-        left -= mm_to_raw(ramp.least(segment.length * S::of(RAMP_SHARE)));
+        left -= Length::from_mm(ramp.least(segment.length * S::of(RAMP_SHARE)));
     }
     if bent {
-        left -= segment.length_raw / 8;
+        left -= segment.exact_length / 8;
     }
     if item.entered == Joint::Run {
-        left -= segment.length_raw / RUN_SHARE;
+        left -= segment.exact_length / RUN_SHARE;
     }
     let corner = Corner::new(&segment.end_frame(true).0, &ahead.end_frame(false).0);
     let tolerance = item.band().least(next.band());
     let mode = corner_mode(item, next, config.corner);
     if let (Joint::Corner, CornerMode::Paper { lambda }) = (joint, mode) {
-        let leg_in = raw_to_mm::<S>(left) * (S::ONE - lambda);
+        let leg_in = left.to_mm::<S>() * (S::ONE - lambda);
         let half = corner.paper_half(corner.paper_edge(tolerance, leg_in, ahead.length));
-        let most = left.min(ahead.length_raw);
-        let mut raw = mm_to_raw(half.reach()).min(most);
-        if raw < LEAST_REACH {
-            return Taken { raw: 0, half: None };
+        let most = left.min(ahead.exact_length);
+        let mut length = Length::from_mm(half.reach()).min(most);
+        if length < LEAST_REACH {
+            return Taken { length: Length::ZERO, half: None };
         }
         // A straight piece that is short beside the transitions at its ends, or made of rounding alone, is
         // passed slowly for nothing: the leg is taken whole if the band has room.
-        let grown = raw_to_mm::<S>(left) / half.reach();
-        if left <= most && left - raw <= raw / PAPER_BODY && half.deviation() * grown <= tolerance {
-            raw = left;
+        let grown = left.to_mm::<S>() / half.reach();
+        if left <= most
+            && left - length <= length / PAPER_BODY
+            && half.deviation() * grown <= tolerance
+        {
+            length = left;
         }
-        let half = half.scaled(raw_to_mm::<S>(raw) / half.reach());
-        return Taken { raw, half: Some(half) };
+        let half = half.scaled(length.to_mm::<S>() / half.reach());
+        return Taken { length, half: Some(half) };
     }
     // Sharing by need: what the next joint does not want of the next segment is free for this one.
-    let next_want = if next.stop_after || next.joint == Joint::Run { 0 } else { next.want };
+    let next_want =
+        if next.stop_after || next.joint == Joint::Run { Length::ZERO } else { next.want };
     let free = if next.joint == Joint::Run {
-        ahead.length_raw - ahead.length_raw / RUN_SHARE
-    } else if next_want == 0 {
+        ahead.exact_length - ahead.exact_length / RUN_SHARE
+    } else if next_want == Length::ZERO {
         // The next segment ends in its own last point: it must keep a body.
-        ahead.length_raw - ahead.length_raw / 8
+        ahead.exact_length - ahead.exact_length / 8
     } else {
-        (ahead.length_raw - next_want).max(ahead.length_raw / 2)
+        (ahead.exact_length - next_want).max(ahead.exact_length / 2)
     };
-    let mut raw = item.want.min(left).min(free);
-    if raw < LEAST_REACH {
-        return Taken { raw: 0, half: None };
+    let mut length = item.want.min(left).min(free);
+    if length < LEAST_REACH {
+        return Taken { length: Length::ZERO, half: None };
     }
     // A blend that a tiny neighbour leaves next to no room is passed so slowly that a stop costs no more, and
     // ties what comes before and behind it to its direction.
     if joint == Joint::Blend {
-        let reach = raw_to_mm::<S>(raw);
+        let reach = length.to_mm::<S>();
         let feed = item.feed.least(next.feed);
         let ramp = Ramp::new(&config.limits, &segment.end_frame(true).0).length(feed);
         if reach < tolerance * S::of(TINY_REACH) && reach < ramp * S::of(TINY_RAMP) {
-            return Taken { raw: 0, half: None };
+            return Taken { length: Length::ZERO, half: None };
         }
     }
     let mut half = None;
     if joint == Joint::Corner {
-        let shape = swing::half(&corner, tolerance, raw_to_mm(raw));
-        raw = mm_to_raw(shape.reach()).min(raw);
+        let shape = swing::half(&corner, tolerance, length.to_mm());
+        length = Length::from_mm(shape.reach()).min(length);
         half = Some(shape);
     }
-    let raw = with_body(raw, left, bent);
+    let length = with_body(length, left, bent);
     // Within rounding the band has room for more.
-    let half = half.map(|half| half.scaled(raw_to_mm::<S>(raw) / half.reach()));
-    Taken { raw, half }
+    let half = half.map(|half| half.scaled(length.to_mm::<S>() / half.reach()));
+    Taken { length, half }
 }
 
 /// What to take of `left` so that either nothing of the body is left, or a stretch long enough to be
 /// a cell of its own.
-fn with_body(wanted: i64, left: i64, bent: bool) -> i64 {
+fn with_body(wanted: Length, left: Length, bent: bool) -> Length {
     let body = left - wanted;
     if body <= wanted / 1024 {
         return left;

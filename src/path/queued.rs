@@ -6,7 +6,7 @@ use super::segment::Segment;
 use crate::block::{Block, BlockError, Feed, Field, Motion};
 use crate::machine::{Config, Limits};
 use crate::number::vector::{norm, zero};
-use crate::number::{Coord, Scalar};
+use crate::number::{Coord, Length, Scalar};
 
 /// Most difference of the feeds of lines that become one, relative: rounding of their directions.
 const FEED_SLACK: f64 = 1.0e-3;
@@ -51,14 +51,14 @@ pub struct QueuedBlock<S, const N: usize> {
     pub error: S,
     /// Joint to the next block, once that is known.
     pub joint: Joint,
-    /// Length the joint would like of either segment, 1e-12 mm.
-    pub want: i64,
+    /// Length the joint would like of either segment.
+    pub want: Length,
     /// Joint through which it was entered.
     pub entered: Joint,
     /// Length of the segment before that joint, mm.
     pub length_before: S,
-    /// Length that joint has taken, 1e-12 mm.
-    pub taken: i64,
+    /// Length that joint has taken.
+    pub taken: Length,
 }
 
 /// Tangent and curvature.
@@ -118,10 +118,10 @@ impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
             marks: 0,
             error: S::ZERO,
             joint: Joint::Stop,
-            want: 0,
+            want: Length::ZERO,
             entered: Joint::Stop,
             length_before: S::ZERO,
-            taken: 0,
+            taken: Length::ZERO,
         };
         let segment = match block.motion {
             Motion::Dwell { seconds } => {
@@ -181,7 +181,7 @@ fn check_coordinate(axis: usize, coord: Coord) -> Result<(), BlockError> {
     Ok(())
 }
 
-/// Least speed along the path that is asked for, mm/s: a long duration of a tiny way gives less.
+/// Least speed along the path that is asked for, mm/s: a long duration of a tiny length gives less.
 const LEAST_SPEED: f64 = 1.0e-9;
 
 /// Speed along the path that the feed word asks for, at most what the axes allow on a line, mm/s. The one

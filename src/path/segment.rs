@@ -4,7 +4,7 @@ use super::helix::{Helix, WHOLE};
 use super::node::{Cell, Node, Programmed};
 use crate::block::{BlockError, FINEST_BAND, Turn};
 use crate::number::vector::{Vector, zero};
-use crate::number::{Coord, Scalar};
+use crate::number::{Coord, Length, Scalar};
 use core::array::from_fn;
 
 /// Moves shorter than this, mm, are accepted and ignored: they are below the finest input.
@@ -15,7 +15,7 @@ const GREATEST_LENGTH: f64 = 7.0e6;
 
 /// A cell of length h follows an arc of curvature k to within h^2 k / 19.2, whatever the motion over it.
 ///
-/// The way s(t) along the cell is a quartic, the distance from the tangent k s^2 / 2 to begin with: of degree eight,
+/// The arc length s(t) along the cell is a quartic, the distance from the tangent k s^2 / 2 to begin with: of degree eight,
 /// and the quintic that is executed has its value, slope and second derivative at both ends. The rest is
 /// k h^2 / 2 u^3 (1 - u)^3 (a^2 (6 + 3 u + u^2) + 2 a b (3 + u) + b^2), where a and b are the factors of u^4 and u^3 in
 /// s / h, for a start from a standstill: 1 / 128 at constant jerk (a = 0). It is greatest for motions that creep next
@@ -47,20 +47,10 @@ pub struct Segment<S, const N: usize> {
     pub end: [Coord; N],
     /// Curve between them.
     pub shape: Shape<S, N>,
-    /// Length in units of 1e-12 mm.
-    pub length_raw: i64,
+    /// Length, exact.
+    pub exact_length: Length,
     /// Length, mm.
     pub length: S,
-}
-
-/// Arc length from units of 1e-12 mm.
-pub fn raw_to_mm<S: Scalar>(raw: i64) -> S {
-    S::from_i64(raw) * S::of(1.0e-12)
-}
-
-/// Arc length in units of 1e-12 mm.
-pub fn mm_to_raw<S: Scalar>(mm: S) -> i64 {
-    (mm * S::of(1.0e12)).to_i64()
 }
 
 impl<S: Scalar, const N: usize> Segment<S, N> {
@@ -75,7 +65,7 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
             start,
             end,
             shape: Shape::Line(from_fn(|i| S::of(step[i] / length))),
-            length_raw: libm::round(length * 1.0e12) as i64,
+            exact_length: Length::nearest_mm(length),
             length: S::of(length),
         })
     }
@@ -102,18 +92,14 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
             start,
             end,
             shape: Shape::Arc(helix),
-            length_raw: libm::round(total * 1.0e12) as i64,
+            exact_length: Length::nearest_mm(total),
             length: S::of(total),
         })
     }
 
-    /// Share of the way at an arc length (units of 1e-12 mm) from the start, in 1/[`WHOLE`].
-    fn share(&self, way_raw: i64) -> i64 {
-        if way_raw >= self.length_raw {
-            WHOLE
-        } else {
-            ((i128::from(way_raw.max(0)) << 62) / i128::from(self.length_raw.max(1))) as i64
-        }
+    /// Share of the segment at an arc length from the start, in 1/[`WHOLE`].
+    fn share(&self, s: Length) -> i64 {
+        if s >= self.exact_length { WHOLE } else { s.max(Length::ZERO).share_of(self.exact_length) }
     }
 
     /// Tangent and curvature at the start (`false`) or the end (`true`).
@@ -131,9 +117,9 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
         matches!(self.shape, Shape::Line(_))
     }
 
-    /// The node at an arc length (units of 1e-12 mm) from the start.
-    pub fn node(&self, way_raw: i64) -> Node<S, N> {
-        let share = self.share(way_raw);
+    /// The node at an arc length from the start.
+    pub fn node(&self, s: Length) -> Node<S, N> {
+        let share = self.share(s);
         let mut at = from_fn(|i| self.start[i].towards(self.end[i], share));
         match &self.shape {
             Shape::Line(tangent) => Node { at, tangent: *tangent, curvature: zero() },
@@ -148,11 +134,11 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
     }
 
     /// The cell between two arc lengths.
-    pub fn cell(&self, way: (i64, i64), programmed: Programmed<S>) -> Cell<S, N> {
+    pub fn cell(&self, (from, to): (Length, Length), programmed: Programmed<S>) -> Cell<S, N> {
         let (length, tangent_offset, straight) = match &self.shape {
-            Shape::Line(_) => (raw_to_mm::<S>(way.1 - way.0), zero(), true),
+            Shape::Line(_) => ((to - from).to_mm::<S>(), zero(), true),
             Shape::Arc(helix) => {
-                let shares = (self.share(way.0), self.share(way.1));
+                let shares = (self.share(from), self.share(to));
                 let (length, tangent_offset) =
                     helix.cell(shares, &helix.climb(&self.start, &self.end));
                 (length, tangent_offset, false)
@@ -184,28 +170,28 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
         }
     }
 
-    /// Offset from a node of the curve to the point `way` mm further on (back if negative).
-    pub fn walk(&self, frame: (&Vector<S, N>, &Vector<S, N>), way: S) -> Vector<S, N> {
+    /// Offset from a node of the curve to the point `along` mm further on (back if negative).
+    pub fn walk(&self, frame: (&Vector<S, N>, &Vector<S, N>), along: S) -> Vector<S, N> {
         match &self.shape {
-            Shape::Line(tangent) => from_fn(|i| tangent[i] * way),
+            Shape::Line(tangent) => from_fn(|i| tangent[i] * along),
             Shape::Arc(helix) => {
                 let tangent_offset =
-                    tangent_offset_along(helix, helix.rate(self.length), frame, way);
-                from_fn(|i| frame.0[i] * way + tangent_offset[i])
+                    tangent_offset_along(helix, helix.rate(self.length), frame, along);
+                from_fn(|i| frame.0[i] * along + tangent_offset[i])
             }
         }
     }
 }
 
-/// Position after `way` mm along a circle or helix minus `way x tangent`:
+/// Position after `along` mm of a circle or helix minus `along x tangent`:
 /// in the plane (R sin phi - R phi) along the tangent and R (1 - cos phi) towards the centre.
 fn tangent_offset_along<S: Scalar, const N: usize>(
     helix: &Helix,
     rate: S,
     (tangent, curvature): (&Vector<S, N>, &Vector<S, N>),
-    way: S,
+    along: S,
 ) -> Vector<S, N> {
-    let phi = rate * way;
+    let phi = rate * along;
     let (sin_half, _) = (phi * S::of(0.5)).sin_cos();
     // curvature = rate^2 R towards the centre, so R (1 - cos) = curvature 2 sin^2(phi/2) / rate^2.
     let towards = (sin_half + sin_half) / rate * (sin_half / rate);
@@ -221,7 +207,7 @@ fn tangent_offset_along<S: Scalar, const N: usize>(
     };
     from_fn(|i| {
         if helix.turns_axis(i) {
-            tangent[i] * way * short + curvature[i] * towards
+            tangent[i] * along * short + curvature[i] * towards
         } else {
             S::ZERO
         }

@@ -82,8 +82,8 @@ impl<const N: usize> Sleeve<N> {
 /// Where a piece of a line ends, and its tag.
 #[derive(Clone, Copy, Debug)]
 pub struct Mark<S> {
-    /// From the start of the line, mm.
-    pub way: S,
+    /// Arc length from the start of the line, mm.
+    pub s: S,
     pub tag: u32,
 }
 
@@ -96,7 +96,7 @@ pub struct Marks<S, const BLOCKS: usize> {
 
 impl<S: Scalar, const BLOCKS: usize> Marks<S, BLOCKS> {
     pub const fn new() -> Self {
-        Self { slots: [[Mark { way: S::ZERO, tag: 0 }; PER_BLOCK]; BLOCKS], first: 0, len: 0 }
+        Self { slots: [[Mark { s: S::ZERO, tag: 0 }; PER_BLOCK]; BLOCKS], first: 0, len: 0 }
     }
 
     pub fn clear(&mut self) {
@@ -187,7 +187,7 @@ mod tests {
         let mut marks = Marks::<f32, 4>::new();
         let mut next = 0;
         for n in 0..100u32 {
-            marks.push(Mark { way: 0.0, tag: n });
+            marks.push(Mark { s: 0.0, tag: n });
             if marks.is_full() {
                 marks.drop_front(7);
                 next += 7;

@@ -7,11 +7,11 @@ use super::rows::{Bounds, Pace, View};
 use crate::block::{Block, FINEST_BAND, Feed, Motion, Turn};
 use crate::machine::{AxisLimits, Config, Limits};
 use crate::number::serial::NodeSerial;
-use crate::number::{ArcLength, Coord, Scalar};
+use crate::number::{ArcLength, Coord, Length, Scalar};
 use crate::path::builder::Builder;
 use crate::path::cut::Emitted;
 use crate::path::node::{Node, Programmed};
-use crate::path::segment::{Segment, mm_to_raw};
+use crate::path::segment::Segment;
 use crate::servo::piece::Sequel;
 use core::array::from_fn;
 
@@ -211,9 +211,10 @@ fn no_motion_over_a_cell_of_an_arc_leaves_the_band() {
             Segment::<f64, AXES>::arc(ends.0, ends.1, (0, 1), centre, Turn::CounterClockwise, 0);
         let arc = arc.unwrap();
         let length = arc.longest_cell(band);
-        let raw = mm_to_raw(length);
+        let end = Length::from_mm(length);
         let programmed = Programmed { feed: 1.0, rapid: false, tag: 0 };
-        let (from, cell, to) = (arc.node(0), arc.cell((0, raw), programmed), arc.node(raw));
+        let (from, cell, to) =
+            (arc.node(Length::ZERO), arc.cell((Length::ZERO, end), programmed), arc.node(end));
         let view = View::unbound([&from, &to], &cell, &limits);
         for _ in 0..300 {
             let speeds =

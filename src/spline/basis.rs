@@ -3,7 +3,7 @@
 //! A span between two knots is a cubic made of four control points; besides its own two knots it
 //! depends on two more on either side.
 
-use crate::number::Scalar;
+use crate::number::{Length, Scalar};
 
 /// The six knots a span depends on, as arc lengths from the span's start, mm; the third is 0, the
 /// fourth the length of the span.
@@ -13,10 +13,10 @@ pub struct Local<S> {
 }
 
 impl<S: Scalar> Local<S> {
-    /// From arc lengths in 1e-12 mm; the span lies between the third and the fourth.
-    pub fn new(ways: &[i64; 6]) -> Self {
-        let start = ways[2];
-        Self { knots: ways.map(|way| S::from_i64(way - start) * S::of(1.0e-12)) }
+    /// From arc lengths; the span lies between the third and the fourth.
+    pub fn new(knots: &[Length; 6]) -> Self {
+        let start = knots[2];
+        Self { knots: knots.map(|knot| (knot - start).to_mm()) }
     }
 
     /// From knots counted from the third of them.
@@ -99,7 +99,7 @@ mod tests {
     const UNEVEN: [i64; 6] = [-3, -1, 0, 2, 3, 7];
 
     fn local() -> Local<f64> {
-        Local::new(&UNEVEN.map(|k| k * 1_000_000_000_000))
+        Local::new(&UNEVEN.map(|k| Length::from_raw(k * Length::PER_MM)))
     }
 
     /// The spline with control points at the Greville abscissae is the identity, and its values

@@ -16,10 +16,9 @@ use self::polyline::{Polyline, Ray};
 use self::sliding::SlidingSpline;
 use super::cut::{Emitted, LONGEST_CELL_TIME, Remainder, next_piece};
 use super::node::Node;
-use super::segment::{mm_to_raw, raw_to_mm};
 use crate::machine::Ramp;
 use crate::number::vector::{Vector, dot, norm, sub, zero};
-use crate::number::{Coord, Scalar};
+use crate::number::{Coord, Length, Scalar};
 use heapless::Deque;
 
 /// Share of the tolerance by which vertices may lie off the line between two dominant points: at
@@ -51,7 +50,7 @@ const SMOOTH_SHARE: f64 = 0.49;
 /// Park and Lee's, 2007, "B-spline curve fitting based on adaptive curve refinement using dominant points".)
 #[derive(Clone, Copy)]
 struct DominantPoint<S, const N: usize> {
-    way: i64,
+    s: Length,
     at: [Coord; N],
     /// Direction in which it is reached.
     direction: Vector<S, N>,
@@ -92,16 +91,16 @@ pub struct Run<S, const N: usize> {
 /// A piece of a line with a tag of its own.
 #[derive(Clone, Copy)]
 struct TaggedPiece<S> {
-    /// Where it ends, 1e-12 mm.
-    to: i64,
+    /// Where it ends.
+    to: Length,
     /// mm.
     length: S,
     tag: u32,
 }
 
 impl<S: Scalar> TaggedPiece<S> {
-    fn from(&self) -> i64 {
-        self.to - mm_to_raw(self.length)
+    fn from(&self) -> Length {
+        self.to - Length::from_mm(self.length)
     }
 }
 
@@ -158,7 +157,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         self.knots = KnotState::New;
         (self.handed, self.ready) = (0, 0);
         let _ = self.dominant.push_back(DominantPoint {
-            way: 0,
+            s: Length::ZERO,
             at,
             direction: zero(),
             size: rest_size,
@@ -167,7 +166,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             tolerance: leg.tolerance,
         });
         if tie == Tie::Rest {
-            self.spline.slow_at(0, rest_size);
+            self.spline.slow_at(Length::ZERO, rest_size);
         }
     }
 
@@ -176,14 +175,14 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         self.end.is_none() && self.polyline.has_room() && self.dominant.len() + 3 <= WAITING
     }
 
-    /// Arc length at the end of the last line taken, 1e-12 mm.
-    pub fn reach(&self) -> i64 {
+    /// Arc length at the end of the last line taken.
+    pub fn reach(&self) -> Length {
         self.polyline.reach()
     }
 
     /// Takes note of a piece of the next line, between two arc lengths, and its tag. Where there is no room
     /// the tag is not shown.
-    pub fn mark(&mut self, from: i64, to: i64, tag: u32) {
+    pub fn mark(&mut self, from: Length, to: Length, tag: u32) {
         if let Some((start, before)) = self.polyline.growing() {
             // The next line may become one with those before it, and show its last tag all over.
             let start = self.pieces.back().map_or(start, |piece| start.max(piece.to));
@@ -194,8 +193,8 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         self.note(from, to, tag);
     }
 
-    fn note(&mut self, from: i64, to: i64, tag: u32) {
-        let _ = self.pieces.push_back(TaggedPiece { to, length: raw_to_mm(to - from), tag });
+    fn note(&mut self, from: Length, to: Length, tag: u32) {
+        let _ = self.pieces.push_back(TaggedPiece { to, length: (to - from).to_mm(), tag });
     }
 
     /// Takes a line to `at`.
@@ -225,7 +224,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         {
             let rest_size = self.ramp.first_cell(leg.programmed.feed);
             last.size = last.size.least(rest_size);
-            self.spline.slow_at(last.way, rest_size);
+            self.spline.slow_at(last.s, rest_size);
         }
         if tie == Tie::Smooth
             && let Some(last) = self.dominant.back_mut()
@@ -283,9 +282,9 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             return;
         };
         self.newest = serial;
-        let length = raw_to_mm::<S>(vertex.way - before.way);
+        let length = (vertex.s - before.s).to_mm::<S>();
         let direction = Ray::new(&before.at, &vertex.at).direction;
-        let first = before.way == 0;
+        let first = before.s == Length::ZERO;
         let mut size = before.size.least(length);
         let mut stop = false;
         if first && self.start == Tie::Smooth {
@@ -302,14 +301,14 @@ impl<S: Scalar, const N: usize> Run<S, N> {
                 size = size.least(rest_size);
                 reach = rest_size;
             }
-            self.spline.slow_at(before.way, reach);
+            self.spline.slow_at(before.s, reach);
         }
         if let Some(point) = self.dominant.back_mut() {
             point.size = size;
             point.stop = stop;
         }
         let _ = self.dominant.push_back(DominantPoint {
-            way: vertex.way,
+            s: vertex.s,
             at: vertex.at,
             direction,
             size: length,
@@ -325,8 +324,8 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         let n = self.dominant.len();
         let limit = |a: Option<DominantPoint<S, N>>, b: Option<DominantPoint<S, N>>| {
             let (a, b) = (a?, b?);
-            let way = raw_to_mm::<S>((a.way - b.way).abs());
-            Some(a.size + way * S::of(GRADE))
+            let apart = (a.s - b.s).abs().to_mm::<S>();
+            Some(a.size + apart * S::of(GRADE))
         };
         let get = |dominant: &Deque<_, WAITING>, i: usize| dominant.get(i).copied();
         for (a, b) in (1..n).map(|i| (i - 1, i)).chain((1..n).rev().map(|i| (i, i - 1))) {
@@ -353,29 +352,29 @@ impl<S: Scalar, const N: usize> Run<S, N> {
                 self.knots = KnotState::Tied;
                 return true;
             }
-            return self.end.is_some() && self.tie(from.way);
+            return self.end.is_some() && self.tie(from.s);
         };
-        let here = if self.knots == KnotState::New { from.way } else { self.spline.end() };
-        let way = match next_piece(
-            (raw_to_mm(here - from.way), raw_to_mm(to.way - here)),
+        let here = if self.knots == KnotState::New { from.s } else { self.spline.end() };
+        let s = match next_piece(
+            ((here - from.s).to_mm(), (to.s - here).to_mm()),
             (from.size, to.size),
             to.feed * S::of(LONGEST_CELL_TIME),
         ) {
-            (_, Remainder::One) => to.way,
-            (_, Remainder::Two) => here + (to.way - here) / 2,
-            (step, Remainder::More) => here + mm_to_raw(step).max(1),
+            (_, Remainder::One) => to.s,
+            (_, Remainder::Two) => here + (to.s - here) / 2,
+            (step, Remainder::More) => here + Length::from_mm(step).max(Length::UNIT),
         };
         if self.knots == KnotState::New {
-            self.spline.begin(&self.polyline, here, self.start, way - here);
+            self.spline.begin(&self.polyline, here, self.start, s - here);
             self.knots = KnotState::Open;
         }
-        let Some(way) = self.allowed(here, way) else {
+        let Some(s) = self.allowed(here, s) else {
             self.tie_at_rest();
             self.knots = KnotState::Broken;
             return true;
         };
-        self.lay(way);
-        if way == to.way {
+        self.lay(s);
+        if s == to.s {
             self.dominant.pop_front();
             if to.stop {
                 self.tie_at_rest();
@@ -387,14 +386,14 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     }
 
     /// Lays a knot. The span that it completes shows the tag of what it ends on.
-    fn lay(&mut self, way: i64) {
+    fn lay(&mut self, s: Length) {
         let before = self.spline.spans.len();
-        self.spline.push(&self.polyline, way);
+        self.spline.push(&self.polyline, s);
         if self.spline.spans.len() == before {
             return;
         }
         let (begins, ends) = self.spline.stretch(before);
-        if let Some(tag) = self.tag_at(ends - 1)
+        if let Some(tag) = self.tag_at(ends - Length::UNIT)
             && let Some(leg) = self.spline.legs.last_mut()
         {
             leg.programmed.tag = tag;
@@ -406,27 +405,26 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     }
 
     /// The tag of what lies around an arc length, if it is not that of its line.
-    fn tag_at(&self, way: i64) -> Option<u32> {
-        let piece = self.pieces.iter().find(|piece| piece.from() <= way && way < piece.to)?;
+    fn tag_at(&self, s: Length) -> Option<u32> {
+        let piece = self.pieces.iter().find(|piece| piece.from() <= s && s < piece.to)?;
         Some(piece.tag)
     }
 
     /// The knot that was asked for, or one nearer at which the band is kept.
-    fn allowed(&self, here: i64, way: i64) -> Option<i64> {
+    fn allowed(&self, here: Length, s: Length) -> Option<Length> {
         let line = self.polyline.line_end(here);
-        let tries =
-            [way, here + (way - here) / 2, line.min(way), here + (line.min(way) - here) / 4];
+        let tries = [s, here + (s - here) / 2, line.min(s), here + (line.min(s) - here) / 4];
         tries.into_iter().find(|&w| w > here && self.spline.allows(&self.polyline, &[w, w, w]))
     }
 
     /// Ends the spline at its last knot.
-    fn tie(&mut self, end: i64) -> bool {
+    fn tie(&mut self, end: Length) -> bool {
         if self.end == Some(Tie::Smooth) {
             let step = self.spline.last_step();
-            let ways = [end + step, end + 2 * step];
-            if self.spline.allows(&self.polyline, &ways) {
-                for way in ways {
-                    self.lay(way);
+            let more = [end + step, end + step * 2];
+            if self.spline.allows(&self.polyline, &more) {
+                for s in more {
+                    self.lay(s);
                 }
                 self.spline.tied = 3;
                 self.knots = KnotState::Tied;
@@ -449,18 +447,18 @@ impl<S: Scalar, const N: usize> Run<S, N> {
 
     /// Goes on from rest behind a broken stretch.
     fn reopen(&mut self) {
-        let way = self.spline.end();
+        let s = self.spline.end();
         let ahead = self.dominant.get(1).map(|point| point.feed);
         let mut rest_size = S::ZERO;
         if let Some(point) = self.dominant.front_mut() {
             let feed = ahead.map_or(point.feed, |ahead| ahead.least(point.feed));
             rest_size = self.ramp.first_cell(feed);
-            point.way = way;
-            point.at = self.polyline.point(way);
+            point.s = s;
+            point.at = self.polyline.point(s);
             point.size = rest_size;
         }
-        self.spline.begin(&self.polyline, way, Tie::Rest, 0);
-        self.spline.slow_at(way, rest_size);
+        self.spline.begin(&self.polyline, s, Tie::Rest, Length::ZERO);
+        self.spline.slow_at(s, rest_size);
         self.knots = KnotState::Open;
         (self.handed, self.ready) = (0, 0);
     }

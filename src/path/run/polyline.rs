@@ -1,9 +1,9 @@
 //! The programmed poly-line of a run, thinned a little, by its arc length.
 
 use crate::number::vector::{Vector, dot, norm, zero};
-use crate::number::{Coord, Scalar};
+use crate::number::{Coord, Length, Scalar};
 use crate::path::node::Programmed;
-use crate::path::segment::{Segment, raw_to_mm};
+use crate::path::segment::Segment;
 use core::array::from_fn;
 use heapless::{Deque, Vec};
 
@@ -17,9 +17,9 @@ const THINNING: f64 = 0.05;
 pub const SPIKE: f64 = 0.4;
 /// How far back is no spike but rounding, as a share of the tolerance.
 const BACK_SLACK: f64 = 1.0e-3;
-/// Lines shorter than this, 1e-12 mm, are followed by their direction, in `f32` to a nanometre; on longer
+/// Lines shorter than this, are followed by their direction, in `f32` to a nanometre; on longer
 /// ones a point is found by a division of wide integers.
-const SHORT: i64 = 10 * Coord::PER_MM;
+const SHORT: Length = Length::from_raw(10 * Length::PER_MM);
 /// Most difference of the feeds of lines that become one, relative.
 const FEED_SLACK: f64 = 0.02;
 
@@ -59,8 +59,8 @@ impl<S: Scalar> Leg<S> {
 #[derive(Clone, Copy, Debug)]
 pub struct Vertex<S, const N: usize> {
     pub at: [Coord; N],
-    /// Arc length from the start of the run, 1e-12 mm.
-    pub way: i64,
+    /// Arc length from the start of the run.
+    pub s: Length,
     /// Direction of the line that ends here.
     pub direction: Vector<S, N>,
     pub leg: Leg<S>,
@@ -99,7 +99,7 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
         self.first = 0;
         self.growing = None;
         self.clear_dropped();
-        let _ = self.vertices.push_back(Vertex { at, way: 0, direction: zero(), leg });
+        let _ = self.vertices.push_back(Vertex { at, s: Length::ZERO, direction: zero(), leg });
     }
 
     /// Whether another line can be taken.
@@ -151,7 +151,7 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
         let mut longer = Vertex::new(from, at, last.leg.with(leg)).unwrap_or(Vertex {
             // Back at the start: the line has no length for now.
             at,
-            way: from.way,
+            s: from.s,
             direction: zero(),
             leg: last.leg.with(leg),
         });
@@ -186,9 +186,9 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
 
     /// Ends the growing line where it is.
     pub fn settle(&mut self) {
-        let start = self.vertices.back().map_or(0, |v| v.way);
+        let start = self.vertices.back().map_or(Length::ZERO, |v| v.s);
         if let Some(vertex) = self.growing.take()
-            && vertex.way > start
+            && vertex.s > start
         {
             let _ = self.vertices.push_back(vertex);
         }
@@ -196,14 +196,14 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
     }
 
     /// Where the line starts that may become one with the next, and its tag.
-    pub fn growing(&self) -> Option<(i64, u32)> {
+    pub fn growing(&self) -> Option<(Length, u32)> {
         let tag = self.growing.as_ref()?.leg.programmed.tag;
-        Some((self.vertices.back()?.way, tag))
+        Some((self.vertices.back()?.s, tag))
     }
 
     /// Arc length at the end of the last line taken.
-    pub fn reach(&self) -> i64 {
-        self.growing.as_ref().or(self.vertices.back()).map_or(0, |vertex| vertex.way)
+    pub fn reach(&self) -> Length {
+        self.growing.as_ref().or(self.vertices.back()).map_or(Length::ZERO, |vertex| vertex.s)
     }
 
     /// Running number of the vertex behind the last.
@@ -217,10 +217,10 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
     }
 
     /// Forgets what lies before an arc length.
-    pub fn release_before(&mut self, way: i64) {
+    pub fn release_before(&mut self, s: Length) {
         // At most all of them.
         for _ in 0..VERTICES {
-            if self.vertices.len() < 3 || self.vertices.get(1).is_none_or(|v| v.way >= way) {
+            if self.vertices.len() < 3 || self.vertices.get(1).is_none_or(|v| v.s >= s) {
                 return;
             }
             self.vertices.pop_front();
@@ -229,18 +229,18 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
     }
 
     /// Arc length at the end of the line that leaves an arc length.
-    pub fn line_end(&self, way: i64) -> i64 {
-        self.vertices.get(self.index(way + 1)).map_or(way, |v| v.way)
+    pub fn line_end(&self, s: Length) -> Length {
+        self.vertices.get(self.index(s + Length::UNIT)).map_or(s, |v| v.s)
     }
 
     /// Index of the vertex at the end of the line that holds an arc length.
-    fn index(&self, way: i64) -> usize {
+    fn index(&self, s: Length) -> usize {
         // The first vertex at or behind it, by halving; the last if there is none, never the first.
         let last = self.vertices.len().saturating_sub(1);
         let (mut low, mut high) = (1, last);
         while low < high {
             let middle = usize::midpoint(low, high);
-            if self.vertices.get(middle).is_some_and(|v| v.way >= way) {
+            if self.vertices.get(middle).is_some_and(|v| v.s >= s) {
                 high = middle;
             } else {
                 low = middle + 1;
@@ -251,38 +251,38 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
 
     /// The point at an arc length. Beyond either end the polyline goes on straight, for as much as its
     /// last line is long.
-    pub fn point(&self, way: i64) -> [Coord; N] {
+    pub fn point(&self, s: Length) -> [Coord; N] {
         let (Some(front), Some(back)) = (self.vertices.front(), self.vertices.back()) else {
             return [Coord::ZERO; N];
         };
         for end in [front, back] {
-            let mirrored = 2 * end.way - way;
-            if (end.way == front.way && way < end.way) || (end.way == back.way && way > end.way) {
+            let mirrored = end.s * 2 - s;
+            if (end.s == front.s && s < end.s) || (end.s == back.s && s > end.s) {
                 let there = self.inside(mirrored);
                 return from_fn(|i| Coord::from_raw(2 * end.at[i].raw() - there[i].raw()));
             }
         }
-        self.inside(way)
+        self.inside(s)
     }
 
-    fn inside(&self, way: i64) -> [Coord; N] {
-        let i = self.index(way);
+    fn inside(&self, s: Length) -> [Coord; N] {
+        let i = self.index(s);
         let (Some(a), Some(b)) = (self.vertices.get(i.saturating_sub(1)), self.vertices.get(i))
         else {
             return self.vertices.front().map_or([Coord::ZERO; N], |v| v.at);
         };
-        if way >= b.way || b.way <= a.way {
+        if s >= b.s || b.s <= a.s {
             return b.at;
         }
-        let (done, all) = ((way - a.way).max(0), b.way - a.way);
+        let (done, all) = ((s - a.s).max(Length::ZERO), b.s - a.s);
         if all < SHORT {
             // From the nearer end: next to one, points lie closer together than the rounding of the whole.
             let left = all - done;
             let (end, along) = if done < left { (a, done) } else { (b, -left) };
-            let along: S = raw_to_mm(along);
+            let along: S = along.to_mm();
             return from_fn(|k| end.at[k].plus(b.direction[k] * along));
         }
-        let fraction = ((i128::from(done) << 62) / i128::from(all.max(1))) as i64;
+        let fraction = done.share_of(all);
         from_fn(|k| a.at[k].towards(b.at[k], fraction))
     }
 
@@ -290,20 +290,20 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
     /// and its end.
     pub fn lines(
         &self,
-        from: i64,
-        to: i64,
+        from: Length,
+        to: Length,
     ) -> impl Iterator<Item = (&Vertex<S, N>, &Vertex<S, N>)> {
-        let first = self.index(from + 1);
+        let first = self.index(from + Length::UNIT);
         let ends = self.vertices.iter().skip(first);
         let starts = self.vertices.iter().skip(first.saturating_sub(1));
-        starts.zip(ends).take_while(move |(start, _)| start.way < to)
+        starts.zip(ends).take_while(move |(start, _)| start.s < to)
     }
 
     /// The line that starts at the vertex at an arc length, if there is one.
-    pub fn leaving(&self, way: i64) -> Option<&Vertex<S, N>> {
-        let end = self.index(way + 1);
+    pub fn leaving(&self, s: Length) -> Option<&Vertex<S, N>> {
+        let end = self.index(s + Length::UNIT);
         let start = self.vertices.get(end.checked_sub(1)?)?;
-        (start.way == way).then(|| self.vertices.get(end))?
+        (start.s == s).then(|| self.vertices.get(end))?
     }
 }
 
@@ -312,7 +312,7 @@ impl<S: Scalar, const N: usize> Vertex<S, N> {
     fn new(from: &Self, at: [Coord; N], leg: Leg<S>) -> Option<Self> {
         let line = Segment::<S, N>::line(from.at, at)?;
         let (direction, _) = line.end_frame(true);
-        Some(Self { at, way: from.way + line.length_raw, direction, leg })
+        Some(Self { at, s: from.s + line.exact_length, direction, leg })
     }
 }
 
@@ -326,17 +326,17 @@ pub struct Ray<S, const N: usize> {
 impl<S: Scalar, const N: usize> Ray<S, N> {
     /// From one point to another; without a direction if they are the same.
     pub fn new(from: &[Coord; N], to: &[Coord; N]) -> Self {
-        let way: Vector<S, N> = from_fn(|i| to[i].minus(from[i]));
-        let length = norm(&way);
+        let step: Vector<S, N> = from_fn(|i| to[i].minus(from[i]));
+        let length = norm(&step);
         let per = if length > S::ZERO { S::ONE / length } else { S::ZERO };
-        Self { from: *from, direction: way.map(|x| x * per), length }
+        Self { from: *from, direction: step.map(|x| x * per), length }
     }
 
     /// How far along the line and how far off it a point lies, mm.
     pub fn place(&self, at: &[Coord; N]) -> (S, S) {
-        let way: Vector<S, N> = from_fn(|i| at[i].minus(self.from[i]));
-        let on = dot(&way, &self.direction);
-        let off: Vector<S, N> = from_fn(|i| way[i] - on * self.direction[i]);
+        let offset: Vector<S, N> = from_fn(|i| at[i].minus(self.from[i]));
+        let on = dot(&offset, &self.direction);
+        let off: Vector<S, N> = from_fn(|i| offset[i] - on * self.direction[i]);
         (on, norm(&off))
     }
 }

@@ -16,8 +16,7 @@ use super::polyline::{Leg, Polyline, Vertex};
 use super::span::SpanCurve;
 use crate::number::list::some;
 use crate::number::vector::{Vector, dot, norm, sub, zero};
-use crate::number::{Coord, Scalar};
-use crate::path::segment::raw_to_mm;
+use crate::number::{Coord, Length, Scalar};
 use crate::spline::basis::Local;
 use crate::spline::sweep::{Order, Reference, System, Tube, price};
 use crate::spline::tube::{Place, Pole, Span, edges};
@@ -47,8 +46,8 @@ const SLOW_POINTS: usize = 8;
 /// A control point and the newest knot it depends on.
 #[derive(Clone, Copy, Debug)]
 pub struct Control<const N: usize> {
-    /// The knot, arc length in 1e-12 mm.
-    pub knot: i64,
+    /// The knot, by its arc length.
+    pub knot: Length,
     /// Where the base spline has it.
     pub base: [Coord; N],
 }
@@ -65,7 +64,7 @@ pub enum Tie {
 /// The stretch.
 pub struct SlidingSpline<S, const N: usize> {
     /// The two knots before that of the first control point.
-    before: [i64; 2],
+    before: [Length; 2],
     pub controls: Vec<Control<N>, CONTROLS>,
     /// What smoothing does with them.
     pub poles: Vec<Pole<S, N>, CONTROLS>,
@@ -78,7 +77,7 @@ pub struct SlidingSpline<S, const N: usize> {
     /// Control points at the back that do not move yet, or at all.
     pub tied: usize,
     /// Arc length and reach of places to be slow at ahead of the last span.
-    slow_points: Vec<(i64, S), SLOW_POINTS>,
+    slow_points: Vec<(Length, S), SLOW_POINTS>,
     /// Reach at the end of the last span.
     reach: S,
 }
@@ -96,7 +95,7 @@ const FAR: f64 = 1.0e3;
 impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
     pub const fn new() -> Self {
         Self {
-            before: [0; 2],
+            before: [Length::ZERO; 2],
             controls: Vec::new(),
             poles: Vec::new(),
             spans: Vec::new(),
@@ -125,28 +124,28 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
     }
 
     /// Starts anew at an arc length; for a smooth start the first span is `step` long.
-    pub fn begin(&mut self, polyline: &Polyline<S, N>, way: i64, tie: Tie, step: i64) {
+    pub fn begin(&mut self, polyline: &Polyline<S, N>, s: Length, tie: Tie, step: Length) {
         self.forget();
-        let step = if tie == Tie::Smooth { step } else { 0 };
-        self.before = [way - 2 * step, way - step];
-        let here = self.slow_points.iter().find(|(at, _)| *at == way);
+        let step = if tie == Tie::Smooth { step } else { Length::ZERO };
+        self.before = [s - step * 2, s - step];
+        let here = self.slow_points.iter().find(|(at, _)| *at == s);
         self.reach = here.map_or(S::of(FAR), |(_, reach)| *reach);
         self.frozen = if tie == Tie::Smooth { 3 } else { 1 };
         self.tied = 3;
-        self.push(polyline, way);
+        self.push(polyline, s);
     }
 
     /// Knot number `j`, from -2 on.
-    fn knot(&self, j: isize) -> i64 {
+    fn knot(&self, j: isize) -> Length {
         match j {
             -2 => self.before[0],
             -1 => self.before[1],
-            _ => self.controls.get(j as usize).map_or(0, |control| control.knot),
+            _ => self.controls.get(j as usize).map_or(Length::ZERO, |control| control.knot),
         }
     }
 
     /// The newest knot.
-    pub fn end(&self) -> i64 {
+    pub fn end(&self) -> Length {
         self.knot(self.controls.len().cast_signed() - 1)
     }
 
@@ -156,65 +155,65 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
     }
 
     /// The six knots of a span.
-    fn ways(&self, span: isize) -> [i64; 6] {
+    fn knots_of(&self, span: isize) -> [Length; 6] {
         from_fn(|i| self.knot(span - 2 + i.cast_signed()))
     }
 
     /// Arc lengths at which a span starts and ends.
-    pub fn stretch(&self, span: usize) -> (i64, i64) {
+    pub fn stretch(&self, span: usize) -> (Length, Length) {
         let span = span.cast_signed();
         (self.knot(span), self.knot(span + 1))
     }
 
     /// Length between the last two knots.
-    pub fn last_step(&self) -> i64 {
+    pub fn last_step(&self) -> Length {
         let n = self.controls.len().cast_signed();
         self.end() - self.knot(n - 2)
     }
 
     /// Arc length before which the polyline is no longer needed.
-    pub fn oldest_needed(&self) -> i64 {
+    pub fn oldest_needed(&self) -> Length {
         self.knot((self.controls.len().cast_signed() - 6).max(-2))
     }
 
     /// Whether the base spline keeps to the band in the spans that these knots would make.
-    pub fn allows(&self, polyline: &Polyline<S, N>, more: &[i64]) -> bool {
+    pub fn allows(&self, polyline: &Polyline<S, N>, more: &[Length]) -> bool {
         let known = self.controls.len().cast_signed();
         let first = (known - 3).max(0);
         (first..known + more.len().cast_signed() - 3).all(|span| {
-            let ways: [i64; 6] = from_fn(|i| {
+            let knots: [Length; 6] = from_fn(|i| {
                 let j = span - 2 + i.cast_signed();
-                let new = || more.get((j - known) as usize).copied().unwrap_or(0);
+                let new = || more.get((j - known) as usize).copied().unwrap_or(Length::ZERO);
                 if j < known { self.knot(j) } else { new() }
             });
-            ways[3] <= ways[2] || Self::draft(polyline, &ways).is_some()
+            knots[3] <= knots[2] || Self::draft(polyline, &knots).is_some()
         })
     }
 
     /// Takes a knot.
-    pub fn push(&mut self, polyline: &Polyline<S, N>, way: i64) {
+    pub fn push(&mut self, polyline: &Polyline<S, N>, s: Length) {
         let n = self.controls.len().cast_signed();
-        let base = polyline.point(third(self.knot(n - 2), self.knot(n - 1), way));
+        let base = polyline.point(Length::mean(self.knot(n - 2), self.knot(n - 1), s));
         if let (Some(last), Some(pole)) = (self.controls.last(), self.poles.last_mut()) {
             pole.edge = from_fn(|i| base[i].minus(last.base[i]));
         }
-        let _ = self.controls.push(Control { knot: way, base });
+        let _ = self.controls.push(Control { knot: s, base });
         let _ = self.poles.push(Pole::new(zero()));
         if n >= 3 {
-            let ways = self.ways(n - 3);
-            if let Some(draft) = Self::draft(polyline, &ways) {
-                self.take(draft, ways[3]);
+            let knots = self.knots_of(n - 3);
+            if let Some(draft) = Self::draft(polyline, &knots) {
+                self.take(draft, knots[3]);
             }
         }
     }
 
-    fn take(&mut self, draft: Draft<S, N>, end: i64) {
+    fn take(&mut self, draft: Draft<S, N>, end: Length) {
         let mut span = draft.span;
         let start = self.reach;
         self.reach += span.step;
-        self.slow_points.retain(|(way, _)| *way >= end);
-        for (way, reach) in &self.slow_points {
-            self.reach = self.reach.least(*reach + raw_to_mm(*way - end));
+        self.slow_points.retain(|(s, _)| *s >= end);
+        for (s, reach) in &self.slow_points {
+            self.reach = self.reach.least(*reach + (*s - end).to_mm());
         }
         span.reach = start.least(self.reach);
         span.price = price(span.reach);
@@ -234,14 +233,14 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
     }
 
     /// A place at which the motion has to be slow, and the reach there.
-    pub fn slow_at(&mut self, way: i64, reach: S) {
+    pub fn slow_at(&mut self, s: Length, reach: S) {
         if self.slow_points.is_full() {
             self.slow_points.remove(0);
         }
-        let _ = self.slow_points.push((way, reach));
+        let _ = self.slow_points.push((s, reach));
         // What it means for the spans before it.
         let end = self.knot(self.spans.len().cast_signed());
-        let mut there = reach + raw_to_mm((way - end).max(0));
+        let mut there = reach + (s - end).max(Length::ZERO).to_mm();
         self.reach = self.reach.least(there);
         for span in self.spans.iter_mut().rev() {
             if span.reach <= there {
@@ -255,17 +254,17 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
 
     /// A span over six knots with its places of comparison; `None` if the base spline leaves the band
     /// there, or has more vertices beside it than there is room for.
-    fn draft(polyline: &Polyline<S, N>, ways: &[i64; 6]) -> Option<Draft<S, N>> {
-        let local = Local::new(ways);
-        let (from, to) = (ways[2], ways[3]);
+    fn draft(polyline: &Polyline<S, N>, knots: &[Length; 6]) -> Option<Draft<S, N>> {
+        let local = Local::new(knots);
+        let (from, to) = (knots[2], knots[3]);
         let leg = polyline.lines(from, to).map(|(_, end)| end.leg).reduce(|a, b| a.with(&b))?;
         let radius = leg.tolerance * S::of(SHARE) - leg.error;
         let [origin, others @ ..]: [[Coord; N]; 4] =
-            from_fn(|j| polyline.point(third(ways[j], ways[j + 1], ways[j + 2])));
+            from_fn(|j| polyline.point(Length::mean(knots[j], knots[j + 1], knots[j + 2])));
         let from_origin = |at: &[Coord; N]| -> Vector<S, N> { from_fn(|i| at[i].minus(origin[i])) };
         let [b, c, d] = others.each_ref().map(from_origin);
-        let place = |way: i64, at: &[Coord; N], line: Option<(&Vertex<S, N>, &Vertex<S, N>)>| {
-            let basis = local.values(raw_to_mm(way - from));
+        let place = |s: Length, at: &[Coord; N], line: Option<(&Vertex<S, N>, &Vertex<S, N>)>| {
+            let basis = local.values((s - from).to_mm());
             let there = from_origin(at);
             let off = from_fn(|i| basis[1] * b[i] + basis[2] * c[i] + basis[3] * d[i] - there[i]);
             let mut place = Place {
@@ -280,26 +279,25 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
             if let Some((start, end)) = line {
                 let most = leg.tolerance * S::of(SLIP);
                 place.along = end.direction;
-                place.slip =
-                    (-most.least(raw_to_mm(way - start.way)), most.least(raw_to_mm(end.way - way)));
+                place.slip = (-most.least((s - start.s).to_mm()), most.least((end.s - s).to_mm()));
                 place.measure(&[[S::ZERO; N]; 4]);
             }
             place
         };
         let mut places: Vec<Place<S, N>, SPAN_PLACES> = Vec::new();
         let mut at_end = S::ZERO;
-        let mut widest = 0;
+        let mut widest = Length::ZERO;
         for line in polyline.lines(from, to) {
             let (start, end) = line;
-            let (first, last) = (start.way.max(from), end.way.min(to));
+            let (first, last) = (start.s.max(from), end.s.min(to));
             // The start: a vertex, or a place on the line.
             let at = polyline.point(first);
-            if start.way < first {
+            if start.s < first {
                 places.push(place(first, &at, Some(line))).ok()?;
             } else if is_sharp(start, end) {
                 if first > from {
                     // Both lines must be near where they meet.
-                    let before = polyline.lines(first - 1, first).next();
+                    let before = polyline.lines(first - Length::UNIT, first).next();
                     places.push(place(first, &at, before)).ok()?;
                 }
                 places.push(place(first, &at, Some(line))).ok()?;
@@ -309,14 +307,14 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
             let mut gap = last - first;
             // Gaps of little more than half a span.
             if gap > (to - from) / 8 * 5 {
-                gap = gap / 2 + 1;
+                gap = gap / 2 + Length::UNIT;
                 let middle = first + gap;
                 places.push(place(middle, &polyline.point(middle), Some(line))).ok()?;
             }
             widest = widest.max(gap);
             if last == to {
                 let sharp = polyline.leaving(to).is_some_and(|next| is_sharp(end, next));
-                let end = place(to, &polyline.point(to), (sharp || end.way > to).then_some(line));
+                let end = place(to, &polyline.point(to), (sharp || end.s > to).then_some(line));
                 if sharp {
                     places.push(end).ok()?;
                 } else {
@@ -325,7 +323,7 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
                 }
             }
         }
-        let gap: S = raw_to_mm(widest);
+        let gap: S = widest.to_mm();
         let edges = [b, sub(&c, &b), sub(&d, &c)];
         let rest = local.step() * local.step() * S::of(REST_SHARE);
         let span = Span::new(&local, gap * gap * S::of(0.125) + rest);
@@ -356,7 +354,7 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
 
     /// The six knots of a span.
     fn local(&self, span: usize) -> Local<S> {
-        Local::new(&self.ways(span.cast_signed()))
+        Local::new(&self.knots_of(span.cast_signed()))
     }
 
     /// The curve of a span.
@@ -423,40 +421,9 @@ fn is_sharp<S: Scalar, const N: usize>(before: &Vertex<S, N>, after: &Vertex<S, 
     dot(&turn, &turn) > S::of(SHARP * SHARP)
 }
 
-/// A third of the sum of three knots in order, rounded towards 0. (A division of wide integers is a loop on the
-/// target, and there is one for every control point and place.)
-fn third(a: i64, b: i64, c: i64) -> i64 {
-    let more = (b - a) + (c - a);
-    let floor = a + more / 3;
-    if floor < 0 && more % 3 != 0 { floor + 1 } else { floor }
-}
-
 fn drop_front<T: Copy, const M: usize>(list: &mut Vec<T, M>, count: usize) {
     let kept = list.len().saturating_sub(count);
     let first = list.len() - kept;
     list.copy_within(first.., 0);
     list.truncate(kept);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_third_of_three_knots() {
-        let wide =
-            |a: i64, b: i64, c: i64| ((i128::from(a) + i128::from(b) + i128::from(c)) / 3) as i64;
-        let far = 2_000_000_000_000_000_000;
-        for a in [-far, -7, -6, -5, -1, 0, 1, 2, 3, 1_000_003, far] {
-            for b in [0, 1, 2, 3, 4, 5, 999_999_999_937, far] {
-                for c in [0, 1, 2, 3, 5, 7, 1_000_000_000_039] {
-                    assert_eq!(
-                        third(a, a + b, a + b + c),
-                        wide(a, a + b, a + b + c),
-                        "{a} {b} {c}"
-                    );
-                }
-            }
-        }
-    }
 }

@@ -98,8 +98,8 @@ impl<S: Scalar, const N: usize> SpanCurve<S, N> {
         let mut length = self.length(self.place(part), self.place(part + 1));
         let mut tangent_offset = [S::ZERO; N];
         if self.straight {
-            let way: Vector<S, N> = from_fn(|i| to.at[i].minus(from.at[i]));
-            length = dot(&way, &from.tangent);
+            let chord: Vector<S, N> = from_fn(|i| to.at[i].minus(from.at[i]));
+            length = dot(&chord, &from.tangent);
         } else {
             tangent_offset = from.tangent_offset_to(&to.at, length);
         }
