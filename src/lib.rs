@@ -2,7 +2,7 @@
 //! position setpoint per servo cycle for every axis: inside the tolerance band, within every axis's
 //! velocity, acceleration and jerk at every instant, and always able to stop. It is `no_std`, never
 //! allocates, and runs the same code in `f32` on a Cortex-M4F and in `f64` on a PC. What a controller calls cannot
-//! panic: the images of `src/bin/proof` call planner, interpolator, commands, checks, outputs, [`spline`], both ends
+//! panic: the images of `firmware/proof` call planner, interpolator, commands, checks, outputs, both ends
 //! of the wire, the reader of G-code and the interface for C, and link only if no panic can be reached. (Not in the
 //! proof: the texts of errors, which `core` formats. It holds for the sizes and the compiler of the images.)
 //! Its own `unsafe` is one instruction, the target's square root, and the border of the interface for C.
@@ -18,8 +18,8 @@
 //! ```
 //!
 //! - [`block`]: what comes in. A [`Block`] is plain data, checked as a whole when it is pushed.
-//! - [`spline`]: cubic B-splines and their smoothing inside a tube; for splines that come as such, and for
-//!   the runs of `path`.
+//! - [`spline`]: the kernel that smooths a cubic B-spline inside a tube, for the runs of `path`; the crate
+//!   `splineway-splines` builds on it, for splines that come as such.
 //! - `path`: geometry. It knows no speed law; of feed and limits it takes what it needs to choose lengths - how
 //!   far a start from rest reaches, and how long a cell may be (`path::cut`) - and hands on the speed that a feed word
 //!   asks for. Blocks wait until their neighbours are known; corners

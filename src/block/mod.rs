@@ -57,7 +57,7 @@ pub enum Motion<S, const N: usize> {
         extra_turns: u16,
     },
     /// A cubic curve by its Bezier points, of which the first is the start (G5; a span of a spline:
-    /// `spline::Spline::bezier`). It is followed within the tolerance, which must be at least 1e-4 mm;
+    /// `splineway_splines::Spline::bezier`). It is followed within the tolerance, which must be at least 1e-4 mm;
     /// where two join with the same tangent the motion goes on.
     Cubic {
         /// The two Bezier points between, absolute.

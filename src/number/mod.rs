@@ -7,13 +7,13 @@
 mod arc_length;
 mod coord;
 mod length;
-pub(crate) mod list;
+pub mod list;
 mod root;
 mod scalar;
 pub(crate) use root::cube_root;
 pub(crate) mod serial;
 pub(crate) mod shared;
-pub(crate) mod vector;
+pub mod vector;
 
 pub use arc_length::ArcLength;
 pub use coord::Coord;

@@ -6,10 +6,12 @@ use core::array::from_fn;
 /// A vector with one component per axis.
 pub type Vector<S, const N: usize> = [S; N];
 
+/// No length.
 pub fn zero<S: Scalar, const N: usize>() -> Vector<S, N> {
     [S::ZERO; N]
 }
 
+/// The scalar product.
 pub fn dot<S: Scalar, const N: usize>(a: &Vector<S, N>, b: &Vector<S, N>) -> S {
     let mut sum = S::ZERO;
     for (x, y) in a.iter().zip(b) {
@@ -18,10 +20,12 @@ pub fn dot<S: Scalar, const N: usize>(a: &Vector<S, N>, b: &Vector<S, N>) -> S {
     sum
 }
 
+/// The Euclidean length.
 pub fn norm<S: Scalar, const N: usize>(a: &Vector<S, N>) -> S {
     dot(a, a).sqrt()
 }
 
+/// `a - b`.
 pub fn sub<S: Scalar, const N: usize>(a: &Vector<S, N>, b: &Vector<S, N>) -> Vector<S, N> {
     from_fn(|i| a[i] - b[i])
 }

@@ -1,19 +1,10 @@
-//! Cubic B-splines and their smoothing inside a tolerance tube.
+//! The kernel of spline smoothing: what a span of a cubic B-spline sees of it ([`basis`]), the tube it has to
+//! stay in ([`tube`]), and the sweeps that smooth it there ([`sweep`]), in a bounded amount of work.
 //!
-//! [`Spline`] is a cubic B-spline of fixed capacity, open (with Bezier end conditions) or closed, in
-//! any number of axes. Two ways lower its curvature inside a tube: [`thesis`] is the algorithm of
-//! Naseath (2007), chapter 3, as printed; [`bounded`] is for real time: a set number of sweeps, each
-//! of which leaves a valid spline, the same that smooth runs of short lines on their way to the machine.
+//! Runs of short lines are smoothed with it on their way to the machine; the crate `splineway-splines`
+//! smooths splines that come as such. A spline here is what its caller keeps: lists of control points
+//! and spans.
 
-pub(crate) mod basis;
-pub mod bounded;
-mod bspline;
-mod error;
-pub(crate) mod sweep;
-pub mod thesis;
-mod trajectory;
-pub(crate) mod tube;
-
-pub use self::bspline::Spline;
-pub use self::error::SplineError;
-pub use self::trajectory::{Low, Lows, Trajectory};
+pub mod basis;
+pub mod sweep;
+pub mod tube;

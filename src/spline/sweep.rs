@@ -94,10 +94,15 @@ impl Order {
 
 /// A spline in its tube: span number k depends on the control points k to k + 3.
 pub struct Tube<'a, S, const N: usize> {
+    /// The control points.
     pub poles: &'a mut [Pole<S, N>],
+    /// The spans: three fewer.
     pub spans: &'a [Span<S>],
+    /// The places of comparison, span by span.
     pub places: &'a mut [Place<S, N>],
+    /// What the tube is around.
     pub reference: Reference,
+    /// What is minimised.
     pub order: Order,
 }
 
@@ -294,7 +299,14 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
     }
 }
 
+impl<S: Scalar, const N: usize, const SIZE: usize> Default for System<S, N, SIZE> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl<S: Scalar, const N: usize, const SIZE: usize> System<S, N, SIZE> {
+    /// One that is empty: [`Tube::improve`] fills it.
     pub const fn new() -> Self {
         Self { rows: [[S::ZERO; 4]; SIZE], right: [[S::ZERO; N]; SIZE] }
     }

@@ -33,8 +33,9 @@ pub struct Pole<S, const N: usize> {
 pub struct Span<S> {
     /// Third derivative by the control points, 1/mm3.
     pub thirds: [S; 4],
-    /// Factors of the second derivatives at both ends and of the edges in them.
+    /// Factors of the edges of the control polygon in the first derivative's control points, 1/mm.
     pub firsts: [S; 3],
+    /// Factors of the differences of those in the second derivatives at both ends, 1/mm.
     pub seconds: [S; 2],
     /// Factors of the edges in the first derivative at the start (of the first two) and at the end
     /// (of the last two).
@@ -51,8 +52,9 @@ pub struct Span<S> {
     /// Greatest [`curl`](Self::curl) that it may have, 1/mm; looked at only where the reference is
     /// the spline itself.
     pub most_curl: S,
-    /// Its places of comparison.
+    /// Its first place of comparison.
     pub first_place: u16,
+    /// How many it has.
     pub places: u16,
 }
 
@@ -67,8 +69,9 @@ pub struct Place<S, const N: usize> {
     pub radius: S,
     /// Weight with which the spline is drawn to the poly-line.
     pub weight: S,
-    /// Direction of the poly-line, and how far along it the point to compare with may lie, mm.
+    /// Direction of the poly-line.
     pub along: Vector<S, N>,
+    /// From where to where along it the point to compare with may lie, mm.
     pub slip: (S, S),
     /// From the nearest of those points to the spline, as measured last, mm.
     pub miss: Vector<S, N>,

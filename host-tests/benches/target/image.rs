@@ -1,8 +1,8 @@
 //! Firmware images: built, looked into, run.
 
-use super::replay::Outcome;
 use super::stack::Stacks;
 use anyhow::{Context, Result, bail, ensure};
+use splineway_emulator::Outcome;
 use std::collections::HashMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -72,7 +72,6 @@ fn thumb(verb: &str, arguments: &[&str], failed: &str) -> Result<()> {
     }
     let status = command
         .args([".ci/thumb.sh", verb, "--quiet", "--locked", "--profile", "firmware"])
-        .args(["--package", "splineway"])
         .args(arguments)
         .current_dir(root())
         .status()?;
@@ -88,11 +87,11 @@ pub struct Image {
 }
 
 impl Image {
-    /// Builds `src/bin/NAME`.
+    /// Builds `firmware/NAME`.
     pub fn build(name: &str) -> Result<Self> {
         thumb(
             "build",
-            &["--bin", name, "--features", name],
+            &["--package", &format!("splineway-{name}"), "--bin", name],
             &format!("the image {name} does not build: a panic can be reached?"),
         )?;
         let file = root().join("target/thumb/thumbv7em-none-eabihf/firmware").join(name);
@@ -104,7 +103,15 @@ impl Image {
         let root = root();
         thumb(
             "rustc",
-            &["--lib", "--features", "c-lib", "--crate-type", "staticlib"],
+            &[
+                "--package",
+                "splineway",
+                "--lib",
+                "--features",
+                "c-lib",
+                "--crate-type",
+                "staticlib",
+            ],
             "the library for C does not build",
         )?;
         let folder = root.join("target/thumb/thumbv7em-none-eabihf/firmware");

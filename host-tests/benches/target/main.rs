@@ -13,15 +13,13 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod image;
-#[path = "../../../src/bin/emulator/replay.rs"]
-mod replay;
 mod stack;
 
 use anyhow::{Context, Result, ensure};
 use image::Image;
-use replay::{Meter, Outcome, Part, Setup};
 use splineway::Link;
 use splineway::wire::{self, FRAME, Inlet, Opening, Request, VERSION};
+use splineway_emulator::{Meter, Outcome, Part, Setup};
 use splineway_host::program::{self, Course, Point, Program, ReadOptions};
 use splineway_host::stream;
 use std::path::{Path, PathBuf};
@@ -88,7 +86,12 @@ fn on_host<const N: usize, const BLOCKS: usize, const NODES: usize>(
     let mut inlet = Inlet::new();
     let setup: Setup = bytes.find_map(|byte| inlet.push(byte)).context("no setup")?;
     let mut link = Box::new(Link::<f32, N, NODES>::new());
-    Ok(replay::run::<f32, N, BLOCKS, NODES>(&mut link, &setup, &mut || bytes.next(), &mut Free)?)
+    Ok(splineway_emulator::run::<f32, N, BLOCKS, NODES>(
+        &mut link,
+        &setup,
+        &mut || bytes.next(),
+        &mut Free,
+    )?)
 }
 
 /// Runs a path on host and target; gives a goal that was missed.

@@ -8,7 +8,7 @@ use crate::smoothing::{
 use crate::view::{TubeScene, plot_tube};
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
-use splineway::spline::Trajectory;
+use splineway_splines::Trajectory;
 use std::path::PathBuf;
 
 /// Greatest number of places of a profile in the report.

@@ -7,7 +7,7 @@
 
 use super::{Path, interpolate, measure, profile};
 use anyhow::Result;
-use splineway::spline::Trajectory;
+use splineway_splines::Trajectory;
 
 /// What the thesis prints about a path, original and at R = 0.025, 0.125 and 0.25 mm.
 #[derive(Clone, Copy, Debug)]

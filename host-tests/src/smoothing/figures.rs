@@ -3,7 +3,7 @@
 use super::Path;
 use super::trajectory::run;
 use serde::Serialize;
-use splineway::spline::Trajectory;
+use splineway_splines::Trajectory;
 
 /// Places per span.
 const PLACES: u32 = 200;

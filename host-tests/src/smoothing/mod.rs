@@ -16,7 +16,7 @@ pub use rational::convert;
 pub use trajectory::{Motion, run};
 
 use anyhow::Result;
-use splineway::spline::{Spline, bounded, thesis};
+use splineway_splines::{Spline, bounded, thesis};
 use std::time::{Duration, Instant};
 
 /// Control points there is room for.

@@ -1,7 +1,7 @@
 //! The thesis's trajectory generator along a path.
 
 use super::figures::Place;
-use splineway::spline::{Lows, Trajectory};
+use splineway_splines::{Lows, Trajectory};
 
 /// A motion along a path.
 #[derive(Clone, Debug)]

@@ -4,7 +4,7 @@
 use crate::smoothing::{Path, Place, profile, run};
 use plotters::coord::Shift;
 use plotters::prelude::*;
-use splineway::spline::Trajectory;
+use splineway_splines::Trajectory;
 
 const SIZE: (u32, u32) = (1400, 1700);
 const GIVEN: RGBColor = RGBColor(0, 92, 171);

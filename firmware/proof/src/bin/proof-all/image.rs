@@ -1,17 +1,7 @@
-//! The proof of `proof` for what lies around the core: outputs, the checks of a program, the wire, the reader of
-//! G-code, splines, and the interface for C. It links only if no panic can be reached from any of them.
-#![no_std]
-#![no_main]
-// Names for the linker, and the interface for C.
-#![allow(unsafe_code)]
-
-mod curves;
-mod line;
-mod text;
+//! The image.
 
 use core::convert::Infallible;
 use core::hint::black_box;
-use core::panic::PanicInfo;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use cortex_m_rt::entry;
 use embedded_hal::digital::{ErrorType, OutputPin};
@@ -23,17 +13,7 @@ use splineway::{
     AxisLimits, Block, Config, Coord, CornerMode, Interpolator, Limits, Link, Planner, Setpoint,
     Turn,
 };
-
-unsafe extern "C" {
-    /// Defined nowhere.
-    fn a_panic_can_be_reached() -> !;
-}
-
-#[panic_handler]
-fn panic(_: &PanicInfo<'_>) -> ! {
-    // SAFETY: never linked, so never called.
-    unsafe { a_panic_can_be_reached() }
-}
+use splineway_proof as _;
 
 /// A pin, as far as a compiler can know.
 struct Pin(&'static AtomicU32);
@@ -121,7 +101,7 @@ fn drives(
         black_box(planner.poll());
         let setpoint = interpolator.tick();
         black_box(drive.drive(&setpoint)).ok()?;
-        black_box(line::controller(planner, &setpoint));
+        black_box(crate::line::controller(planner, &setpoint));
     }
 }
 
@@ -187,9 +167,9 @@ fn run() -> Option<()> {
     let (mut planner, mut interpolator) = link.handles(config, black_box([Coord::ZERO; 3])).ok()?;
     checks(&config)?;
     interface();
-    black_box(curves::all().is_ok());
-    black_box(line::host(planner.controls()));
-    black_box(text::read(black_box(b"G1 X1")));
+    black_box(crate::curves::all().is_ok());
+    black_box(crate::line::host(planner.controls()));
+    black_box(crate::text::read(black_box(b"G1 X1")));
     drives(&mut planner, &mut interpolator)
 }
 

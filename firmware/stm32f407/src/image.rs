@@ -1,29 +1,11 @@
-//! A complete controller of three axes on an STM32F407: blocks over a serial line, step and direction
-//! out, a duty cycle in proportion to the speed along the path, emergency stop and limit switches.
-//!
-//! Four contexts, the lower ones interrupted by the higher:
-//!
-//! | priority | task | what it does |
-//! |---|---|---|
-//! | 4 | `steps`, timer interrupt at [`board::STEP_HZ`] | one tick of every axis; every servo cycle begins here |
-//! | 3 | `servo`, started by it | [`Interpolator::tick`](splineway::Interpolator::tick), the next targets |
-//! | 2 | `receive`, `emergency`, `limit` | a byte from the line; inputs |
-//! | 0 | `idle` | the line, planning, the watchdog |
-//!
-//! Wiring and rates are in [`board`]; the README's chapter "On your board" says more.
-#![no_std]
-#![no_main]
-// The frameworks' macros.
-#![allow(unsafe_code, missing_docs)]
-
-mod board;
+//! The tasks.
 
 use defmt_rtt as _;
 use panic_probe as _;
 
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
-    use super::board::{self, Board, Laser, Output, Stepper};
+    use crate::board::{self, Board, Laser, Output, Stepper};
     use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
     use heapless::spsc::{Consumer, Producer, Queue};
     use splineway::wire::{Event, Events, FRAME, Refusal, Station};

@@ -9,8 +9,8 @@
 //! It compares paths; it is not what runs a machine: no axis limit is looked at, and curvature limits
 //! the speed at its peaks only.
 
-use crate::number::Scalar;
-use crate::number::list::some_mut;
+use splineway::number::Scalar;
+use splineway::number::list::some_mut;
 
 /// Halvings in searches for a speed.
 const HALVINGS: u32 = 40;

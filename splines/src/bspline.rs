@@ -1,12 +1,12 @@
 //! A cubic B-spline with fixed capacity.
 
-use super::basis::Local;
-use super::error::SplineError;
-use crate::number::Scalar;
-use crate::number::list::some_mut;
-use crate::number::vector::{Vector, dot, mix, norm, sub, zero};
+use crate::error::SplineError;
 use core::array::from_fn;
 use heapless::Vec;
+use splineway::number::Scalar;
+use splineway::number::list::some_mut;
+use splineway::number::vector::{Vector, dot, mix, norm, sub, zero};
+use splineway::spline::basis::Local;
 
 /// Gauss-Legendre points and weights on 0 to 1.
 const GAUSS: [(f64, f64); 5] = [
@@ -52,7 +52,7 @@ fn in_order<S: Scalar>(knots: &[S]) -> Result<(), SplineError> {
 }
 
 /// Curvature, 1/mm, of a cubic Bezier curve at the share `u`: see [`Spline::curvature`].
-pub(super) fn bezier_curvature<S: Scalar, const N: usize>(mut b: [Vector<S, N>; 4], u: S) -> S {
+pub(crate) fn bezier_curvature<S: Scalar, const N: usize>(mut b: [Vector<S, N>; 4], u: S) -> S {
     // The part that is longer, seen from its end.
     if u > S::of(0.5) {
         b.reverse();
@@ -163,7 +163,7 @@ impl<S: Scalar, const N: usize, const CAP: usize> Spline<S, N, CAP> {
     }
 
     /// Moves the control points to others, in their order.
-    pub(super) fn move_to(&mut self, points: &[Vector<S, N>]) {
+    pub(crate) fn move_to(&mut self, points: &[Vector<S, N>]) {
         for (control, point) in self.controls.iter_mut().zip(points) {
             *control = *point;
         }
@@ -226,14 +226,14 @@ impl<S: Scalar, const N: usize, const CAP: usize> Spline<S, N, CAP> {
     }
 
     /// What a span depends on.
-    pub(super) fn local(&self, span: usize) -> Local<S> {
+    pub(crate) fn local(&self, span: usize) -> Local<S> {
         let span = self.known(span);
         let start = self.knot(span + 2);
         Local::from_knots(from_fn(|i| self.knot(span + i) - start))
     }
 
     /// The four control points of a span.
-    pub(super) fn polygon(&self, span: usize) -> [Vector<S, N>; 4] {
+    pub(crate) fn polygon(&self, span: usize) -> [Vector<S, N>; 4] {
         let span = self.known(span);
         let count = self.controls.len().max(1);
         from_fn(|j| self.controls.get((span + j) % count).copied().unwrap_or_else(zero))
@@ -441,7 +441,7 @@ impl<S: Scalar, const N: usize, const CAP: usize> Spline<S, N, CAP> {
 #[cfg(test)]
 impl<const N: usize, const CAP: usize> Spline<f64, N, CAP> {
     /// The greatest curvature at `places` places of every span.
-    pub(super) fn peak(&self, places: u32) -> f64 {
+    pub(crate) fn peak(&self, places: u32) -> f64 {
         (0..self.spans())
             .flat_map(|span| (0..places).map(move |k| (span, f64::from(k) / f64::from(places))))
             .map(|(span, u)| self.curvature(span, u))

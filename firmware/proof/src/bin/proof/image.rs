@@ -1,32 +1,13 @@
-//! Proof by the linker: this image calls everything a controller calls, and its panic handler needs a
-//! function that does not exist. It links only if no panic can be reached.
-//!
-//! What is linked is also what sizes and stacks are measured on: `cargo bench -p splineway-host --bench
-//! target`.
-#![no_std]
-#![no_main]
-// Names for the linker.
-#![allow(unsafe_code)]
+//! The image.
 
 use core::hint::black_box;
-use core::panic::PanicInfo;
 use core::sync::atomic::AtomicU8;
 use cortex_m_rt::entry;
 use splineway::{
     Activity, AxisLimits, Block, Config, Controls, Coord, Feed, Interpolator, Limits, Link, Motion,
     Planner, Progress, PushError, Setpoint, Turn,
 };
-
-unsafe extern "C" {
-    /// Defined nowhere.
-    fn a_panic_can_be_reached() -> !;
-}
-
-#[panic_handler]
-fn panic(_: &PanicInfo<'_>) -> ! {
-    // SAFETY: never linked, so never called.
-    unsafe { a_panic_can_be_reached() }
-}
+use splineway_proof as _;
 
 const BLOCKS: usize = 16;
 const NODES: usize = 64;

@@ -1,7 +1,7 @@
 //! Splines, as a front end on a board may use them.
 
 use core::hint::black_box;
-use splineway::spline::{Low, Lows, Spline, SplineError, Trajectory, bounded, thesis};
+use splineway_splines::{Low, Lows, Spline, SplineError, Trajectory, bounded, thesis};
 
 type Curve = Spline<f32, 3, 16>;
 

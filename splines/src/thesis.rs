@@ -29,11 +29,11 @@
 //! - *No end*: if no point has a direction the spline is straight; then, and after
 //!   `most_iterations`, what there is is the result.
 
-use super::bspline::Spline;
-use super::error::SplineError;
-use crate::number::Scalar;
-use crate::number::vector::{Vector, dot, mix, norm, sub, zero};
+use crate::bspline::Spline;
+use crate::error::SplineError;
 use heapless::Vec;
+use splineway::number::Scalar;
+use splineway::number::vector::{Vector, dot, mix, norm, sub, zero};
 
 /// How much the direction of the apex outweighs the preliminary one (equation 3-30).
 const APEX_SHARE: f64 = 9.0;

@@ -1,22 +1,11 @@
-//! The core on an emulated Cortex-M: runs the frames of a file, counts the instructions of every call,
-//! and prints a digest of all setpoints, which must be that of the host.
-//!
-//! Built and run by `cargo bench -p splineway-host --bench target`. The file's name is the image's
-//! argument; it comes by semihosting. Instructions are counted with a timer: under QEMU's `-icount
-//! shift=6` every instruction takes 64 ns.
-#![no_std]
-#![no_main]
-// Semihosting, and the registers of a timer.
-#![allow(unsafe_code)]
-
-mod replay;
+//! The image: the file of frames, the timer that counts, the text that comes out.
 
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln, syscall};
 use panic_semihosting as _;
-use replay::{Meter, Outcome, Part, Setup};
 use splineway::wire::Inlet;
 use splineway::{Link, Scalar};
+use splineway_emulator::{Meter, Outcome, Part, Setup};
 
 /// Counter of TIM2. In QEMU it counts nanoseconds, and an instruction takes 64.
 const COUNTER: *const u32 = 0x4000_0024 as *const u32;
@@ -121,9 +110,13 @@ fn run<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
 ) -> Option<()> {
     let mut link = Link::<S, N, NODES>::new();
     let mut timer = Timer::calibrated();
-    let outcome =
-        replay::run::<S, N, BLOCKS, NODES>(&mut link, setup, &mut || file.byte(), &mut timer)
-            .ok()?;
+    let outcome = splineway_emulator::run::<S, N, BLOCKS, NODES>(
+        &mut link,
+        setup,
+        &mut || file.byte(),
+        &mut timer,
+    )
+    .ok()?;
     print(&outcome, &timer);
     Some(())
 }

@@ -24,16 +24,16 @@
 //! The *time* is that of the thesis's trajectory generator ([`Trajectory`]) over eight places per span, forty
 //! where it turns much.
 
-use super::bspline::{Spline, bezier_curvature};
-use super::error::SplineError;
-use super::sweep::{Order, Reference, System, Tube, price};
-use super::trajectory::{Low, Lows, Trajectory};
-use super::tube::{Place, Pole, Span, edges};
-use crate::number::Scalar;
-use crate::number::list::{part, part_mut};
-use crate::number::vector::{sub, zero};
+use crate::bspline::{Spline, bezier_curvature};
+use crate::error::SplineError;
+use crate::trajectory::{Low, Lows, Trajectory};
 use core::array::from_fn;
 use heapless::Vec;
+use splineway::number::Scalar;
+use splineway::number::list::{part, part_mut};
+use splineway::number::vector::{sub, zero};
+use splineway::spline::sweep::{Order, Reference, System, Tube, price};
+use splineway::spline::tube::{Place, Pole, Span, edges};
 
 /// Places of comparison in a span.
 pub const SPAN_PLACES: usize = 4;
