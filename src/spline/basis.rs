@@ -14,7 +14,7 @@ pub struct Local<S> {
 
 impl<S: Scalar> Local<S> {
     /// From arc lengths; the span lies between the third and the fourth.
-    pub fn new(knots: &[Length; 6]) -> Self {
+    pub(crate) fn new(knots: &[Length; 6]) -> Self {
         let start = knots[2];
         Self { knots: knots.map(|knot| (knot - start).to_mm()) }
     }
