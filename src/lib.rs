@@ -57,14 +57,14 @@
 //! ```
 //! use splineway::{Activity, AxisLimits, Block, Config, Coord, Limits, Link, Progress};
 //!
-//! let axis = AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false };
+//! let axis = AxisLimits::linear(200.0, 2000.0, 50_000.0);
 //! let mut config = Config::new(Limits::new([axis; 3])?);
 //! config.tolerance = 0.05; // mm
-//! // Three axes, a look-ahead of 16 blocks, a planning window of 64 nodes.
-//! let mut link = Link::<f32, 3, 64>::new();
-//! let (mut planner, mut interpolator) = link.handles::<16>(config, [Coord::ZERO; 3])?;
+//! // Three axes; the look-ahead and the planning window are of default size.
+//! let mut link: Link<f32, 3> = Link::new();
+//! let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; 3])?;
 //! for (line, (x, y)) in [(10.0, 0.0), (10.0, 10.0), (0.0, 10.0)].into_iter().enumerate() {
-//!     let to = [Coord::from_mm(x).unwrap(), Coord::from_mm(y).unwrap(), Coord::ZERO];
+//!     let to = [Coord::from_mm(x)?, Coord::from_mm(y)?, Coord::ZERO];
 //!     planner.push(&Block::line(to, 100.0, line as u32 + 1))?;
 //! }
 //! planner.finish();
@@ -82,7 +82,7 @@
 //!
 //! # Memory
 //!
-//! Nothing is allocated: a `Link<S, N, NODES>` holds 2 x `NODES` pieces, a
+//! Nothing is allocated: a `Link<S, N, BLOCKS, NODES>` holds 2 x `NODES` pieces, a
 //! `Planner<S, N, BLOCKS, NODES>` `BLOCKS` blocks, a stretch of spline of fixed size, and `NODES` nodes
 //! with the solver's workspace. A dense run takes few nodes for many lines, so `BLOCKS` may be small.
 //! `size_of` tells the bytes; the README has a table.
@@ -112,7 +112,7 @@ pub mod spline;
 pub mod wire;
 
 pub use block::{Block, Feed, Motion, PushError, Turn};
-pub use machine::{AxisLimits, Config, ConfigError, CornerMode, Limits};
-pub use number::{Coord, Scalar};
+pub use machine::{AxisLimits, BLOCKS, Config, ConfigError, CornerMode, Limits, NODES};
+pub use number::{Coord, RangeError, Scalar};
 pub use planner::{Counters, Planner, Progress};
 pub use servo::{Activity, Controls, Interpolator, Link, Setpoint};

@@ -40,7 +40,7 @@ fn program() -> Vec<Block<f32, 3>> {
 }
 
 fn config() -> Config<f32, 3> {
-    let axis = AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false };
+    let axis = AxisLimits::linear(200.0, 2000.0, 50_000.0);
     let mut config = Config::new(Limits::new([axis; 3]).unwrap());
     config.tolerance = 0.01;
     config
@@ -71,9 +71,8 @@ fn servo_tick(interpolator: &mut Interpolator<'_, f32, 3>) -> Setpoint<f32, 3> {
 
 /// Runs the program; returns blocks and ticks.
 fn run<const BLOCKS: usize, const NODES: usize>(program: &[Block<f32, 3>]) -> (usize, usize) {
-    let mut link = Box::new(Link::<f32, 3, NODES>::new());
-    let (mut planner, mut interpolator) =
-        link.handles::<BLOCKS>(config(), [Coord::ZERO; 3]).unwrap();
+    let mut link = Box::new(Link::<f32, 3, BLOCKS, NODES>::new());
+    let (mut planner, mut interpolator) = link.split(config(), [Coord::ZERO; 3]).unwrap();
     let mut blocks = program.iter().peekable();
     for ticks in 1.. {
         let progress = planning_step(&mut planner, &mut blocks);
@@ -104,8 +103,8 @@ fn whole_run_per_block(bencher: Bencher<'_, '_>, depth: usize) {
 #[divan::bench(sample_count = 200)]
 fn tick(bencher: Bencher<'_, '_>) {
     let program = program();
-    let mut link = Box::new(Link::<f32, 3, 512>::new());
-    let (mut planner, mut interpolator) = link.handles::<256>(config(), [Coord::ZERO; 3]).unwrap();
+    let mut link = Box::new(Link::<f32, 3, 256, 512>::new());
+    let (mut planner, mut interpolator) = link.split(config(), [Coord::ZERO; 3]).unwrap();
     let mut blocks = program.iter().peekable();
     // Planning happens in between, outside the measured time.
     bencher

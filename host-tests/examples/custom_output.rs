@@ -57,10 +57,10 @@ impl Drive<f32, 3> for Steppers {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let axis = AxisLimits { velocity: 100.0, acceleration: 1000.0, jerk: 20_000.0, rotary: false };
-    let mut link = Link::<f32, 3, 64>::new();
+    let axis = AxisLimits::linear(100.0, 1000.0, 20_000.0);
+    let mut link: Link<f32, 3> = Link::new();
     let config = Config::new(Limits::new([axis; 3])?);
-    let (mut planner, mut interpolator) = link.handles::<16>(config, [Coord::ZERO; 3])?;
+    let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; 3])?;
 
     // 400 steps/mm, a step timer of 100 kHz, 1 ms servo cycle: at most 40 steps per cycle.
     let scale = Scale::new(400, 1_000_000)?;
@@ -68,9 +68,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let stepper = || StepDir::new(Pin::default(), Pin::default(), scale, timing, (Coord::ZERO, 42));
     let mut drives = Steppers { axes: [stepper()?, stepper()?, stepper()?], ticks: timing.ticks };
 
-    for (to, tag) in [[30, 10, 0], [0, 20, 5], [10, 0, 0]].into_iter().zip(1..) {
-        let to = to.map(|mm: i64| Coord::from_nm(mm * 1_000_000).unwrap_or(Coord::ZERO));
-        planner.push(&Block::line(to, 80.0, tag))?;
+    for (to, tag) in [[30.0, 10.0, 0.0], [0.0, 20.0, 5.0], [10.0, 0.0, 0.0]].into_iter().zip(1..) {
+        let [x, y, z] = to.map(Coord::from_mm);
+        planner.push(&Block::line([x?, y?, z?], 80.0, tag))?;
     }
     planner.finish();
     loop {

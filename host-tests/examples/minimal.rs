@@ -5,17 +5,17 @@
 use splineway::{Activity, AxisLimits, Block, Config, Coord, Limits, Link, Progress};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let axis = AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false };
+    let axis = AxisLimits::linear(200.0, 2000.0, 50_000.0);
     let mut config = Config::new(Limits::new([axis; 2])?);
     config.tolerance = 0.05; // mm
-    // `f32`, two axes, a look-ahead of 16 blocks, a window of 64 nodes.
-    let mut link = Link::<f32, 2, 64>::new();
-    let (mut planner, mut interpolator) = link.handles::<16>(config, [Coord::ZERO; 2])?;
+    // Two axes in `f32`; look-ahead and window are of default size.
+    let mut link: Link<f32, 2> = Link::new();
+    let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; 2])?;
 
     // A square at 100 mm/s; each block is marked with its number.
     let corners = [(20.0, 0.0), (20.0, 20.0), (0.0, 20.0), (0.0, 0.0)];
     for ((x, y), number) in corners.into_iter().zip(1..) {
-        let to = [Coord::from_mm(x), Coord::from_mm(y)].map(|coord| coord.unwrap_or(Coord::ZERO));
+        let to = [Coord::from_mm(x)?, Coord::from_mm(y)?];
         planner.push(&Block::line(to, 100.0, number))?;
     }
     planner.finish();

@@ -2,7 +2,9 @@
 //!
 //! `cargo run --release -p splineway-host --example nurbs`
 
-use splineway::{Activity, AxisLimits, Block, Config, Coord, Limits, Link, Progress, PushError};
+use splineway::{
+    Activity, AxisLimits, Block, Config, Coord, Limits, Link, Progress, PushError, RangeError,
+};
 use splineway_host::program::{self, Course, ReadOptions};
 use std::path::Path;
 
@@ -13,26 +15,28 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         &file,
         ReadOptions { feed: 100.0, segments: Some(400), ..ReadOptions::DEFAULT },
     )?;
-    let axis = AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false };
+    let axis = AxisLimits::linear(200.0, 2000.0, 50_000.0);
     let config = Config::new(Limits::new([axis; 2])?);
-    let coord = |mm: f64| Coord::from_mm(mm).unwrap_or(Coord::ZERO);
-    let start = [coord(program.start[0]), coord(program.start[1])];
-    let mut link = Box::new(Link::<f64, 2, 192>::new());
-    let (mut planner, mut interpolator) = link.handles::<64>(config, start)?;
+    let point = |at: &program::Point| -> Result<_, RangeError> {
+        Ok([Coord::from_mm(at[0])?, Coord::from_mm(at[1])?])
+    };
+    let start = point(&program.start)?;
+    let mut link = Box::new(Link::<f64, 2, 64, 192>::new());
+    let (mut planner, mut interpolator) = link.split(config, start)?;
 
     let mut blocks = program
         .moves
         .iter()
-        .filter_map(|step| {
-            let point = |at: &program::Point| [coord(at[0]), coord(at[1])];
-            match &step.path {
-                Course::Line { to } => Some(Block::line(point(to), 100.0, step.line)),
-                Course::Cubic { controls: [a, b], to } => {
-                    Some(Block::cubic([point(a), point(b)], point(to), 100.0, step.line))
-                }
-                _ => None,
-            }
+        .filter_map(|step| match &step.path {
+            Course::Line { to } => Some(point(to).map(|to| Block::line(to, 100.0, step.line))),
+            Course::Cubic { controls: [a, b], to } => Some(
+                point(to)
+                    .and_then(|to| Ok(Block::cubic([point(a)?, point(b)?], to, 100.0, step.line))),
+            ),
+            _ => None,
         })
+        .collect::<Result<Vec<_>, RangeError>>()?
+        .into_iter()
         .peekable();
     let (mut cycles, mut fastest) = (0, 0.0f64);
     loop {

@@ -3,24 +3,29 @@
 //!
 //! `cargo run --release -p splineway-host --example two_contexts`
 
-use splineway::{Activity, AxisLimits, Block, Config, Coord, Limits, Link, Progress, PushError};
+use splineway::{
+    Activity, AxisLimits, BLOCKS, Block, Config, Coord, Limits, Link, NODES, Progress, PushError,
+    RangeError,
+};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread;
 use std::time::Duration;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let axis = AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false };
+    let axis = AxisLimits::linear(200.0, 2000.0, 50_000.0);
     let config = Config::new(Limits::new([axis; 2])?);
-    let mut link = Box::new(Link::<f32, 2, 64>::new());
-    let (mut planner, mut interpolator) = link.handles::<16>(config, [Coord::ZERO; 2])?;
+    let mut link = Box::new(Link::<f32, 2, BLOCKS, NODES>::new());
+    let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; 2])?;
     let controls = planner.controls();
     // A circle of 20 mm in chords of 0.1 mm.
     let mut blocks = (1..=628u32)
         .map(|k| {
             let angle = f64::from(k) * 0.01;
-            let to = [10.0 * angle.sin(), 10.0 - 10.0 * angle.cos()];
-            Block::line(to.map(|mm| Coord::from_mm(mm).unwrap_or(Coord::ZERO)), 60.0, k)
+            let [x, y] = [10.0 * angle.sin(), 10.0 - 10.0 * angle.cos()];
+            Ok(Block::line([Coord::from_mm(x)?, Coord::from_mm(y)?], 60.0, k))
         })
+        .collect::<Result<Vec<_>, RangeError>>()?
+        .into_iter()
         .peekable();
     let done = AtomicBool::new(false);
 

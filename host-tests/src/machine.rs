@@ -111,12 +111,7 @@ impl Machine {
             bail!("lookahead is {}; it must be one of {LOOKAHEADS:?}", self.lookahead);
         }
         for (key, axis) in &self.axes {
-            let limits = AxisLimits {
-                velocity: axis.velocity,
-                acceleration: axis.acceleration,
-                jerk: axis.jerk,
-                rotary: false,
-            };
+            let limits = AxisLimits::linear(axis.velocity, axis.acceleration, axis.jerk);
             Limits::new([limits]).map_err(|error| anyhow!("axes.{key}: {error}"))?;
         }
         self.try_setup().map(|_| ())
@@ -150,7 +145,7 @@ impl Machine {
             let wrong =
                 || anyhow!("tools.{number}: it must be a tool's number from 1, and a length in mm");
             let tool: u32 = number.parse().map_err(|_| wrong())?;
-            let length = Coord::from_mm(*length).filter(|_| tool > 0).ok_or_else(wrong)?;
+            let length = Coord::from_mm(*length).ok().filter(|_| tool > 0).ok_or_else(wrong)?;
             *slot = Some((tool, length));
         }
         Ok(setup)
@@ -187,8 +182,7 @@ impl Machine {
     /// # Errors
     /// What the core does not accept.
     pub fn config<S: Scalar, const N: usize>(&self, axes: &[usize]) -> Result<Config<S, N>> {
-        let mut limits =
-            [AxisLimits { velocity: S::ONE, acceleration: S::ONE, jerk: S::ONE, rotary: false }; N];
+        let mut limits = [AxisLimits::linear(S::ONE, S::ONE, S::ONE); N];
         for (slot, &index) in limits.iter_mut().zip(axes) {
             let axis = self.axis(index)?;
             *slot = AxisLimits {
@@ -230,8 +224,9 @@ fn coordinates(key: &str, place: &BTreeMap<String, f64>) -> Result<Place> {
     for (letter, &mm) in place {
         let axis = axis_index(letter)
             .ok_or_else(|| anyhow!("{key}.{letter}: no such axis; axes are X Y Z A B C U V W"))?;
-        coordinates[axis] = Coord::from_mm(mm)
-            .ok_or_else(|| anyhow!("{key}.{letter} is {mm} mm; it must be within +-1e6"))?;
+        coordinates[axis] = Coord::from_mm(mm).map_err(|error| {
+            anyhow!("{key}.{letter} is {mm} mm; it must be within +-{}", error.greatest)
+        })?;
     }
     Ok(coordinates)
 }

@@ -173,17 +173,14 @@ fn coords(point: &Point) -> [Coord; 3] {
 }
 
 fn run<S: Scalar>(start: &Point, steps: &[Step], setup: &Setup) -> Result<Outcome, BlockError> {
-    let limits = setup.machine.map(|[velocity, acceleration, jerk]| AxisLimits {
-        velocity: S::of(velocity),
-        acceleration: S::of(acceleration),
-        jerk: S::of(jerk),
-        rotary: false,
+    let limits = setup.machine.map(|[velocity, acceleration, jerk]| {
+        AxisLimits::linear(S::of(velocity), S::of(acceleration), S::of(jerk))
     });
     let mut config = Config::new(Limits::new(limits).unwrap());
     config.tolerance = S::of(setup.tolerance);
     config.cycle = S::of(setup.cycle);
-    let mut link = Box::new(Link::<S, 3, 64>::new());
-    let (mut planner, mut interpolator) = link.handles::<16>(config, coords(start)).unwrap();
+    let mut link = Box::new(Link::<S, 3, 16, 64>::new());
+    let (mut planner, mut interpolator) = link.split(config, coords(start)).unwrap();
     let feed = Feed::PerSecond(S::of(setup.feed));
     for (n, step) in steps.iter().enumerate() {
         let motion = match step {
@@ -591,11 +588,11 @@ proptest! {
 /// The arc length goes on where coordinates end.
 #[test]
 fn the_way_goes_on_beyond_the_range_of_coordinates() {
-    let axis = AxisLimits { velocity: 1.0e5, acceleration: 1.0e7, jerk: 1.0e9, rotary: false };
+    let axis = AxisLimits::linear(1.0e5, 1.0e7, 1.0e9);
     let mut config = Config::new(Limits::new([axis; 1]).unwrap());
     config.cycle = 0.01;
-    let mut link = Box::new(Link::<f64, 1, 64>::new());
-    let (mut planner, mut interpolator) = link.handles::<16>(config, [Coord::ZERO]).unwrap();
+    let mut link = Box::new(Link::<f64, 1, 16, 64>::new());
+    let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO]).unwrap();
     let (mut pushed, mut last, mut way) = (0, 0.0, 0.0);
     loop {
         if pushed < 14 {

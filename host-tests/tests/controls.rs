@@ -102,7 +102,7 @@ proptest! {
 }
 
 fn axis() -> AxisLimits<f64> {
-    AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false }
+    AxisLimits::linear(200.0, 2000.0, 50_000.0)
 }
 
 fn setting() -> Config<f64, 2> {
@@ -121,8 +121,8 @@ fn drive(
     blocks: &[Block<f64, 2>],
     mut then: impl FnMut(u32, Progress, &Setpoint<f64, 2>, Controls<'_>) -> bool,
 ) {
-    let mut link = Box::new(Link::<f64, 2, 192>::new());
-    let (mut planner, mut interpolator) = link.handles::<64>(setting(), at(0.0, 0.0)).unwrap();
+    let mut link = Box::new(Link::<f64, 2, 64, 192>::new());
+    let (mut planner, mut interpolator) = link.split(setting(), at(0.0, 0.0)).unwrap();
     for block in blocks {
         planner.push(block).unwrap();
     }
@@ -258,11 +258,10 @@ fn a_stop_finishes_the_block() {
 /// After an abort the core knows to a nanometre where it stands, and goes on from there.
 #[test]
 fn an_abort_drops_the_queue_and_knows_the_position() {
-    let mut link = Box::new(Link::<f32, 2, 192>::new());
-    let narrow =
-        AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false };
+    let mut link = Box::new(Link::<f32, 2, 64, 192>::new());
+    let narrow = AxisLimits::linear(200.0, 2000.0, 50_000.0);
     let config = Config::<f32, 2>::new(Limits::new([narrow; 2]).unwrap());
-    let (mut planner, mut interpolator) = link.handles::<64>(config, at(0.0, 0.0)).unwrap();
+    let (mut planner, mut interpolator) = link.split(config, at(0.0, 0.0)).unwrap();
     for n in 1..=20 {
         planner.push(&Block::line(at(f64::from(n) * 5.0, f64::from(n % 2)), 100.0, n)).unwrap();
     }
@@ -301,8 +300,8 @@ fn an_abort_drops_the_queue_and_knows_the_position() {
 /// A planner that answers late is refused, tries again with more time, and nothing is disturbed.
 #[test]
 fn late_answers_are_refused_and_repeated() {
-    let mut link = Box::new(Link::<f64, 2, 192>::new());
-    let (mut planner, mut interpolator) = link.handles::<64>(setting(), at(0.0, 0.0)).unwrap();
+    let mut link = Box::new(Link::<f64, 2, 64, 192>::new());
+    let (mut planner, mut interpolator) = link.split(setting(), at(0.0, 0.0)).unwrap();
     planner.push(&Block::line(at(300.0, 0.0), 100.0, 1)).unwrap();
     planner.finish();
     let controls = planner.controls();
@@ -379,8 +378,8 @@ proptest! {
 fn three_contexts() {
     use std::sync::atomic::{AtomicBool, Ordering};
     use std::time::Duration;
-    let mut link = Box::new(Link::<f64, 2, 192>::new());
-    let (mut planner, mut interpolator) = link.handles::<64>(setting(), at(0.0, 0.0)).unwrap();
+    let mut link = Box::new(Link::<f64, 2, 64, 192>::new());
+    let (mut planner, mut interpolator) = link.split(setting(), at(0.0, 0.0)).unwrap();
     let controls = planner.controls();
     let (ran, done) = (AtomicBool::new(false), AtomicBool::new(false));
     let setpoints = std::thread::scope(|scope| {
@@ -467,8 +466,8 @@ impl Eager<'_> {
 /// However eager the producer is, nothing moves after an abort until it has said that it knows.
 #[test]
 fn an_abort_latches() {
-    let mut link = Box::new(Link::<f64, 2, 56>::new());
-    let (planner, interpolator) = link.handles::<8>(setting(), at(0.0, 0.0)).unwrap();
+    let mut link = Box::new(Link::<f64, 2, 8, 56>::new());
+    let (planner, interpolator) = link.split(setting(), at(0.0, 0.0)).unwrap();
     let controls = planner.controls();
     let mut core = Eager { planner, interpolator, next: 1 };
     for _ in 0..300 {
@@ -510,8 +509,8 @@ fn what_is_pressed_after_an_abort_stays_in_force() {
     for press in presses {
         for (before, after) in [(true, false), (false, true), (true, true)] {
             for when in [1, 5, 30, 60, 100, 300] {
-                let mut link = Box::new(Link::<f64, 2, 56>::new());
-                let (planner, interpolator) = link.handles::<8>(setting(), at(0.0, 0.0)).unwrap();
+                let mut link = Box::new(Link::<f64, 2, 8, 56>::new());
+                let (planner, interpolator) = link.split(setting(), at(0.0, 0.0)).unwrap();
                 let controls = planner.controls();
                 let mut core = Eager { planner, interpolator, next: 1 };
                 for _ in 0..300 {

@@ -9,11 +9,11 @@ use splineway::{
 const NODES: usize = 128;
 const BLOCKS: usize = 16;
 
-type TestLink<S> = Link<S, 3, NODES>;
+type TestLink<S> = Link<S, 3, BLOCKS, NODES>;
 type TestPlanner<'a, S> = Planner<'a, S, 3, BLOCKS, NODES>;
 
 fn config() -> Config<f64, 3> {
-    let axis = AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false };
+    let axis = AxisLimits::linear(200.0, 2000.0, 50_000.0);
     let mut config = Config::new(Limits::new([axis; 3]).unwrap());
     config.tolerance = 0.05;
     config
@@ -77,7 +77,7 @@ fn check_continuity(setpoints: &[Setpoint<f64, 3>]) {
 fn run_poly(config: Config<f64, 3>, points: &[[f64; 3]]) -> (Vec<Setpoint<f64, 3>>, f64) {
     let mut link = TestLink::new();
     let start = at(points[0][0], points[0][1], points[0][2]);
-    let (mut planner, mut interpolator) = link.handles::<BLOCKS>(config, start).unwrap();
+    let (mut planner, mut interpolator) = link.split(config, start).unwrap();
     for (k, p) in points.iter().enumerate().skip(1) {
         planner.push(&Block::line(at(p[0], p[1], p[2]), 200.0, k as u32)).unwrap();
     }
@@ -148,8 +148,7 @@ fn overlapping_corners_share_the_leg() {
 #[test]
 fn starvation_and_resume() {
     let mut link = TestLink::new();
-    let (mut planner, mut interpolator) =
-        link.handles::<BLOCKS>(config(), at(0.0, 0.0, 0.0)).unwrap();
+    let (mut planner, mut interpolator) = link.split(config(), at(0.0, 0.0, 0.0)).unwrap();
     let mut points = vec![[0.0, 0.0, 0.0]];
     let mut setpoints = Vec::new();
     let mut rests = 0;
@@ -188,8 +187,7 @@ fn starvation_and_resume() {
 fn a_stuttering_producer_of_dense_lines() {
     for pace in [3u32, 7, 12, 20, 45, 80] {
         let mut link = TestLink::new();
-        let (mut planner, mut interpolator) =
-            link.handles::<BLOCKS>(config(), at(0.0, 0.0, 0.0)).unwrap();
+        let (mut planner, mut interpolator) = link.split(config(), at(0.0, 0.0, 0.0)).unwrap();
         let mut points = vec![[0.0f64, 0.0, 0.0]];
         let (mut setpoints, mut heading) = (Vec::new(), 0.0f64);
         for cycle in 0..12_000u32 {
@@ -229,8 +227,7 @@ fn a_stuttering_producer_of_dense_lines() {
 #[test]
 fn a_silent_planner_is_survived() {
     let mut link = TestLink::new();
-    let (mut planner, mut interpolator) =
-        link.handles::<BLOCKS>(config(), at(0.0, 0.0, 0.0)).unwrap();
+    let (mut planner, mut interpolator) = link.split(config(), at(0.0, 0.0, 0.0)).unwrap();
     for k in 0..BLOCKS {
         let x = 10.0 * (k + 1) as f64;
         planner
@@ -256,8 +253,7 @@ fn a_silent_planner_is_survived() {
 #[test]
 fn handles_live_in_two_threads() {
     let mut link = TestLink::new();
-    let (mut planner, mut interpolator) =
-        link.handles::<BLOCKS>(config(), at(0.0, 0.0, 0.0)).unwrap();
+    let (mut planner, mut interpolator) = link.split(config(), at(0.0, 0.0, 0.0)).unwrap();
     let done = std::sync::atomic::AtomicBool::new(false);
     let setpoints = std::thread::scope(|scope| {
         let servo = scope.spawn(|| {
@@ -298,8 +294,7 @@ fn handles_are_send() {
 #[test]
 fn dwells_and_exact_stops_rest_on_the_vertex() {
     let mut link = TestLink::new();
-    let (mut planner, mut interpolator) =
-        link.handles::<BLOCKS>(config(), at(0.0, 0.0, 0.0)).unwrap();
+    let (mut planner, mut interpolator) = link.split(config(), at(0.0, 0.0, 0.0)).unwrap();
     planner.push(&Block::line(at(5.0, 0.0, 0.0), 200.0, 1)).unwrap();
     planner.push(&Block::dwell(0.25, 2)).unwrap();
     let mut block = Block::line(at(5.0, 5.0, 0.0), 200.0, 3);
@@ -331,8 +326,7 @@ fn dwells_and_exact_stops_rest_on_the_vertex() {
 #[test]
 fn bad_blocks_are_refused_and_leave_the_rest_intact() {
     let mut link = TestLink::new();
-    let (mut planner, mut interpolator) =
-        link.handles::<BLOCKS>(config(), at(0.0, 0.0, 0.0)).unwrap();
+    let (mut planner, mut interpolator) = link.split(config(), at(0.0, 0.0, 0.0)).unwrap();
     planner.push(&Block::line(at(5.0, 0.0, 0.0), 100.0, 1)).unwrap();
     let arc = |to, centre: (f64, f64), plane| Block {
         motion: Motion::Arc {
@@ -384,12 +378,11 @@ fn bad_blocks_are_refused_and_leave_the_rest_intact() {
 /// inverse time the block takes its time.
 #[test]
 fn feeds_of_rotary_moves_and_inverse_time() {
-    let linear = AxisLimits { velocity: 200.0, acceleration: 20_000.0, jerk: 2.0e6, rotary: false };
+    let linear = AxisLimits::linear(200.0, 20_000.0, 2.0e6);
     let rotary = AxisLimits { rotary: true, ..linear };
     let config = Config::new(Limits::new([linear, linear, rotary]).unwrap());
     let mut link = TestLink::new();
-    let (mut planner, mut interpolator) =
-        link.handles::<BLOCKS>(config, at(0.0, 0.0, 0.0)).unwrap();
+    let (mut planner, mut interpolator) = link.split(config, at(0.0, 0.0, 0.0)).unwrap();
     let mut stop = |to, feed| {
         planner.push(&Block { feed, exact_stop: true, ..Block::line(to, 1.0, 0) }).unwrap();
     };
@@ -412,8 +405,7 @@ fn feeds_of_rotary_moves_and_inverse_time() {
 #[test]
 fn a_full_buffer_would_block_and_loses_nothing() {
     let mut link = TestLink::new();
-    let (mut planner, mut interpolator) =
-        link.handles::<BLOCKS>(config(), at(0.0, 0.0, 0.0)).unwrap();
+    let (mut planner, mut interpolator) = link.split(config(), at(0.0, 0.0, 0.0)).unwrap();
     let mut taken = 0;
     // To and fro: lines that run on straight would be one.
     let place = |taken: u32| at(f64::from(taken + 1), f64::from(taken % 2), 0.0);
@@ -430,8 +422,7 @@ fn a_full_buffer_would_block_and_loses_nothing() {
 /// of blocks, and so it stays, because every position is an absolute fixed-point number.
 #[test]
 fn f32_keeps_nanometres_on_a_two_metre_axis() {
-    let axis =
-        AxisLimits { velocity: 500.0f32, acceleration: 10_000.0, jerk: 1.0e6, rotary: false };
+    let axis = AxisLimits::linear(500.0f32, 10_000.0, 1.0e6);
     let mut config = Config::new(Limits::new([axis; 3]).unwrap());
     config.tolerance = 0.0;
     let home = [
@@ -439,8 +430,8 @@ fn f32_keeps_nanometres_on_a_two_metre_axis() {
         Coord::from_nm(-1_999_999_999).unwrap(),
         Coord::ZERO,
     ];
-    let mut link = Link::<f32, 3, NODES>::new();
-    let (mut planner, mut interpolator) = link.handles::<BLOCKS>(config, home).unwrap();
+    let mut link = Link::<f32, 3, BLOCKS, NODES>::new();
+    let (mut planner, mut interpolator) = link.split(config, home).unwrap();
     let mut stops = 0;
     for k in 0..3000i64 {
         // A vertex no f32 could hold: 1,999,999,999 nm and a few.
@@ -469,7 +460,7 @@ fn f32_keeps_nanometres_on_a_two_metre_axis() {
 /// Bytes of a whole core: both sides and what passes between them.
 const fn bytes<S: splineway::Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>()
 -> usize {
-    size_of::<Link<S, N, NODES>>() + size_of::<Planner<'static, S, N, BLOCKS, NODES>>()
+    size_of::<Link<S, N, BLOCKS, NODES>>() + size_of::<Planner<'static, S, N, BLOCKS, NODES>>()
 }
 
 /// A core for three axes that looks ahead over 128 dense lines and more: 48 KiB with everything.
@@ -485,11 +476,11 @@ const _: () = assert!(PER_BLOCK <= 192 && PER_NODE <= 424);
 /// How many lines the small core holds before it starts: a circle in chords of 0.1 mm.
 #[test]
 fn the_small_core_looks_far_ahead() {
-    let mut link = Box::new(Link::<f32, 3, 56>::new());
-    let axis = AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false };
+    let mut link = Box::new(Link::<f32, 3, 8, 56>::new());
+    let axis = AxisLimits::linear(200.0, 2000.0, 50_000.0);
     let mut config = Config::new(Limits::new([axis; 3]).unwrap());
     config.tolerance = 0.01;
-    let (mut planner, mut interpolator) = link.handles::<8>(config, [Coord::ZERO; 3]).unwrap();
+    let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; 3]).unwrap();
     let mut taken = 0u32;
     while taken < 1257 {
         let angle = f64::from(taken + 1) / 200.0;

@@ -14,12 +14,7 @@ const BLOCKS: usize = 8;
 const NODES: usize = 56;
 
 fn setting<S: Scalar>() -> Config<S, 2> {
-    let axis = AxisLimits {
-        velocity: S::of(200.0),
-        acceleration: S::of(2000.0),
-        jerk: S::of(50_000.0),
-        rotary: false,
-    };
+    let axis = AxisLimits::linear(S::of(200.0), S::of(2000.0), S::of(50_000.0));
     let mut config = Config::new(Limits::new([axis; 2]).unwrap());
     config.tolerance = S::of(0.05);
     config
@@ -38,9 +33,9 @@ fn drive<S: Scalar>(
     polls: impl Fn(u32) -> u32,
     mut then: impl FnMut(Seen<'_, S>, Controls<'_>) -> bool,
 ) {
-    let mut link = Box::new(Link::<S, 2, NODES>::new());
+    let mut link = Box::new(Link::<S, 2, BLOCKS, NODES>::new());
     let (mut planner, mut interpolator): (Planner<'_, S, 2, BLOCKS, NODES>, _) =
-        link.handles(setting(), at(0.0, 0.0)).unwrap();
+        link.split(setting(), at(0.0, 0.0)).unwrap();
     let controls = planner.controls();
     let mut next = 0;
     let mut progress = Progress::Waiting;

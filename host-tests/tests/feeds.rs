@@ -66,8 +66,8 @@ fn motions<S: Scalar>(turn: f64) -> Vec<(&'static str, Vec<Motion<S, 4>>)> {
 
 /// Time of a program, s, and the speeds over the linear axes, mm/s, of every cycle.
 fn run<S: Scalar>(motions: &[Motion<S, 4>], feed: Feed<S>) -> (f64, Vec<f64>) {
-    let mut link = Box::new(Link::<S, 4, 64>::new());
-    let (mut planner, mut interpolator) = link.handles::<16>(config(), [Coord::ZERO; 4]).unwrap();
+    let mut link = Box::new(Link::<S, 4, 16, 64>::new());
+    let (mut planner, mut interpolator) = link.split(config(), [Coord::ZERO; 4]).unwrap();
     let mut left = motions.iter().peekable();
     let mut speeds = Vec::new();
     for cycle in 1..100_000 {

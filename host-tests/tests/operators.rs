@@ -27,12 +27,7 @@ const BACK: f64 = 1.0e-5;
 const ANSWER: f64 = 0.3;
 
 fn setting<S: Scalar>(cycle: f64) -> Config<S, 2> {
-    let axis = AxisLimits {
-        velocity: S::of(200.0),
-        acceleration: S::of(ACCELERATION),
-        jerk: S::of(JERK),
-        rotary: false,
-    };
+    let axis = AxisLimits::linear(S::of(200.0), S::of(ACCELERATION), S::of(JERK));
     let mut config = Config::new(Limits::new([axis; 2]).unwrap());
     config.tolerance = S::of(0.05);
     config.cycle = S::of(cycle);
@@ -105,9 +100,9 @@ fn polls(seed: u32, cycle: u32) -> u32 {
 /// Runs a program with an operator. What has gone wrong, in words.
 fn operate<S: Scalar>(steps: &Steps, presses: &[(u32, Press)], seed: u32) -> Result<(), String> {
     let (blocks, stops) = blocks::<S>(steps);
-    let mut link = Box::new(Link::<S, 2, NODES>::new());
+    let mut link = Box::new(Link::<S, 2, BLOCKS, NODES>::new());
     let (mut planner, mut interpolator): (Planner<'_, S, 2, BLOCKS, NODES>, _) =
-        link.handles(setting(CYCLE), at(0.0, 0.0)).unwrap();
+        link.split(setting(CYCLE), at(0.0, 0.0)).unwrap();
     let controls = planner.controls();
     let (mut next, mut slow, mut way) = (0, 0, 0.0);
     // When a hold or an abort was pressed that is still in force and not answered.
@@ -330,9 +325,9 @@ fn drive<S: Scalar>(
     (cycle, every): (f64, u32),
     mut then: impl FnMut(u32, Progress, &Setpoint<S, 2>, Controls<'_>) -> bool,
 ) {
-    let mut link = Box::new(Link::<S, 2, NODES>::new());
+    let mut link = Box::new(Link::<S, 2, BLOCKS, NODES>::new());
     let (mut planner, mut interpolator): (Planner<'_, S, 2, BLOCKS, NODES>, _) =
-        link.handles(setting(cycle), at(0.0, 0.0)).unwrap();
+        link.split(setting(cycle), at(0.0, 0.0)).unwrap();
     for block in blocks {
         planner.push(block).unwrap();
     }
@@ -356,9 +351,9 @@ fn drive<S: Scalar>(
 fn commands_before_the_first_plan_are_answered() {
     for aborts in [false, true] {
         for dwells in [false, true] {
-            let mut link = Box::new(Link::<f64, 2, NODES>::new());
+            let mut link = Box::new(Link::<f64, 2, BLOCKS, NODES>::new());
             let (mut planner, mut interpolator): (Planner<'_, f64, 2, BLOCKS, NODES>, _) =
-                link.handles(setting(CYCLE), at(0.0, 0.0)).unwrap();
+                link.split(setting(CYCLE), at(0.0, 0.0)).unwrap();
             interpolator.tick();
             if dwells {
                 planner.push(&Block::dwell(0.1, 1)).unwrap();

@@ -278,10 +278,10 @@ impl Drive<f32, 3> for Steppers {
 /// The core's own motion at its limits: no step is ever late.
 #[test]
 fn a_path_at_full_speed_loses_no_step() {
-    let axis = AxisLimits { velocity: 100.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false };
+    let axis = AxisLimits::linear(100.0, 2000.0, 50_000.0);
     let config = Config::new(Limits::new([axis; 3]).unwrap());
-    let mut link = Box::new(Link::<f32, 3, 64>::new());
-    let (mut planner, mut interpolator) = link.handles::<16>(config, [Coord::ZERO; 3]).unwrap();
+    let mut link = Box::new(Link::<f32, 3, 16, 64>::new());
+    let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; 3]).unwrap();
     // 100 kHz; 100 mm/s are 40 steps per cycle.
     let timing = StepTiming::from_ns(100_000, 1000, [1000, 1000, 5000, 5000]);
     let scale = Scale::new(400, 1_000_000).unwrap();

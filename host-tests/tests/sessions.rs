@@ -31,10 +31,10 @@ struct Rig<'a, S: Scalar> {
 /// Runs `body` with a rig that stands at `start`.
 fn with_rig<S: Scalar, T>(start: [Coord; 3], body: impl FnOnce(&mut Rig<'_, S>) -> T) -> T {
     let [velocity, acceleration, jerk] = [200.0, 2000.0, 50_000.0].map(S::of);
-    let axis = AxisLimits { velocity, acceleration, jerk, rotary: false };
+    let axis = AxisLimits::linear(velocity, acceleration, jerk);
     let config = Config::new(Limits::new([axis; 3]).unwrap());
-    let mut link = Box::new(Link::<S, 3, NODES>::new());
-    let (planner, mut interpolator) = link.handles::<BLOCKS>(config, start).unwrap();
+    let mut link = Box::new(Link::<S, 3, BLOCKS, NODES>::new());
+    let (planner, mut interpolator) = link.split(config, start).unwrap();
     let setpoint = interpolator.tick();
     let mut rig = Rig {
         planner,

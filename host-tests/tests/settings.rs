@@ -13,12 +13,7 @@ fn at(x: f64, y: f64) -> [Coord; 2] {
 }
 
 fn config<S: Scalar>() -> Config<S, 2> {
-    let axis = AxisLimits {
-        velocity: S::of(200.0),
-        acceleration: S::of(2000.0),
-        jerk: S::of(5.0e4),
-        rotary: false,
-    };
+    let axis = AxisLimits::linear(S::of(200.0), S::of(2000.0), S::of(5.0e4));
     Config { tolerance: S::of(0.02), ..Config::new(Limits::new([axis; 2]).unwrap()) }
 }
 
@@ -64,8 +59,8 @@ fn programs<S: Scalar>() -> Vec<(&'static str, Vec<Block<S, 2>>)> {
 
 /// Time of a program, s.
 fn time<S: Scalar>(config: &Config<S, 2>, program: &[Block<S, 2>], stop: bool) -> f64 {
-    let mut link = Box::new(Link::<S, 2, NODES>::new());
-    let (mut planner, mut interpolator) = link.handles::<16>(*config, [Coord::ZERO; 2]).unwrap();
+    let mut link = Box::new(Link::<S, 2, 16, NODES>::new());
+    let (mut planner, mut interpolator) = link.split(*config, [Coord::ZERO; 2]).unwrap();
     let mut blocks = program.iter().peekable();
     let most = (200.0 / config.cycle.to_f64()) as u64;
     for cycle in 1..most {

@@ -64,7 +64,7 @@ impl Line {
 }
 
 fn config() -> Config<f32, 3> {
-    let axis = AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false };
+    let axis = AxisLimits::linear(200.0, 2000.0, 50_000.0);
     Config::new(Limits::new([axis; 3]).unwrap())
 }
 
@@ -98,9 +98,9 @@ struct Outcome {
 
 /// Sends a program to a controller over two lines, with commands at given times.
 fn stream(items: &[Item], mut lines: [Line; 2], commands: &[(u64, Command)], heal: u64) -> Outcome {
-    let mut link = Box::new(Link::<f32, 3, NODES>::new());
+    let mut link = Box::new(Link::<f32, 3, BLOCKS, NODES>::new());
     let (mut planner, mut interpolator): (Planner<'_, f32, 3, BLOCKS, NODES>, _) =
-        link.handles(config(), [Coord::ZERO; 3]).unwrap();
+        link.split(config(), [Coord::ZERO; 3]).unwrap();
     let controls = planner.controls();
     let mut station = Station::<f32, 3, QUEUE>::new();
     let mut sender = Sender::new(77, items.len() as u32, 0);
@@ -256,8 +256,8 @@ fn blocks_come_back_as_they_were() {
     }
     let wrong: Result<Block<f32, 4>, _> = Move::from(&blocks[0]).block(&[Coord::ZERO; 4]);
     assert_eq!(wrong.unwrap_err().to_string(), "the move gives 3 axes; the controller has 4");
-    let mut link = Box::new(Link::<f32, 3, NODES>::new());
-    let (mut planner, _) = link.handles::<BLOCKS>(config(), [Coord::ZERO; 3]).unwrap();
+    let mut link = Box::new(Link::<f32, 3, BLOCKS, NODES>::new());
+    let (mut planner, _) = link.split(config(), [Coord::ZERO; 3]).unwrap();
     assert!(!matches!(planner.push(&blocks[0]), Err(PushError::Full)));
 }
 

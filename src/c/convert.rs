@@ -6,7 +6,7 @@ use crate::machine::{AxisLimits, Config, Limits};
 use crate::number::Coord;
 
 pub fn coord(nm: i64) -> Option<Coord> {
-    Coord::from_nm(nm)
+    Coord::from_nm(nm).ok()
 }
 
 /// A point of `SPLINEWAY_AXES` numbers, nm.

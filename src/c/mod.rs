@@ -34,7 +34,7 @@ struct Core {
     ready: u32,
     /// Where it was set up: its parts point to each other, so it works nowhere else.
     home: *const Core,
-    link: MaybeUninit<Link<f32, SPLINEWAY_AXES, SPLINEWAY_NODES>>,
+    link: MaybeUninit<Link<f32, SPLINEWAY_AXES, SPLINEWAY_BLOCKS, SPLINEWAY_NODES>>,
     planner: MaybeUninit<CPlanner>,
     interpolator: MaybeUninit<Interpolator<'static, f32, SPLINEWAY_AXES>>,
     controls: MaybeUninit<Controls<'static>>,
@@ -146,7 +146,7 @@ pub unsafe extern "C" fn splineway_init(
         // As `Link::new()`, which is all zeros (tested below), but without a copy on the stack.
         (&raw mut (*core).link).write_bytes(0, 1);
         let link = (*core).link.assume_init_mut();
-        let Ok((planner, interpolator)) = link.handles(settings, start) else {
+        let Ok((planner, interpolator)) = link.split(settings, start) else {
             return splineway_result::CONFIG;
         };
         (&raw mut (*core).controls).write(MaybeUninit::new(planner.controls()));
@@ -404,7 +404,10 @@ mod tests {
     /// What `splineway_init` relies on.
     #[test]
     fn an_empty_link_is_all_zeros() {
-        let link = std::boxed::Box::new(Link::<f32, SPLINEWAY_AXES, SPLINEWAY_NODES>::new());
+        let link =
+            std::boxed::Box::new(
+                Link::<f32, SPLINEWAY_AXES, SPLINEWAY_BLOCKS, SPLINEWAY_NODES>::new(),
+            );
         // It is made of 32-bit atomics throughout, so it has no padding.
         let words = size_of_val(&*link) / 4;
         let first = (&raw const *link).cast::<u32>();

@@ -21,9 +21,9 @@ const fn setting(text: Option<&str>, default: usize) -> usize {
 /// Axes.
 pub const SPLINEWAY_AXES: usize = setting(option_env!("SPLINEWAY_AXES"), 3);
 /// Blocks of the look-ahead.
-pub const SPLINEWAY_BLOCKS: usize = setting(option_env!("SPLINEWAY_BLOCKS"), 16);
+pub const SPLINEWAY_BLOCKS: usize = setting(option_env!("SPLINEWAY_BLOCKS"), crate::BLOCKS);
 /// Nodes of the planning window.
-pub const SPLINEWAY_NODES: usize = setting(option_env!("SPLINEWAY_NODES"), 64);
+pub const SPLINEWAY_NODES: usize = setting(option_env!("SPLINEWAY_NODES"), crate::NODES);
 /// Bytes that a core takes at most; the build fails if it were more.
 pub const SPLINEWAY_STORAGE_BYTES: usize = 13_200
     + 3_800 * SPLINEWAY_AXES

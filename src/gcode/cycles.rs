@@ -287,8 +287,8 @@ impl Reader {
         (code, column): Found,
     ) -> Result<(Coord, Coord), Refusal> {
         let level = |value: f64| {
-            let refuse = Refusal::new(column, Reason::Coordinate { axis, value });
-            Coord::from_mm(value).ok_or(refuse)
+            Coord::from_mm(value)
+                .map_err(|_| Refusal::new(column, Reason::Coordinate { axis, value }))
         };
         let (clear, bottom) = (level(clear)?, level(bottom)?);
         let zero = self.frame.offset(axis);

@@ -17,7 +17,7 @@ impl Reader {
     /// A length of an axis as a coordinate: inches or mm; degrees of a rotary axis.
     pub(super) fn coordinate(&self, axis: usize, value: f64) -> Result<Coord, Reason> {
         let mm = if is_rotary(axis) { value } else { value * self.scale() };
-        Coord::from_mm(mm).ok_or(Reason::Coordinate { axis, value: mm })
+        Coord::from_mm(mm).map_err(|error| Reason::Coordinate { axis, value: error.value })
     }
 
     fn fixed(&self, (code, column): Found) -> Result<(), Refusal> {

@@ -17,6 +17,18 @@ pub struct AxisLimits<S> {
     pub rotary: bool,
 }
 
+impl<S> AxisLimits<S> {
+    /// A linear axis: mm/s, mm/s2, mm/s3. They are checked by [`Limits::new`].
+    pub const fn linear(velocity: S, acceleration: S, jerk: S) -> Self {
+        Self { velocity, acceleration, jerk, rotary: false }
+    }
+
+    /// A rotary axis: degrees/s, degrees/s2, degrees/s3. They are checked by [`Limits::new`].
+    pub const fn rotary(velocity: S, acceleration: S, jerk: S) -> Self {
+        Self { velocity, acceleration, jerk, rotary: true }
+    }
+}
+
 /// The checked limits of all axes: every value is finite, positive and within the range in which
 /// the core's arithmetic is sound.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,8 +4,10 @@ mod config;
 mod error;
 mod limits;
 mod ramp;
+mod size;
 
 pub use config::{Config, CornerMode};
 pub use error::{ConfigError, Quantity};
 pub use limits::{AxisLimits, Limits};
 pub(crate) use ramp::Ramp;
+pub use size::{BLOCKS, NODES};

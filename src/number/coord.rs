@@ -1,6 +1,6 @@
 //! Fixed-point coordinates.
 
-use super::Scalar;
+use super::{RangeError, Scalar};
 
 /// One axis coordinate in fixed point: a whole number of 1e-12 mm (or 1e-12 degrees on a rotary
 /// axis).
@@ -19,22 +19,31 @@ impl Coord {
     /// Largest coordinate that is accepted in a block, mm (1 km).
     pub const LIMIT_MM: f64 = 1.0e6;
 
-    /// The coordinate nearest to `mm`, or `None` if it is not finite or beyond
-    /// [`Coord::LIMIT_MM`].
-    pub fn from_mm(mm: f64) -> Option<Self> {
+    /// The coordinate nearest to `mm`.
+    ///
+    /// # Errors
+    /// [`RangeError`], in mm, if it is not finite or beyond [`Coord::LIMIT_MM`].
+    pub fn from_mm(mm: f64) -> Result<Self, RangeError> {
         if !(mm.abs() <= Self::LIMIT_MM) {
-            return None;
+            return Err(Self::out_of_range(mm));
         }
-        Some(Self(libm::round(mm * Self::PER_MM as f64) as i64))
+        Ok(Self(libm::round(mm * Self::PER_MM as f64) as i64))
     }
 
-    /// From nanometres (or 1e-6 degrees), exact; `None` beyond [`Coord::LIMIT_MM`].
-    pub const fn from_nm(nm: i64) -> Option<Self> {
+    /// From nanometres (or 1e-6 degrees), exact.
+    ///
+    /// # Errors
+    /// [`RangeError`], in mm, beyond [`Coord::LIMIT_MM`].
+    pub const fn from_nm(nm: i64) -> Result<Self, RangeError> {
         const LIMIT: i64 = 1_000_000_000_000;
         if nm > LIMIT || nm < -LIMIT {
-            return None;
+            return Err(Self::out_of_range(nm as f64 * 1.0e-6));
         }
-        Some(Self(nm * 1_000_000))
+        Ok(Self(nm * 1_000_000))
+    }
+
+    const fn out_of_range(mm: f64) -> RangeError {
+        RangeError { value: mm, least: -Self::LIMIT_MM, greatest: Self::LIMIT_MM }
     }
 
     /// From raw units of 1e-12 mm.

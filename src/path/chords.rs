@@ -225,7 +225,7 @@ mod tests {
     use std::vec::Vec;
 
     fn config() -> Config<f64, 2> {
-        let axis = AxisLimits { velocity: 1.0, acceleration: 1.0, jerk: 1.0, rotary: false };
+        let axis = AxisLimits::linear(1.0, 1.0, 1.0);
         Config::new(Limits::new([axis; 2]).unwrap())
     }
 

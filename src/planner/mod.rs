@@ -89,7 +89,15 @@ pub struct Counters {
 ///
 /// `N` axes (1 to 9), a look-ahead of `BLOCKS` blocks (4 at least), a planning window of `NODES` nodes of the
 /// path (48 at least: fewer would be slower than a stop at every corner).
-pub struct Planner<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> {
+///
+/// A type that names no sizes, `Planner<'_, f32, 3>`, has [`BLOCKS`](crate::BLOCKS) and [`NODES`](crate::NODES).
+pub struct Planner<
+    'a,
+    S: Scalar,
+    const N: usize,
+    const BLOCKS: usize = { crate::machine::BLOCKS },
+    const NODES: usize = { crate::machine::NODES },
+> {
     side: PlanSide<'a, S, N>,
     config: Config<S, N>,
     builder: Builder<S, N, BLOCKS>,
@@ -131,15 +139,18 @@ const LEAST_ROOM: usize = 2 + ADDED;
 /// A stop is imminent when less than this many leads remain.
 const URGENT_LEADS: f64 = 4.0;
 
-impl<S: Scalar, const N: usize, const NODES: usize> Link<S, N, NODES> {
-    /// The two handles of a core that rests at `start`. They can live in different contexts.
+impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Link<S, N, BLOCKS, NODES> {
+    /// The two handles of a core that rests at `start`: the planner for the background, the interpolator for the
+    /// servo interrupt. Both are `Send`. What an earlier split has left in the link is forgotten.
+    ///
+    /// Cost: writes the planner once (its size is `size_of::<Planner<..>>()`), where the result is bound.
     ///
     /// # Errors
-    /// [`ConfigError`] if the settings cannot be used.
+    /// [`ConfigError`] if a setting or the start is out of its range; the link is unchanged.
     // Not inlined, the planner is made on the stack and copied twice: 75 kB on the target.
     #[allow(clippy::inline_always)]
     #[inline(always)]
-    pub fn handles<const BLOCKS: usize>(
+    pub fn split(
         &mut self,
         config: Config<S, N>,
         start: [Coord; N],
@@ -149,7 +160,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Link<S, N, NODES> {
         if let Err(BlockError::Coordinate { axis, value }) = check_coordinates(&start) {
             return Err(ConfigError::Start { axis, value });
         }
-        let (plan, servo, requests) = self.split();
+        let (plan, servo, requests) = self.ends();
         let node = Node { at: start, tangent: zero(), curvature: zero() };
         // Built where it is returned to: it is large.
         Ok((

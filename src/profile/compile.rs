@@ -101,7 +101,7 @@ mod tests {
     #[test]
     fn a_rest_in_any_cell_of_a_corner_keeps_the_band() {
         let band = 0.05f64;
-        let axis = AxisLimits { velocity: 1e3, acceleration: 1e4, jerk: 1e6, rotary: false };
+        let axis = AxisLimits::linear(1e3, 1e4, 1e6);
         let limits = Limits::new([axis; 2]).unwrap();
         for degrees in [2.0f64, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0, 105.0, 120.0, 135.0, 150.0] {
             let turn = degrees.to_radians();

@@ -198,7 +198,7 @@ fn cells_end_where_the_next_begin() {
 #[test]
 fn no_motion_over_a_cell_of_an_arc_leaves_the_band() {
     let mut draws = Draws(0xD1B5_4A32_D192_ED03);
-    let one = AxisLimits { velocity: 1.0, acceleration: 1.0, jerk: 1.0, rotary: false };
+    let one = AxisLimits::linear(1.0, 1.0, 1.0);
     let limits = Limits::new([one; AXES]).unwrap();
     let mut worst = 0.0f64;
     for _ in 0..300 {

@@ -513,8 +513,7 @@ mod tests {
     }
 
     fn list(straight: bool, x: [f64; 4]) -> Vec<(f64, Gradient<f64>)> {
-        let axis =
-            AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false };
+        let axis = AxisLimits::linear(200.0, 2000.0, 50_000.0);
         let limits = Limits::new([axis; 2]).unwrap();
         let (h, k) = (0.5f64, if straight { 0.0 } else { 1.0 });
         let phi: f64 = h * k * 0.9;

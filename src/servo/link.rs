@@ -85,20 +85,32 @@ impl<S: Scalar> Flags<S> {
     }
 }
 
-/// Shared memory of the two sides: `NODES` pieces twice, and what an operator asks for.
-pub struct Link<S: Scalar, const N: usize, const NODES: usize> {
+/// Shared memory of a core's two sides, and the one place where its size is named: `N` axes, a look-ahead of
+/// `BLOCKS` blocks, a planning window of `NODES` nodes. It holds `NODES` pieces twice, and what an operator asks
+/// for; [`Link::split`] gives the two handles.
+///
+/// In firmware a `static`, in no need of a start-up copy: an empty link is all zeros. A type that names no sizes,
+/// `Link<f32, 3>`, has [`BLOCKS`](crate::BLOCKS) and [`NODES`](crate::NODES).
+pub struct Link<
+    S: Scalar,
+    const N: usize,
+    const BLOCKS: usize = { crate::machine::BLOCKS },
+    const NODES: usize = { crate::machine::NODES },
+> {
     plans: [[Slot<S, N>; NODES]; 2],
     flags: Flags<S>,
     requests: Requests,
 }
 
-impl<S: Scalar, const N: usize, const NODES: usize> Default for Link<S, N, NODES> {
+impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Default
+    for Link<S, N, BLOCKS, NODES>
+{
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<S: Scalar, const N: usize, const NODES: usize> Link<S, N, NODES> {
+impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Link<S, N, BLOCKS, NODES> {
     /// An empty link; it can live in a `static`.
     pub const fn new() -> Self {
         Self {
@@ -109,7 +121,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Link<S, N, NODES> {
     }
 
     /// Forgets everything and gives both ends.
-    pub(crate) fn split(&mut self) -> (PlanSide<'_, S, N>, ServoSide<'_, S, N>, &Requests) {
+    pub(crate) fn ends(&mut self) -> (PlanSide<'_, S, N>, ServoSide<'_, S, N>, &Requests) {
         // What is left in the plan buffers is never read: their lengths are 0.
         self.flags = Flags::new();
         self.requests = Requests::new();

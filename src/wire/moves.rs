@@ -114,8 +114,8 @@ impl fmt::Display for MoveError {
 impl core::error::Error for MoveError {}
 
 fn coord(axis: usize, nm: i64) -> Result<Coord, MoveError> {
-    let error = BlockError::Coordinate { axis, value: nm as f64 * 1.0e-6 };
-    Coord::from_nm(nm).ok_or(MoveError::Coordinate(error))
+    Coord::from_nm(nm)
+        .map_err(|error| MoveError::Coordinate(BlockError::Coordinate { axis, value: error.value }))
 }
 
 fn point<const N: usize>(target: &Target, from: &[Coord; N]) -> Result<[Coord; N], MoveError> {

@@ -4,7 +4,7 @@ use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln, syscall};
 use panic_semihosting as _;
 use splineway::wire::Inlet;
-use splineway::{Link, Scalar};
+use splineway::{BLOCKS, Link, NODES, Scalar};
 use splineway_emulator::{Meter, Outcome, Part, Setup};
 
 /// Counter of TIM2. In QEMU it counts nanoseconds, and an instruction takes 64.
@@ -108,7 +108,7 @@ fn run<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
     setup: &Setup,
     file: &mut File,
 ) -> Option<()> {
-    let mut link = Link::<S, N, NODES>::new();
+    let mut link = Link::<S, N, BLOCKS, NODES>::new();
     let mut timer = Timer::calibrated();
     let outcome = splineway_emulator::run::<S, N, BLOCKS, NODES>(
         &mut link,
@@ -145,7 +145,7 @@ fn go() -> Option<()> {
         }
     };
     match setup.axes {
-        3 => run::<f32, 3, 16, 64>(&setup, &mut file),
+        3 => run::<f32, 3, BLOCKS, NODES>(&setup, &mut file),
         6 => run::<f32, 6, 8, 56>(&setup, &mut file),
         _ => None,
     }

@@ -29,7 +29,7 @@ pub struct Setup {
 impl Setup {
     fn config<S: Scalar, const N: usize>(&self) -> Result<Config<S, N>, ConfigError> {
         let [velocity, acceleration, jerk] = self.limits.map(|x| S::of(f64::from(x)));
-        let axis = AxisLimits { velocity, acceleration, jerk, rotary: false };
+        let axis = AxisLimits::linear(velocity, acceleration, jerk);
         let mut config = Config::new(Limits::new([axis; N])?);
         config.tolerance = S::of(f64::from(self.tolerance));
         config.cycle = S::of(f64::from(self.cycle));
@@ -108,13 +108,13 @@ fn add<S: Scalar, const N: usize>(digest: &mut Digest<'_, u32>, setpoint: &Setpo
 /// # Errors
 /// The setup cannot be used.
 pub fn run<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
-    link: &mut Link<S, N, NODES>,
+    link: &mut Link<S, N, BLOCKS, NODES>,
     setup: &Setup,
     source: &mut dyn FnMut() -> Option<u8>,
     meter: &mut dyn Meter,
 ) -> Result<Outcome, ConfigError> {
     // Used where it has been made: a move would take its size of stack once more.
-    let mut made = link.handles(setup.config()?, [Coord::ZERO; N]);
+    let mut made = link.split(setup.config()?, [Coord::ZERO; N]);
     let (planner, interpolator): &mut Core<'_, S, N, BLOCKS, NODES> = match &mut made {
         Ok(core) => core,
         Err(error) => return Err(*error),

@@ -58,8 +58,7 @@ pub type Laser = Analogue<PwmChannel<TIM1, 0>, f32>;
 
 /// What the core is told of the machine.
 pub fn config() -> Config<f32, AXES> {
-    let axis =
-        AxisLimits { velocity: VELOCITY, acceleration: ACCELERATION, jerk: JERK, rotary: false };
+    let axis = AxisLimits::linear(VELOCITY, ACCELERATION, JERK);
     let limits = defmt::unwrap!(Limits::new([axis; AXES]), "limits");
     let mut config = Config::new(limits);
     config.cycle = 1.0 / SERVO_HZ as f32;

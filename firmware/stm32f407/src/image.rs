@@ -18,8 +18,6 @@ mod app {
     use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
     const AXES: usize = board::AXES;
-    const BLOCKS: usize = 16;
-    const NODES: usize = 64;
     /// Items that wait for the planner: the host's window.
     const WINDOW: usize = 16;
     /// Bytes that may arrive while the planner works: more than a window of the longest frames.
@@ -58,7 +56,7 @@ mod app {
         bytes_in: Producer<'static, u8>,
         bytes_out: Consumer<'static, u8>,
         tx: Tx<USART2>,
-        planner: Planner<'static, f32, AXES, BLOCKS, NODES>,
+        planner: Planner<'static, f32, AXES>,
         station: Station<f32, AXES, WINDOW>,
         stop_button: ErasedPin<Input>,
         switches: [ErasedPin<Input>; AXES],
@@ -69,7 +67,7 @@ mod app {
     }
 
     #[init(local = [
-        link: Link<f32, AXES, NODES> = Link::new(),
+        link: Link<f32, AXES> = Link::new(),
         bytes: Queue<u8, BYTES> = Queue::new(),
     ])]
     fn init(context: init::Context) -> (Shared, Local) {
@@ -77,7 +75,7 @@ mod app {
         // An input that is open already gives no edge.
         EMERGENCY.store(board.stop_button.is_high(), Relaxed);
         let start = [Coord::ZERO; AXES];
-        let made = context.local.link.handles::<BLOCKS>(board::config(), start);
+        let made = context.local.link.split(board::config(), start);
         let (planner, mut interpolator) = defmt::unwrap!(made, "the settings cannot be used");
         let (bytes_in, bytes_out) = context.local.bytes.split();
         let setpoint = interpolator.tick();

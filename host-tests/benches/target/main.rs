@@ -85,7 +85,7 @@ fn on_host<const N: usize, const BLOCKS: usize, const NODES: usize>(
     let mut bytes = bytes.iter().copied();
     let mut inlet = Inlet::new();
     let setup: Setup = bytes.find_map(|byte| inlet.push(byte)).context("no setup")?;
-    let mut link = Box::new(Link::<f32, N, NODES>::new());
+    let mut link = Box::new(Link::<f32, N, BLOCKS, NODES>::new());
     Ok(splineway_emulator::run::<f32, N, BLOCKS, NODES>(
         &mut link,
         &setup,

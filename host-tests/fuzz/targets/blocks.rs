@@ -32,7 +32,7 @@ impl Source<'_> {
     fn point(&mut self) -> Option<[Coord; 3]> {
         let mut point = [Coord::ZERO; 3];
         for slot in &mut point {
-            *slot = Coord::from_mm(f64::from(self.number()?)).unwrap_or(Coord::ZERO);
+            *slot = Coord::from_mm(f64::from(self.number()?)).unwrap_or(Coord::from_raw(i64::MAX)); // To be refused.
         }
         Some(point)
     }
@@ -63,10 +63,10 @@ impl Source<'_> {
 
 fuzz_target!(|data: &[u8]| {
     let mut source = Source(data);
-    let axis = AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false };
+    let axis = AxisLimits::linear(200.0, 2000.0, 50_000.0);
     let Ok(limits) = Limits::new([axis; 3]) else { return };
-    let mut link = Box::new(Link::<f32, 3, 48>::new());
-    let Ok((mut planner, mut interpolator)) = link.handles::<8>(Config::new(limits), [Coord::ZERO; 3])
+    let mut link = Box::new(Link::<f32, 3, 8, 48>::new());
+    let Ok((mut planner, mut interpolator)) = link.split(Config::new(limits), [Coord::ZERO; 3])
     else {
         return;
     };

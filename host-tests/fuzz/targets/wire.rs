@@ -84,10 +84,10 @@ impl Rig<'_> {
 }
 
 fuzz_target!(|data: &[u8]| {
-    let axis = AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0, rotary: false };
+    let axis = AxisLimits::linear(200.0, 2000.0, 50_000.0);
     let Ok(limits) = Limits::new([axis; 3]) else { return };
-    let mut link = Box::new(Link::<f32, 3, 48>::new());
-    let Ok((planner, mut interpolator)) = link.handles::<8>(Config::new(limits), [Coord::ZERO; 3])
+    let mut link = Box::new(Link::<f32, 3, 8, 48>::new());
+    let Ok((planner, mut interpolator)) = link.split(Config::new(limits), [Coord::ZERO; 3])
     else {
         return;
     };

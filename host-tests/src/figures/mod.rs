@@ -62,7 +62,7 @@ impl Memory {
             axes: N,
             blocks: BLOCKS,
             nodes: NODES,
-            link: size_of::<Link<S, N, NODES>>(),
+            link: size_of::<Link<S, N, BLOCKS, NODES>>(),
             planner: size_of::<Planner<'static, S, N, BLOCKS, NODES>>(),
         }
     }

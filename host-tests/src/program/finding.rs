@@ -5,7 +5,7 @@ use crate::machine::Machine;
 use crate::run::block;
 use anyhow::{Result, bail};
 use serde::Serialize;
-use splineway::{Config, Coord};
+use splineway::{Config, Coord, RangeError};
 use std::fmt;
 
 /// How much a finding weighs.
@@ -91,27 +91,31 @@ pub fn validate(program: &Program, machine: &Machine) -> Vec<Finding> {
         Ok(config) => config,
         Err(error) => return vec![Finding::error(0, format!("{error:#}"))],
     };
-    let coord = |point: &[f64; AXES]| {
+    let coords = |point: &[f64; AXES]| -> Result<_, RangeError> {
         let mut place = [Coord::ZERO; AXES];
         for (slot, &axis) in place.iter_mut().zip(&axes) {
-            *slot = Coord::from_mm(point[axis]).unwrap_or_default();
+            *slot = Coord::from_mm(point[axis])?;
         }
-        place
+        Ok(place)
     };
     let mut findings = Vec::new();
-    let mut here = program.start;
+    // Where a place is out of range, what follows is checked from the last one that was not.
+    let mut here = coords(&program.start).unwrap_or_else(|error| {
+        findings.push(Finding::error(0, format!("the start, mm: {error}")));
+        [Coord::ZERO; AXES]
+    });
     for step in &program.moves {
         let complaint = match block::<f64, AXES>(step, &axes) {
-            Ok(block) => {
-                block.check(&coord(&here), &config).err().map(|error| on_letters(&error, &axes))
-            }
+            Ok(block) => block.check(&here, &config).err().map(|error| on_letters(&error, &axes)),
             Err(error) => Some(format!("{error:#}")),
         };
         if let Some(message) = complaint {
             findings.push(Finding::error(step.line, message));
         }
         match &step.path {
-            Course::Line { to } | Course::Arc { to, .. } | Course::Cubic { to, .. } => here = *to,
+            Course::Line { to } | Course::Arc { to, .. } | Course::Cubic { to, .. } => {
+                here = coords(to).unwrap_or(here);
+            }
             Course::Dwell { .. } | Course::Event { .. } => {}
         }
     }

@@ -4,7 +4,7 @@ use super::duration::Pace;
 use super::events::{Action, Event, Events};
 use crate::machine::Machine;
 use crate::program::{Course, Move, Program, Speed};
-use anyhow::{Context, Result, anyhow, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use splineway::{
     Activity, Block, Config, Controls, Coord, Counters, Feed, Link, Motion, Planner, Progress,
     PushError, Scalar, Setpoint, Turn,
@@ -179,8 +179,8 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     let config: Config<S, N> = machine.config(&axes)?;
     let mut stats = Stats { least_ahead: usize::MAX, ..Stats::default() };
     let start = coords::<N>(&program.start, &axes).context("start point")?;
-    let mut link = Box::new(Link::<S, N, NODES>::new());
-    let (mut planner, mut interpolator) = link.handles::<BLOCKS>(config, start)?;
+    let mut link = Box::new(Link::<S, N, BLOCKS, NODES>::new());
+    let (mut planner, mut interpolator) = link.split(config, start)?;
     let controls = planner.controls();
     let mut moves = program.moves.iter().peekable();
     let mut operator = Operator::new(events.list());
@@ -385,7 +385,7 @@ fn check_rest<S: Scalar, const N: usize>(
 }
 
 fn coord(mm: f64) -> Result<Coord> {
-    Coord::from_mm(mm).ok_or_else(|| anyhow!("coordinate {mm} mm is out of range (+-1e6)"))
+    Coord::from_mm(mm).context("coordinate, mm")
 }
 
 fn coords<const N: usize>(point: &[f64], axes: &[usize]) -> Result<[Coord; N]> {

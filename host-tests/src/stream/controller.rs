@@ -4,14 +4,12 @@ use crate::machine::Machine;
 use anyhow::{Context, Result, bail};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use splineway::wire::{Event, Events, FRAME, State, Station};
-use splineway::{Activity, Coord, Link, Planner, Progress};
+use splineway::{Activity, BLOCKS, Coord, Link, NODES, Planner, Progress};
 use std::fs::File;
 use std::io::{Read, Write};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
-const BLOCKS: usize = 16;
-const NODES: usize = 64;
 /// Items that wait for the planner.
 const QUEUE: usize = 16;
 /// Events that may be on their way to the firmware.
@@ -149,9 +147,9 @@ impl Controller {
     ) -> Result<()> {
         let all: Vec<usize> = (0..N).collect();
         let config = machine.config::<f32, N>(&all)?;
-        let mut link = Box::new(Link::<f32, N, NODES>::new());
+        let mut link = Box::new(Link::<f32, N, BLOCKS, NODES>::new());
         let (mut planner, mut interpolator): (Planner<'_, f32, N, BLOCKS, NODES>, _) =
-            link.handles(config, [Coord::ZERO; N])?;
+            link.split(config, [Coord::ZERO; N])?;
         let mut station = Station::<f32, N, QUEUE>::new();
         let events = Events::<EVENTS>::new();
         let bytes = self.listen()?;

@@ -535,8 +535,7 @@ mod tests {
 
     /// A first cell from rest of 0.01 mm.
     fn ramp() -> Ramp<f64> {
-        let axis =
-            AxisLimits { velocity: 200.0, acceleration: 1063.0, jerk: 50_000.0, rotary: false };
+        let axis = AxisLimits::linear(200.0, 1063.0, 50_000.0);
         Ramp::new(&Limits::new([axis; 2]).unwrap(), &[1.0, 0.0])
     }
 

@@ -45,13 +45,13 @@ pub fn examine_within(
     let mut start = [Coord::ZERO; AXES];
     for (axis, slot) in start.iter_mut().enumerate() {
         let mm = options.start[axis];
-        *slot = Coord::from_mm(mm).unwrap_or_default();
-        if Coord::from_mm(mm).is_none() {
-            let text = format!(
-                "the machine stands at {}{mm}; coordinates must be within +-1e6",
-                LETTERS[axis]
-            );
-            findings.push(Finding::error(0, text));
+        match Coord::from_mm(mm) {
+            Ok(coord) => *slot = coord,
+            // The error says that nothing may be run; the rest of the program is still examined.
+            Err(error) => {
+                let text = format!("the machine stands at {}: {error}", LETTERS[axis]);
+                findings.push(Finding::error(0, text));
+            }
         }
     }
     let settings = Settings {

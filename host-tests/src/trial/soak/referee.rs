@@ -158,7 +158,8 @@ pub struct Referee {
 impl Referee {
     /// A referee of a machine at rest.
     pub fn new(setting: &Setting, rough: bool, verbose: bool) -> Self {
-        let raw = setting.start.map(|mm| Coord::from_mm(mm).unwrap_or(Coord::ZERO).raw());
+        let raw =
+            setting.start.map(|mm| Coord::from_mm(mm).expect("cases start within the range").raw());
         Self {
             double: setting.is_double(),
             path: Path::new(setting.start, setting.axes.len(), setting.is_double()),

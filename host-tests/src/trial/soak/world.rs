@@ -424,10 +424,8 @@ fn drive<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
     let shim = Shim::new(plant);
     let Ok(mut config) = case.setting.config::<S, N>() else { return run };
     shim.config(&mut config);
-    let mut link = Box::new(Link::<S, N, NODES>::new());
-    let Ok((mut planner, interpolator)) =
-        link.handles::<BLOCKS>(config, coords(&case.setting.start))
-    else {
+    let mut link = Box::new(Link::<S, N, BLOCKS, NODES>::new());
+    let Ok((mut planner, interpolator)) = link.split(config, coords(&case.setting.start)) else {
         return run;
     };
     let world = World {

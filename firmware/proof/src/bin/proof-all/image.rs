@@ -48,7 +48,7 @@ impl pwm::SetDutyCycle for Pin {
 }
 
 static PORT: AtomicU32 = AtomicU32::new(0);
-static mut LINK: Link<f32, 3, 64> = Link::new();
+static mut LINK: Link<f32, 3> = Link::new();
 static mut CORE: c::splineway_core = c::splineway_core { words: [0; c::SPLINEWAY_STORAGE_WORDS] };
 
 /// Steps and a laser, as a drive.
@@ -80,10 +80,8 @@ fn axis() -> Option<Axis> {
 
 fn config() -> Option<Config<f32, 3>> {
     let axis = AxisLimits {
-        velocity: black_box(200.0),
-        acceleration: black_box(2000.0),
-        jerk: black_box(50_000.0),
         rotary: black_box(false),
+        ..AxisLimits::linear(black_box(200.0), black_box(2000.0), black_box(50_000.0))
     };
     let mut config = black_box(Config::new(Limits::new([axis; 3]).ok()?));
     config.corner = black_box(CornerMode::Paper { lambda: 0.3 });
@@ -93,7 +91,7 @@ fn config() -> Option<Config<f32, 3>> {
 
 /// A controller's loop with drives.
 fn drives(
-    planner: &mut Planner<'_, f32, 3, 16, 64>,
+    planner: &mut Planner<'_, f32, 3>,
     interpolator: &mut Interpolator<'_, f32, 3>,
 ) -> Option<()> {
     let mut drive = axis()?;
@@ -109,7 +107,7 @@ fn drives(
 fn checks(config: &Config<f32, 3>) -> Option<()> {
     let block: Block<f32, 3> = black_box(Block::line([Coord::ZERO; 3], 1.0, 1));
     block.check(&black_box([Coord::ZERO; 3]), config).ok()?;
-    let at = black_box((Coord::ZERO, Coord::from_mm(black_box(1.0))?));
+    let at = black_box((Coord::ZERO, Coord::from_mm(black_box(1.0)).ok()?));
     black_box(centre_from_radius(at, at, black_box(2.0), black_box(Turn::Clockwise)).ok()?);
     Some(())
 }
@@ -164,7 +162,7 @@ fn run() -> Option<()> {
     let config = config()?;
     // SAFETY: called once, and nothing else knows the link.
     let link = unsafe { &mut *(&raw mut LINK) };
-    let (mut planner, mut interpolator) = link.handles(config, black_box([Coord::ZERO; 3])).ok()?;
+    let (mut planner, mut interpolator) = link.split(config, black_box([Coord::ZERO; 3])).ok()?;
     checks(&config)?;
     interface();
     black_box(crate::curves::all().is_ok());

@@ -11,10 +11,7 @@ use splineway::{Block, Controls, Coord, Planner, Setpoint};
 static EVENTS: Events<8> = Events::new();
 
 /// The controller's end.
-pub fn controller(
-    planner: &mut Planner<'_, f32, 3, 16, 64>,
-    setpoint: &Setpoint<f32, 3>,
-) -> Option<Event> {
+pub fn controller(planner: &mut Planner<'_, f32, 3>, setpoint: &Setpoint<f32, 3>) -> Option<Event> {
     let mut station = black_box(Station::<f32, 3, 16>::new());
     let mut frame = black_box([0; FRAME]);
     for byte in black_box([1; 8]) {

@@ -9,13 +9,10 @@ use splineway::{
 };
 use splineway_proof as _;
 
-const BLOCKS: usize = 16;
-const NODES: usize = 64;
-
 /// The entry points of a machine with a number of axes, under names that the measurement knows.
 macro_rules! machine {
     ($axes:literal, $link:ident, $tick:ident, $poll:ident, $push:ident, $run:ident) => {
-        static mut $link: Link<f32, $axes, NODES> = Link::new();
+        static mut $link: Link<f32, $axes> = Link::new();
 
         #[inline(never)]
         #[unsafe(no_mangle)]
@@ -25,14 +22,14 @@ macro_rules! machine {
 
         #[inline(never)]
         #[unsafe(no_mangle)]
-        fn $poll(planner: &mut Planner<'_, f32, $axes, BLOCKS, NODES>) -> Progress {
+        fn $poll(planner: &mut Planner<'_, f32, $axes>) -> Progress {
             planner.poll()
         }
 
         #[inline(never)]
         #[unsafe(no_mangle)]
         fn $push(
-            planner: &mut Planner<'_, f32, $axes, BLOCKS, NODES>,
+            planner: &mut Planner<'_, f32, $axes>,
             block: &Block<f32, $axes>,
         ) -> Result<(), PushError> {
             planner.push(block)
@@ -40,18 +37,16 @@ macro_rules! machine {
 
         fn $run() -> Option<()> {
             let axis = AxisLimits {
-                velocity: black_box(200.0),
-                acceleration: black_box(2000.0),
-                jerk: black_box(50_000.0),
                 rotary: black_box(false),
+                ..AxisLimits::linear(black_box(200.0), black_box(2000.0), black_box(50_000.0))
             };
             let mut config = black_box(Config::new(Limits::new([axis; $axes]).ok()?));
             config.tolerance = black_box(0.01);
             // SAFETY: called once, and nothing else knows the link.
             let link = unsafe { &mut *(&raw mut $link) };
             let start = black_box([Coord::ZERO; $axes]);
-            let (mut planner, mut interpolator) = link.handles::<BLOCKS>(config, start).ok()?;
-            let to = black_box([Coord::from_nm(black_box(1000))?; $axes]);
+            let (mut planner, mut interpolator) = link.split(config, start).ok()?;
+            let to = black_box([Coord::from_nm(black_box(1000)).ok()?; $axes]);
             let (plane, centre) = (black_box((0, 1)), black_box((to[0], to[1])));
             let turn = black_box(Turn::Clockwise);
             let extra_turns = black_box(0);
@@ -91,8 +86,7 @@ macro_rules! machine {
 
 /// As large as a planner, to be measured.
 #[used]
-static PLANNER_3: [AtomicU8; size_of::<Planner<'_, f32, 3, BLOCKS, NODES>>()] =
-    [const { AtomicU8::new(0) }; _];
+static PLANNER_3: [AtomicU8; size_of::<Planner<'_, f32, 3>>()] = [const { AtomicU8::new(0) }; _];
 
 machine!(3, LINK_3, tick_3, poll_3, push_3, run_3);
 machine!(6, LINK_6, tick_6, poll_6, push_6, run_6);
