@@ -14,7 +14,9 @@ fn at(x: f64, y: f64) -> [Coord; 2] {
 
 fn config<S: Scalar>() -> Config<S, 2> {
     let axis = AxisLimits::linear(S::of(200.0), S::of(2000.0), S::of(5.0e4));
-    Config { tolerance: S::of(0.02), ..Config::new(Limits::new([axis; 2]).unwrap()) }
+    let mut config = Config::new(Limits::new([axis; 2]).unwrap());
+    config.tolerance = S::of(0.02);
+    config
 }
 
 /// Programs: legs, chords of a circle, arcs, curves, noise.

@@ -5,6 +5,7 @@ use core::fmt;
 /// A field of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum Field {
     /// Feed, mm/s.
     Feed,
@@ -111,6 +112,7 @@ impl core::error::Error for BlockError {}
 /// Why a push did not take a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum PushError {
     /// The look-ahead buffer is full: nothing is wrong, push the same block again later.
     Full,

@@ -6,6 +6,7 @@ use crate::number::Scalar;
 /// How the corners between straight lines are rounded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum CornerMode<S> {
     /// The whole tolerance band is used, the edge length comes in closed form
     /// `L = 4 delta / sin(turn)`, and neighbouring corners share a leg by need. The default.
@@ -25,6 +26,7 @@ pub enum CornerMode<S> {
 /// [`Quantity::range`](super::Quantity::range).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Config<S, const N: usize> {
     /// Limits of the axes.
     pub limits: Limits<S, N>,

@@ -66,6 +66,7 @@ const fn whole_ticks(timer_hz: u32, ns: u32) -> u32 {
 /// Why an axis cannot be driven.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum StepError<E> {
     /// The axis may be faster than the timing allows.
     TooFast {

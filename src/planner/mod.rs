@@ -31,6 +31,7 @@ use crate::servo::{Controls, Interpolator, Link};
 /// What a call of [`Planner::poll`] came to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum Progress {
     /// A new plan was handed over.
     Planned,
@@ -69,6 +70,7 @@ impl Halt {
 /// Counts since the start, for reports.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Counters {
     /// Plans handed over.
     pub plans: u32,

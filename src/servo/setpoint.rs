@@ -5,6 +5,7 @@ use crate::number::{ArcLength, Coord, Scalar};
 /// What the interpolator is doing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum Activity {
     /// At rest: nothing to run.
     #[default]
@@ -24,6 +25,7 @@ pub enum Activity {
 /// `f32` keeps fractions of a nanometre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Setpoint<S, const N: usize> {
     /// Fixed-point part of the position.
     pub origin: [Coord; N],

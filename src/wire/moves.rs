@@ -88,6 +88,7 @@ pub struct Move {
 
 /// Why a move is not a block of this controller.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum MoveError {
     /// It does not give as many axes as the controller has.
     Axes {

@@ -366,6 +366,7 @@ fn feed_blocks<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usiz
             }
             Err(PushError::Full | PushError::Aborted) => return Ok(taken),
             Err(PushError::Rejected { tag, reason }) => bail!("line {tag}: {reason}"),
+            Err(error) => bail!("line {}: {error}", step.line),
         }
     }
     planner.finish();

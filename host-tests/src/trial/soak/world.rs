@@ -351,6 +351,7 @@ impl Feeder<'_> {
                     break;
                 }
                 Err(PushError::Full) => break,
+                Err(error) => unreachable!("no judge knows of it: {error}"),
             }
             if self.producer.finishes && !at_once {
                 planner.finish();
