@@ -7,19 +7,19 @@
 //! collinear edges does not fit; the quintic Hermite curve does. A tangent joint of a line and an
 //! arc needs one too: its curvature jumps, and so would the acceleration.
 
+use super::budget;
 use super::hermite::Hermite;
-use super::node::{Cell, Node, Programmed};
+use super::node::{Cell, Frame, Node, Programmed};
 use super::segment::Segment;
 use crate::number::vector::{Vector, norm};
 use crate::number::{Length, Scalar};
 use core::array::from_fn;
 
-/// Share of the band that is used; the rest covers the distance between samples.
-const BAND_SHARE: f64 = 0.95;
 /// Rounds in which the length is fitted to the band.
 const ROUNDS: usize = 8;
-/// Places at which the distance from the joint is measured.
-const SAMPLES: i64 = 16;
+/// Parts at whose ends the distance from the joint is measured; one of them is the joint itself. Within a part it grows
+/// by less than [`budget::BLEND_GAPS`] (see the test).
+const PARTS: i64 = 16;
 /// Cells of a blend.
 pub const CELLS: u8 = 4;
 
@@ -41,8 +41,8 @@ impl<S: Scalar, const N: usize> Blend<S, N> {
         let end = after.node(exact);
         let length = (exact + exact).to_mm::<S>();
         let tangent_offset = start.tangent_offset_to(&end.at, length);
-        let (a, b) = ((&start.tangent, &start.curvature), (&end.tangent, &end.curvature));
-        Self { curve: Hermite::new(a, b, length, &tangent_offset), start, end }
+        let curve = Hermite::new(&start.frame(), &end.frame(), length, &tangent_offset);
+        Self { start, end, curve }
     }
 
     /// Longest reach up to `most` that keeps within `tolerance`, mm.
@@ -52,7 +52,7 @@ impl<S: Scalar, const N: usize> Blend<S, N> {
         tolerance: S,
         most: S,
     ) -> S {
-        let allowed = tolerance * S::of(BAND_SHARE);
+        let allowed = tolerance * S::of(budget::BLEND);
         let mut reach = most;
         for round in 0..ROUNDS {
             let off = Self::new(before, after, reach).distance(before, after, reach);
@@ -68,23 +68,13 @@ impl<S: Scalar, const N: usize> Blend<S, N> {
         S::ZERO
     }
 
-    /// Greatest distance between blend and joint, each point of the blend held against the point
-    /// of the same share of the arc length: never less than the true distance.
+    /// Greatest distance between blend and joint at the ends of the parts.
     fn distance(&self, before: &Segment<S, N>, after: &Segment<S, N>, reach: S) -> S {
-        let (frame_in, frame_out) = (before.end_frame(true), after.end_frame(false));
-        let origin = before.walk((&frame_in.0, &frame_in.1), -reach);
+        let sides = Sides::new(before, after, reach);
         let mut worst = S::ZERO;
-        for k in 1..SAMPLES {
-            let u = S::from_i64(k) / S::from_i64(SAMPLES);
-            let along = (S::of(2.0) * u - S::ONE) * reach;
-            let programmed = if along < S::ZERO {
-                before.walk((&frame_in.0, &frame_in.1), along)
-            } else {
-                after.walk((&frame_out.0, &frame_out.1), along)
-            };
-            let p = self.curve.offset(u);
-            let gap: Vector<S, N> = from_fn(|i| origin[i] + p[i] - programmed[i]);
-            worst = worst.greatest(norm(&gap));
+        for k in 1..PARTS {
+            let u = S::from_i64(k) / S::from_i64(PARTS);
+            worst = worst.greatest(sides.gap(&self.curve, u));
         }
         worst
     }
@@ -116,5 +106,91 @@ impl<S: Scalar, const N: usize> Blend<S, N> {
             event: None,
             straight: false,
         }
+    }
+}
+
+/// The segments on either side of a joint.
+struct Sides<'a, S, const N: usize> {
+    before: &'a Segment<S, N>,
+    after: &'a Segment<S, N>,
+    /// Their directions and bends at the joint.
+    frames: [Frame<S, N>; 2],
+    /// Length that a blend takes of either, mm.
+    reach: S,
+    /// From the joint to the start of the blend, mm.
+    origin: Vector<S, N>,
+}
+
+impl<'a, S: Scalar, const N: usize> Sides<'a, S, N> {
+    fn new(before: &'a Segment<S, N>, after: &'a Segment<S, N>, reach: S) -> Self {
+        let frames = [before.end_frame(), after.start_frame()];
+        let origin = before.walk(&frames[0], -reach);
+        Self { before, after, frames, reach, origin }
+    }
+
+    /// Distance between a blend at `u` in [0, 1] and the point at the same share of the arc length of both segments, mm:
+    /// never less than the distance to the nearest point.
+    fn gap(&self, blend: &Hermite<S, N>, u: S) -> S {
+        let along = (S::of(2.0) * u - S::ONE) * self.reach;
+        let [frame_in, frame_out] = &self.frames;
+        let point = if along < S::ZERO {
+            self.before.walk(frame_in, along)
+        } else {
+            self.after.walk(frame_out, along)
+        };
+        let p = blend.offset(u);
+        let gap: Vector<S, N> = from_fn(|i| self.origin[i] + p[i] - point[i]);
+        norm(&gap)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::block::Turn;
+    use crate::number::Coord;
+
+    const REACH: f64 = 1.0;
+
+    /// A segment that starts at the origin in a direction, and turns by an angle, rad, over [`REACH`].
+    fn segment(heading: f64, angle: f64, back: bool) -> Segment<f64, 2> {
+        let at = |x: f64, y: f64| [x, y].map(|x| Coord::from_mm(x).unwrap());
+        let (sin, cos) = heading.sin_cos();
+        let [from, sign] = if back { [-2.0, -1.0] } else { [2.0, 1.0] };
+        let ends = |far: [Coord; 2]| if back { (far, at(0.0, 0.0)) } else { (at(0.0, 0.0), far) };
+        if angle == 0.0 {
+            let (start, end) = ends(at(from * cos, from * sin));
+            return Segment::line(start, end).unwrap();
+        }
+        let radius = REACH / angle;
+        let centre = [-radius * sin, radius * cos];
+        let (s, c) = (heading + sign * 2.0 * angle).sin_cos();
+        let (start, end) = ends(at(centre[0] + radius * s, centre[1] - radius * c));
+        let turn = if angle > 0.0 { Turn::CounterClockwise } else { Turn::Clockwise };
+        let [x, y] = at(centre[0], centre[1]);
+        Segment::arc(start, end, (0, 1), (x, y), turn, 0).unwrap()
+    }
+
+    /// At any turn, between lines and arcs of any curvature.
+    #[test]
+    fn between_its_samples_a_blend_keeps_what_the_budget_says() {
+        let angles = [0.0, 0.03, -0.03, 0.15, -0.15, 0.3, -0.3, 0.45, -0.45];
+        let mut most = 0.0f64;
+        for turn in [0.0f64, 1.0e-4, 0.01, 0.03, 0.1, 0.2, 0.4, 0.8, 1.2, 1.6, 2.0, 2.4, 2.79] {
+            for (first, second) in angles.iter().flat_map(|a| angles.iter().map(move |b| (*a, *b)))
+            {
+                if turn <= 0.0 && (first - second).abs() < 1.0e-9 {
+                    continue;
+                }
+                let (before, after) = (segment(0.0, first, true), segment(turn, second, false));
+                let blend = Blend::new(&before, &after, REACH);
+                let sides = Sides::new(&before, &after, REACH);
+                let sampled = blend.distance(&before, &after, REACH);
+                let dense = (0..=1024).map(|k| sides.gap(&blend.curve, f64::from(k) / 1024.0));
+                most = most.max(dense.fold(0.0, f64::max) / sampled);
+            }
+        }
+        assert!(most <= 1.0 + budget::BLEND_GAPS / budget::BLEND, "{most}");
+        assert!(most >= 1.0, "{most}");
     }
 }

@@ -4,6 +4,7 @@
 //! wants of it: so a block is held until two more have come, or until the path is closed.
 
 use super::blend::{self, Blend};
+use super::budget::Straightened;
 use super::chords::Chords;
 use super::corner::Corner;
 use super::cut::{Emitted, dwell_part, next_cut, rest_cell, standstill};
@@ -20,16 +21,6 @@ use crate::number::vector::{norm, sub};
 use crate::number::{Coord, Length, Scalar};
 use heapless::Deque;
 
-/// How far, as a share of the tolerance, the end of a piece may lie off the line that it is a part of; and
-/// between pieces so much longer than the tolerance that it can only come from the rounding of a program.
-const STRAIGHT_SHARE: f64 = 0.001;
-const ROUNDED_SHARE: f64 = 0.1;
-/// How many times as long as the tolerance such a piece is.
-const ROUNDED_PIECE: f64 = 16.0;
-/// The same where there is no tolerance, mm.
-const STRAIGHT_SLACK: f64 = 1.0e-6;
-/// What coordinates are rounded to here, with a reserve, mm: it takes nothing of the band.
-const EXACT_SLACK: f64 = 1.0e-10;
 /// Shortest piece whose tag is shown, as a share of the length over which the feed is reached: every piece
 /// that is shown takes a node of the window.
 const SHOWN_SHARE: f64 = 1.0 / 32.0;
@@ -57,22 +48,13 @@ enum Stage<S, const N: usize> {
     Blend { blend: Blend<S, N>, index: u8 },
 }
 
-/// How far the end of a piece may lie off the line that it is a part of, mm: where that is nothing but the
-/// rounding of coordinates here, and where it may be that of the program; `shorter` is the length of the shorter
-/// line that meets there.
-fn slack<S: Scalar>(tolerance: S, shorter: S) -> (f64, f64) {
-    let long = shorter > tolerance * S::of(ROUNDED_PIECE);
-    let share = if long { ROUNDED_SHARE } else { STRAIGHT_SHARE };
-    (EXACT_SLACK, (tolerance.to_f64() * share).max(STRAIGHT_SLACK))
-}
-
 /// Length of the shortest piece of a line whose tag is shown, mm: a servo cycle at the feed at least.
 fn least_piece<S: Scalar, const N: usize>(
     segment: &Segment<S, N>,
     feed: S,
     config: &Config<S, N>,
 ) -> S {
-    let ramp = Ramp::new(&config.limits, &segment.end_frame(false).0).length(feed);
+    let ramp = Ramp::new(&config.limits, &segment.start_frame().tangent).length(feed);
     (feed * config.cycle).greatest(ramp * S::of(SHOWN_SHARE))
 }
 
@@ -279,17 +261,17 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             return None;
         }
         let shorter = before.length.least(after.length);
-        let slack = slack(item.tolerance, shorter);
+        let slack = Straightened::new(item.tolerance, shorter);
         // The vertex lies at least half the turn times the shorter line off the line past it. Most lines turn by
         // far more, and what follows is done in `f64`, which the target has no instructions for.
-        let turn = norm(&sub(&after.end_frame(false).0, &before.end_frame(true).0));
-        let least = S::of(2.0 * slack.1) / shorter;
+        let turn = norm(&sub(&after.start_frame().tangent, &before.end_frame().tangent));
+        let least = S::of(2.0 * slack.rounded) / shorter;
         if turn > least + S::EPSILON * S::of(TURN_ROUNDING) {
             return None;
         }
         let (sleeve, error) =
             self.sleeve.extended(&before.start, &before.end, &after.end, slack)?;
-        let exact = error <= EXACT_SLACK;
+        let exact = error <= slack.exact;
         if !self.last_is_open(exact) {
             return None;
         }
@@ -302,15 +284,14 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let shown = last.tag != item.tag
             && piece >= least_piece(before, last.feed, config)
             && !self.marks.is_full();
+        let off = if exact { 0.0 } else { error };
         let longer = QueuedBlock {
             segment: Some(Segment::line(before.start, after.end)?),
             feed: last.feed.least(item.feed),
             stop_after: item.stop_after,
             tag: item.tag,
             marks: last.marks + u16::from(shown),
-            error: S::of(if exact { 0.0 } else { error })
-                .greatest(last.error)
-                .least(item.tolerance * S::of(ROUNDED_SHARE)),
+            error: Straightened::taken(item.tolerance, S::of(off).greatest(last.error)),
             ..*last
         };
         Some((longer, sleeve, shown.then_some(Mark { s: before.length, tag: last.tag })))
@@ -565,7 +546,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         config: &Config<S, N>,
     ) {
         let tie = if self.rested { Tie::Rest } else { Tie::Smooth };
-        let ramp = Ramp::new(&config.limits, &segment.end_frame(false).0);
+        let ramp = Ramp::new(&config.limits, &segment.start_frame().tangent);
         let beside = Self::beside(item.entered, item.taken, segment);
         self.run.begin(segment.node(s).at, tie, item.leg(), (ramp, beside));
         self.run_from = s;
@@ -639,7 +620,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             let next = self.queue.get(1).and_then(|next| next.segment.as_ref());
             if let Some(next) = next {
                 let lengths = bent_lengths(segment.length, next.length);
-                let frames = (segment.end_frame(true), next.end_frame(false));
+                let frames = (segment.end_frame(), next.start_frame());
                 node = mean_node(node.at, &frames.0, &frames.1, lengths);
             }
         }
@@ -662,7 +643,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let reach = self.kept.to_mm::<S>();
         match (item.joint, self.half) {
             (Joint::Corner, Some(half)) => {
-                let (a, b) = (segment.end_frame(true).0, ahead.end_frame(false).0);
+                let (a, b) = (segment.end_frame().tangent, ahead.start_frame().tangent);
                 let transition = Transition::new(segment.end, (&a, &b), &Corner::new(&a, &b), half);
                 self.stage = Stage::Corner { transition, index: 0 };
             }

@@ -1,19 +1,18 @@
 //! A cubic curve that is taken into the look-ahead: as chords, made one at a time as there is room.
 //!
-//! The chords stay within a sixteenth of the tolerance of the curve, and the run they become
+//! The chords stay within a small share of the tolerance of the curve ([`budget::Chords`]), and the run they become
 //! ([`super::run`]) within the rest of it: so a curve is followed within its tolerance, and curves that
 //! join with the same tangent go on smoothly, whatever their curvature does. A curve that is straight
 //! within that share - a line written as a curve, also one that runs back on itself - is one line to
 //! each of its turning points, at which the motion rests, and to its end.
 
+use super::budget;
 use super::queued::{check_coordinates, in_range};
 use crate::block::{Block, BlockError, Field, Motion};
 use crate::machine::Config;
 use crate::number::{Coord, Scalar};
 use core::array::from_fn;
 
-/// Share of the tolerance that the chords take.
-const SHARE: f64 = 1.0 / 16.0;
 /// Least tolerance of a curve, mm.
 const LEAST_TOLERANCE: f64 = 1.0e-4;
 /// Most chords of a curve.
@@ -58,13 +57,13 @@ impl<S: Scalar, const N: usize> Chords<S, N> {
         for point in [&controls[0], &controls[1], &to] {
             check_coordinates(point)?;
         }
-        let tolerance = block.tolerance.unwrap_or(config.tolerance);
+        let tolerance = budget::tolerance(block, config);
         in_range(Field::Tolerance, tolerance, LEAST_TOLERANCE, 1.0e3)?;
         let offsets =
             [controls[0], controls[1], to].map(|point| from_fn(|i| point[i].minus::<f64>(from[i])));
-        let sag = tolerance.to_f64() * SHARE;
+        let budget::Chords { sag, rest } = budget::Chords::new(tolerance);
         let mut line = *block;
-        line.tolerance = Some(tolerance - S::of(sag));
+        line.tolerance = Some(rest);
         line.exact_stop = false;
         let mut chords = Self {
             line,

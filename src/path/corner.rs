@@ -11,12 +11,10 @@
 //! L = 4 delta / sin 2 theta, with no search. The default mode shapes its corners otherwise
 //! ([`super::swing`]), but measures them by this one.
 
+use super::budget;
 use super::transition::Half;
 use crate::number::Scalar;
 use crate::number::vector::{Vector, dot};
-
-/// Share of the band that the default mode uses; the rest is for rounding.
-const BAND_SHARE: f64 = 0.998;
 
 /// Share of a leg from which on it counts as used up by the paper's transition.
 const USED_UP: f64 = 63.0 / 64.0;
@@ -76,7 +74,7 @@ impl<S: Scalar> Corner<S> {
     /// Length 2 L of the paper's transition along either leg if it uses the whole band `delta`,
     /// mm: 8 delta / sin 2 theta, or `most` if that is less.
     pub fn full_band_length(&self, delta: S, most: S) -> S {
-        let wanted = S::of(8.0 * BAND_SHARE) * delta;
+        let wanted = S::of(8.0 * budget::CORNER) * delta;
         // Compared before the division, which would overflow for straight joints.
         if wanted >= most * self.sin_turn { most } else { wanted / self.sin_turn }
     }
@@ -165,7 +163,7 @@ mod tests {
             let corner = Corner::new(&a, &b);
             let edge = corner.full_band_length(0.05, 1e9) * 0.5;
             let off = corner.shoulder(edge) * corner.sin_theta();
-            assert!((off / 0.05 - BAND_SHARE).abs() < 1e-9, "{degrees}: {off}");
+            assert!((off / 0.05 - budget::CORNER).abs() < 1e-9, "{degrees}: {off}");
         }
     }
 }

@@ -65,7 +65,7 @@ pub fn rest_cell<S: Scalar, const N: usize>(
     feed: S,
     limits: &Limits<S, N>,
 ) -> S {
-    Ramp::new(limits, &segment.end_frame(false).0).first_cell(feed)
+    Ramp::new(limits, &segment.start_frame().tangent).first_cell(feed)
 }
 
 /// Length of the next of the pieces that a length is cut into, mm: `done` lies behind, `left` ahead,

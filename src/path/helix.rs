@@ -11,7 +11,7 @@
 //! - an end on the ray of the start, but at another radius ([`SAME_RAY`]), could be no turn as well as a
 //!   full one: it is refused, because neither may be run by mistake.
 
-use super::node::integral;
+use super::node::{Frame, integral};
 use crate::block::{BlockError, Turn};
 use crate::number::{Coord, Scalar};
 use core::array::from_fn;
@@ -184,11 +184,7 @@ impl Helix {
     }
 
     /// Tangent and curvature at a share.
-    pub fn frame<S: Scalar, const N: usize>(
-        &self,
-        share: i64,
-        climb: &[f64; N],
-    ) -> ([S; N], [S; N]) {
+    pub fn frame<S: Scalar, const N: usize>(&self, share: i64, climb: &[f64; N]) -> Frame<S, N> {
         let Polar { radius, sin, cos } = self.polar(share);
         let (turn, growth) = (self.angle(), self.growth);
         let speed = self.speed(radius, climb);
@@ -206,7 +202,7 @@ impl Helix {
         let (inwards, across) = (-turn * turn * radius, 2.0 * growth * turn);
         self.put(&mut second, inwards * cos - across * sin, inwards * sin + across * cos);
         let curvature = from_fn(|i| S::of((second[i] - along * tangent[i]) / square));
-        (tangent.map(S::of), curvature)
+        Frame { tangent: tangent.map(S::of), curvature }
     }
 
     /// Length and tangent offset ([`super::node::Cell`]) of the part between two shares.
@@ -354,8 +350,10 @@ mod tests {
             let step = (WHOLE as f64 * 0.01 / helix.angle().abs()) as i64;
             for share in [0, WHOLE / 3, WHOLE - step] {
                 let (length, tangent_offset) = helix.cell::<f64, 3>((share, share + step), &climb);
-                let (t0, k0): ([f64; 3], [f64; 3]) = helix.frame(share, &climb);
-                let (t1, k1): ([f64; 3], [f64; 3]) = helix.frame(share + step, &climb);
+                let Frame { tangent: t0, curvature: k0 }: Frame<f64, 3> =
+                    helix.frame(share, &climb);
+                let Frame { tangent: t1, curvature: k1 }: Frame<f64, 3> =
+                    helix.frame(share + step, &climb);
                 let (a, b) = (at(share), at(share + step));
                 let expected = whole * (step as f64 / WHOLE as f64);
                 assert!((length - expected).abs() < 1e-3 * expected);

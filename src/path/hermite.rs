@@ -1,6 +1,6 @@
 //! Quintic Hermite curves: point, tangent and curvature given at both ends.
 
-use super::node::{Cell, Node, by_arc_length, integral};
+use super::node::{Cell, Frame, Node, by_arc_length, integral};
 use crate::number::vector::{Vector, norm, shifted};
 use crate::number::{Coord, Scalar};
 use core::array::from_fn;
@@ -18,27 +18,26 @@ pub struct Hermite<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Hermite<S, N> {
-    /// The curve between two directions: `start` and `end` are (tangent, curvature), `length` the
-    /// parameter length, mm, `tangent_offset` the end point minus `length x start tangent`, mm.
+    /// The curve between two directions: `length` is the parameter length, mm, `tangent_offset` the end point minus `length x start tangent`, mm.
     pub fn new(
-        start: (&Vector<S, N>, &Vector<S, N>),
-        end: (&Vector<S, N>, &Vector<S, N>),
+        start: &Frame<S, N>,
+        end: &Frame<S, N>,
         length: S,
         tangent_offset: &Vector<S, N>,
     ) -> Self {
         let square = length * length;
         // The straight part length x tangent x u is split off: what is left is small.
         let rest = |i: usize| {
-            let slope = (end.0[i] - start.0[i]) * length;
-            (tangent_offset[i], slope, start.1[i] * square, end.1[i] * square)
+            let slope = (end.tangent[i] - start.tangent[i]) * length;
+            (tangent_offset[i], slope, start.curvature[i] * square, end.curvature[i] * square)
         };
         let half = S::of(0.5);
         Self {
-            tangent: *start.0,
+            tangent: start.tangent,
             length,
             coefficients: [
-                from_fn(|i| start.0[i] * length),
-                from_fn(|i| start.1[i] * square * half),
+                from_fn(|i| start.tangent[i] * length),
+                from_fn(|i| start.curvature[i] * square * half),
                 from_fn(|i| {
                     let (d, v, a0, a1) = rest(i);
                     S::of(10.0) * d - S::of(4.0) * v - S::of(1.5) * a0 + half * a1
@@ -57,12 +56,7 @@ impl<S: Scalar, const N: usize> Hermite<S, N> {
 
     /// The curve of a cell.
     pub fn of_cell(from: &Node<S, N>, cell: &Cell<S, N>, to: &Node<S, N>) -> Self {
-        Self::new(
-            (&from.tangent, &from.curvature),
-            (&to.tangent, &to.curvature),
-            cell.length,
-            &cell.tangent_offset,
-        )
+        Self::new(&from.frame(), &to.frame(), cell.length, &cell.tangent_offset)
     }
 
     /// Offset from the start at `u` in [0, 1], mm.
@@ -107,8 +101,7 @@ impl<S: Scalar, const N: usize> Hermite<S, N> {
 
     /// Node at `u`, given the position of the start.
     pub fn node(&self, start: &Node<S, N>, u: S) -> Node<S, N> {
-        let (tangent, curvature) = by_arc_length(&self.first(u), &self.second(u));
-        Node { at: self.place(&start.at, u), tangent, curvature }
+        Node::new(self.place(&start.at, u), by_arc_length(&self.first(u), &self.second(u)))
     }
 
     /// Point at `u`, given the start.

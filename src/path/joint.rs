@@ -1,10 +1,10 @@
 //! How two segments meet: at rest, passed, rounded or blended, and what that takes of them.
 
 use super::blend::Blend;
+use super::budget;
 use super::corner::Corner;
-use super::node::Node;
-use super::queued::{Frame, Joint, QueuedBlock};
-use super::run::SPIKE;
+use super::node::{Frame, Node};
+use super::queued::{Joint, QueuedBlock};
 use super::segment::{Segment, Shape};
 use super::swing;
 use super::transition::Half;
@@ -55,12 +55,13 @@ pub fn mean_node<S: Scalar, const N: usize>(
     (l0, l1): (S, S),
 ) -> Node<S, N> {
     let half = S::of(0.5);
-    let sum: [S; N] = from_fn(|i| frame_in.0[i] * l1 + frame_out.0[i] * l0);
+    let sum: [S; N] = from_fn(|i| frame_in.tangent[i] * l1 + frame_out.tangent[i] * l0);
     let size = norm(&sum);
     let per = S::of(2.0) / (l0 + l1);
     let tangent: [S; N] = from_fn(|i| sum[i] / size);
     let bend: [S; N] = from_fn(|i| {
-        (frame_out.0[i] - frame_in.0[i]) * per + (frame_in.1[i] + frame_out.1[i]) * half
+        (frame_out.tangent[i] - frame_in.tangent[i]) * per
+            + (frame_in.curvature[i] + frame_out.curvature[i]) * half
     });
     // Curvature is at right angles to the tangent.
     let along = dot(&bend, &tangent);
@@ -88,9 +89,9 @@ pub fn passes<S: Scalar, const N: usize>(
     tolerance: S,
     mode: CornerMode<S>,
 ) -> bool {
-    let gap: [S; N] = from_fn(|i| frame_out.0[i] - frame_in.0[i]);
+    let gap: [S; N] = from_fn(|i| frame_out.tangent[i] - frame_in.tangent[i]);
     let turn = norm(&gap);
-    let bend: [S; N] = from_fn(|i| frame_out.1[i] - frame_in.1[i]);
+    let bend: [S; N] = from_fn(|i| frame_out.curvature[i] - frame_in.curvature[i]);
     let bend = norm(&bend);
     let (l0, l1) = bent_lengths(a.length, b.length);
     let longest = l0.greatest(l1);
@@ -107,7 +108,7 @@ pub fn passes<S: Scalar, const N: usize>(
         return false;
     }
     let off = (turn * S::of(0.24) / (l0 + l1) + bend * S::of(0.02)) * longest * longest;
-    off <= tolerance * S::of(0.48)
+    off <= tolerance * S::of(budget::PASSED)
 }
 
 /// How corners between two blocks are rounded: those between the chords of a curve, which nobody has
@@ -150,16 +151,16 @@ pub fn joint<S: Scalar, const N: usize>(
         return (Joint::Stop, Length::ZERO);
     };
     let mode = corner_mode(before, after, config.corner);
-    let tolerance = before.band().least(after.band());
-    let (frame_in, frame_out) = (a.end_frame(true), b.end_frame(false));
-    let corner = Corner::new(&frame_in.0, &frame_out.0);
+    let tolerance = before.band_with(after);
+    let (frame_in, frame_out) = (a.end_frame(), b.start_frame());
+    let corner = Corner::new(&frame_in.tangent, &frame_out.tangent);
     let shorter = a.length.least(b.length);
     let lines = a.is_line() && b.is_line() && mode == CornerMode::Band;
-    let stops = || stop_is_shorter(before, after, &frame_in.0, config);
+    let stops = || stop_is_shorter(before, after, &frame_in.tangent, config);
     // Of two lines that could be parts of a run.
     let run = || if stops() { Joint::Stop } else { Joint::Run };
     // A spike smaller than the tolerance is ironed out.
-    let spike = lines && shorter < tolerance * S::of(SPIKE);
+    let spike = lines && shorter < tolerance * S::of(budget::SPIKE);
     if corner.cos_turn() < S::of(STOP_COSINE) {
         return (if spike { run() } else { Joint::Stop }, Length::ZERO);
     }
@@ -220,7 +221,7 @@ pub fn reach<S: Scalar, const N: usize>(
     if item.entered == Joint::Stop && item.taken == Length::ZERO {
         // A transition from rest on gets going in cells as long as its shape asks for: where the feed is
         // reached in less, there must be a stretch before it that is cut for that.
-        let ramp = Ramp::new(&config.limits, &segment.end_frame(false).0).length(item.feed);
+        let ramp = Ramp::new(&config.limits, &segment.start_frame().tangent).length(item.feed);
         left -= Length::from_mm(ramp.least(segment.length * S::of(RAMP_SHARE)));
     }
     if bent {
@@ -229,8 +230,8 @@ pub fn reach<S: Scalar, const N: usize>(
     if item.entered == Joint::Run {
         left -= segment.exact_length / RUN_SHARE;
     }
-    let corner = Corner::new(&segment.end_frame(true).0, &ahead.end_frame(false).0);
-    let tolerance = item.band().least(next.band());
+    let corner = Corner::new(&segment.end_frame().tangent, &ahead.start_frame().tangent);
+    let tolerance = item.band_with(next);
     let mode = corner_mode(item, next, config.corner);
     if let (Joint::Corner, CornerMode::Paper { lambda }) = (joint, mode) {
         let leg_in = left.to_mm::<S>() * (S::ONE - lambda);
@@ -272,7 +273,7 @@ pub fn reach<S: Scalar, const N: usize>(
     if joint == Joint::Blend {
         let reach = length.to_mm::<S>();
         let feed = item.feed.least(next.feed);
-        let ramp = Ramp::new(&config.limits, &segment.end_frame(true).0).length(feed);
+        let ramp = Ramp::new(&config.limits, &segment.end_frame().tangent).length(feed);
         if reach < tolerance * S::of(TINY_REACH) && reach < ramp * S::of(TINY_RAMP) {
             return Taken { length: Length::ZERO, half: None };
         }

@@ -12,10 +12,12 @@
 //! holds it as a [`queued`] one (a curve as [`chords`]) until its neighbours are known; [`joint`] decides by
 //! geometry how they meet inside the band: as a [`corner`] (two long lines, Guo 2023), within a [`run`]
 //! (short lines, which become one smooth spline), or by a [`blend`] (wherever an arc takes part);
+//! [`budget`] says who may use which share of the tolerance.
 //! [`cut`] says where line and arc are cut into cells. A cell is what lies between two [`node`]s; its shape is fixed by the
 //! two (point, tangent, curvature), as a quintic [`hermite`] curve.
 
 pub(crate) mod blend;
+mod budget;
 pub(crate) mod builder;
 mod check;
 mod chords;

@@ -16,6 +16,16 @@ pub struct Node<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Node<S, N> {
+    /// Its direction and bend.
+    pub fn frame(&self) -> Frame<S, N> {
+        Frame { tangent: self.tangent, curvature: self.curvature }
+    }
+
+    /// The node at a point with a direction and bend.
+    pub fn new(at: [Coord; N], Frame { tangent, curvature }: Frame<S, N>) -> Self {
+        Self { at, tangent, curvature }
+    }
+
     /// How far a point lies off the straight line along this node's tangent: see [`Cell::tangent_offset`].
     /// In `f64`, because it is a small difference: its rounding in `f32` would be felt as jerk.
     pub fn tangent_offset_to(&self, to: &[Coord; N], length: S) -> Vector<S, N> {
@@ -24,6 +34,15 @@ impl<S: Scalar, const N: usize> Node<S, N> {
             S::of(to[i].minus::<f64>(self.at[i]) - straight)
         })
     }
+}
+
+/// Direction and bend of a curve at a point.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame<S, const N: usize> {
+    /// dx/ds: unit tangent.
+    pub tangent: Vector<S, N>,
+    /// d2x/ds2, 1/mm.
+    pub curvature: Vector<S, N>,
 }
 
 /// The path between two neighbouring nodes.
@@ -71,14 +90,14 @@ pub struct Programmed<S> {
 pub fn by_arc_length<S: Scalar, const N: usize>(
     d1: &Vector<S, N>,
     d2: &Vector<S, N>,
-) -> (Vector<S, N>, Vector<S, N>) {
+) -> Frame<S, N> {
     let square = dot(d1, d1);
     let speed = square.sqrt();
     let tangent: Vector<S, N> = from_fn(|i| d1[i] / speed);
     let along = dot(&tangent, d2);
     let normal: Vector<S, N> = from_fn(|i| tangent[i] * along);
     let bend = sub(d2, &normal);
-    (tangent, from_fn(|i| bend[i] / square))
+    Frame { tangent, curvature: from_fn(|i| bend[i] / square) }
 }
 
 /// The integral of a function, by the three-point Gauss-Legendre rule.

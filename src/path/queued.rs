@@ -1,5 +1,6 @@
 //! Blocks that wait for their neighbours, checked and with their geometry.
 
+use super::budget;
 use super::node::{Event, Programmed};
 use super::run::Leg;
 use super::segment::Segment;
@@ -61,9 +62,6 @@ pub struct QueuedBlock<S, const N: usize> {
     pub taken: Length,
 }
 
-/// Tangent and curvature.
-pub type Frame<S, const N: usize> = ([S; N], [S; N]);
-
 impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
     /// What it asks of its cells.
     pub fn programmed(&self) -> Programmed<S> {
@@ -85,9 +83,10 @@ impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
             && (self.rapid || (a - b).abs() <= a.least(b) * S::of(FEED_SLACK))
     }
 
-    /// What is left of the tolerance for its joints, mm.
-    pub fn band(&self) -> S {
-        self.tolerance - self.error
+    /// The band of the joint with a neighbour, mm: what the lines that each was made of have left of its tolerance,
+    /// and the narrower of the two.
+    pub fn band_with(&self, neighbour: &Self) -> S {
+        (self.tolerance - self.error).least(neighbour.tolerance - neighbour.error)
     }
 
     /// A block that starts at `from`, checked; `None` if there is nothing to do for it. `whole` is the length
@@ -98,7 +97,7 @@ impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
         whole: Option<S>,
         config: &Config<S, N>,
     ) -> Result<Option<Self>, BlockError> {
-        let tolerance = block.tolerance.unwrap_or(config.tolerance);
+        let tolerance = budget::tolerance(block, config);
         in_range(Field::Tolerance, tolerance, 0.0, 1.0e3)?;
         match block.feed {
             Feed::PerSecond(feed) => in_range(Field::Feed, feed, 1.0e-9, 1.0e6)?,
@@ -192,7 +191,7 @@ fn path_speed<S: Scalar, const N: usize>(
     feed: Feed<S>,
     limits: &Limits<S, N>,
 ) -> S {
-    let (tangent, _) = segment.end_frame(false);
+    let tangent = segment.start_frame().tangent;
     let mut linear = zero::<S, N>();
     let mut most = S::of(1.0e6);
     for (i, axis) in limits.axes().iter().enumerate() {

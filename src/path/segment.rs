@@ -1,7 +1,8 @@
 //! Lines and arcs as parts of the path, with exact ends and lengths.
 
+use super::budget;
 use super::helix::{Helix, WHOLE};
-use super::node::{Cell, Node, Programmed};
+use super::node::{Cell, Frame, Node, Programmed};
 use crate::block::{BlockError, FINEST_BAND, Turn};
 use crate::number::vector::{Vector, zero};
 use crate::number::{Coord, Length, Scalar};
@@ -22,9 +23,6 @@ const GREATEST_LENGTH: f64 = 7.0e6;
 /// to an end of the cell for as long as [`crate::profile::law::Law`] admits: 1 / 26.1 from a standstill, 1 / 19.2
 /// where the end is passed (a search over the four Bernstein coefficients of the speed; it falls with the angle).
 const CREEPING: f64 = 19.2;
-
-/// Share of the tolerance that this may take; the rest is for rounding.
-const ARC_SHARE: f64 = 0.97;
 
 /// Angle of a cell at most, rad: at steady speed its quintic then keeps to the arc by 2e-8 of its radius.
 const LONGEST_ANGLE: f64 = 0.3;
@@ -102,13 +100,21 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
         if s >= self.exact_length { WHOLE } else { s.max(Length::ZERO).share_of(self.exact_length) }
     }
 
-    /// Tangent and curvature at the start (`false`) or the end (`true`).
-    pub fn end_frame(&self, end: bool) -> (Vector<S, N>, Vector<S, N>) {
+    /// Direction and bend at the start.
+    pub fn start_frame(&self) -> Frame<S, N> {
+        self.frame(0)
+    }
+
+    /// Direction and bend at the end.
+    pub fn end_frame(&self) -> Frame<S, N> {
+        self.frame(WHOLE)
+    }
+
+    /// Direction and bend at a share of the segment.
+    fn frame(&self, share: i64) -> Frame<S, N> {
         match &self.shape {
-            Shape::Line(tangent) => (*tangent, zero()),
-            Shape::Arc(helix) => {
-                helix.frame(if end { WHOLE } else { 0 }, &helix.climb(&self.start, &self.end))
-            }
+            Shape::Line(tangent) => Frame { tangent: *tangent, curvature: zero() },
+            Shape::Arc(helix) => helix.frame(share, &helix.climb(&self.start, &self.end)),
         }
     }
 
@@ -121,16 +127,13 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
     pub fn node(&self, s: Length) -> Node<S, N> {
         let share = self.share(s);
         let mut at = from_fn(|i| self.start[i].towards(self.end[i], share));
-        match &self.shape {
-            Shape::Line(tangent) => Node { at, tangent: *tangent, curvature: zero() },
-            Shape::Arc(helix) => {
-                if share > 0 && share < WHOLE {
-                    helix.set_position(&mut at, share);
-                }
-                let (tangent, curvature) = helix.frame(share, &helix.climb(&self.start, &self.end));
-                Node { at, tangent, curvature }
-            }
+        if let Shape::Arc(helix) = &self.shape
+            && share > 0
+            && share < WHOLE
+        {
+            helix.set_position(&mut at, share);
         }
+        Node::new(at, self.frame(share))
     }
 
     /// The cell between two arc lengths.
@@ -156,7 +159,7 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
             Shape::Arc(helix) => {
                 let bend = helix.bend(&helix.climb(&self.start, &self.end));
                 let band = tolerance.greatest(S::of(FINEST_BAND));
-                let close = (band * S::of(CREEPING * ARC_SHARE / bend)).sqrt();
+                let close = (band * S::of(CREEPING * budget::ARC / bend)).sqrt();
                 self.longest_angle().least(close)
             }
         }
@@ -171,13 +174,13 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
     }
 
     /// Offset from a node of the curve to the point `along` mm further on (back if negative).
-    pub fn walk(&self, frame: (&Vector<S, N>, &Vector<S, N>), along: S) -> Vector<S, N> {
+    pub fn walk(&self, frame: &Frame<S, N>, along: S) -> Vector<S, N> {
         match &self.shape {
             Shape::Line(tangent) => from_fn(|i| tangent[i] * along),
             Shape::Arc(helix) => {
                 let tangent_offset =
                     tangent_offset_along(helix, helix.rate(self.length), frame, along);
-                from_fn(|i| frame.0[i] * along + tangent_offset[i])
+                from_fn(|i| frame.tangent[i] * along + tangent_offset[i])
             }
         }
     }
@@ -188,7 +191,7 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
 fn tangent_offset_along<S: Scalar, const N: usize>(
     helix: &Helix,
     rate: S,
-    (tangent, curvature): (&Vector<S, N>, &Vector<S, N>),
+    Frame { tangent, curvature }: &Frame<S, N>,
     along: S,
 ) -> Vector<S, N> {
     let phi = rate * along;

@@ -1,6 +1,7 @@
 //! Lines that run on straight become one: the sleeve that says whether they do, and the marks that keep
 //! their tags.
 
+use super::budget::Straightened;
 use crate::number::{Coord, Scalar};
 use core::array::from_fn;
 
@@ -41,14 +42,14 @@ impl<const N: usize> Sleeve<N> {
     }
 
     /// Taken on from `via`, the end so far, to `to`, with what the vertices may lie off the line from
-    /// `start` to there, mm: less than `slack.0`, or if that is not so less than `slack.1`. `None` if
+    /// `start` to there, mm: less than `slack.exact`, or if that is not so `slack.rounded`. `None` if
     /// they lie farther off.
     pub fn extended(
         &self,
         start: &[Coord; N],
         via: &[Coord; N],
         to: &[Coord; N],
-        slack: (f64, f64),
+        slack: Straightened,
     ) -> Option<(Self, f64)> {
         let along = |offset: &[f64; N]| -> f64 {
             offset.iter().zip(&self.direction).map(|(x, d)| x * d).sum()
@@ -69,13 +70,13 @@ impl<const N: usize> Sleeve<N> {
         let inside = |bounds: &[(f64, f64); N]| {
             bounds.iter().zip(there).all(|((low, high), x)| x / far >= *low && x / far <= *high)
         };
-        let straight = narrowed(&self.straight, slack.0);
-        let rounded = narrowed(&self.rounded, slack.1);
+        let straight = narrowed(&self.straight, slack.exact);
+        let rounded = narrowed(&self.rounded, slack.rounded);
         let longer = Self { direction: self.direction, straight, rounded };
         if inside(&straight) {
-            return Some((longer, slack.0));
+            return Some((longer, slack.exact));
         }
-        inside(&rounded).then_some((longer, slack.1))
+        inside(&rounded).then_some((longer, slack.rounded))
     }
 }
 
@@ -155,7 +156,12 @@ mod tests {
         let start = at(0.0, 0.0);
         let mut sleeve = Sleeve::of(&start, &list[0]);
         for (n, pair) in list.windows(2).enumerate() {
-            match sleeve.extended(&start, &pair[0], &pair[1], (1.0e-6, slack)) {
+            match sleeve.extended(
+                &start,
+                &pair[0],
+                &pair[1],
+                Straightened { exact: 1.0e-6, rounded: slack },
+            ) {
                 Some((longer, _)) => sleeve = longer,
                 None => return n + 1,
             }

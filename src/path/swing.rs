@@ -15,6 +15,7 @@
 //! and columns shapes are interpolated; then the true deviation of the curve is computed and the
 //! shape scaled to the band, so the band is kept whatever the table says.
 
+use super::budget;
 use super::corner::Corner;
 use super::transition::Half;
 use crate::number::Scalar;
@@ -24,10 +25,6 @@ use core::array::from_fn;
 /// One shape: distances of P0..P4 from the corner in units of G, offsets of P3 and P4 and of P5 in
 /// units of delta, to the inside.
 type Template = [f64; 8];
-
-/// Share of the band that the shapes use. A motion that rests or starts within a cell leaves the
-/// spline by up to four per cent of the band (`profile::compile` tests it).
-const SHARE: f64 = 0.95;
 
 /// Turns of the columns: 30, 60, 90, 120, 135 and 154 degrees.
 const TURNS: usize = 6;
@@ -86,7 +83,7 @@ const COARSE_ROOM: f64 = 1.2;
 /// Length along a leg that is worth having for a corner with the band `delta`, mm; `most` at most.
 pub fn longest_reach<S: Scalar>(corner: &Corner<S>, delta: S, most: S) -> S {
     let [.., rooms] = ROOM;
-    let guo = corner.full_band_length(delta * S::of(SHARE), most);
+    let guo = corner.full_band_length(delta * S::of(budget::SWING), most);
     if guo >= most {
         return most;
     }
@@ -98,7 +95,7 @@ pub fn longest_reach<S: Scalar>(corner: &Corner<S>, delta: S, most: S) -> S {
 /// The first half of the transition for a corner with the band `delta`, mm, and `room` mm of
 /// either leg to take.
 pub fn half<S: Scalar>(corner: &Corner<S>, delta: S, room: S) -> Half<S> {
-    let guo = corner.full_band_length(delta * S::of(SHARE), room * S::of(4.0));
+    let guo = corner.full_band_length(delta * S::of(budget::SWING), room * S::of(4.0));
     let ratio = (room / guo).to_f64();
     let shape = shape(corner, ratio);
     // Where the legs are short, the turn slight, or both, the band is not what limits the corner:

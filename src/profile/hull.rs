@@ -95,7 +95,7 @@ fn cells<S: Scalar>(
         let feed = Feed::PerSecond(S::of(1e5));
         let block = Block { motion, feed, tolerance: None, exact_stop: false, tag: 1 };
         if builder.push(&block, config).is_ok() {
-            (here, tangent) = (segment.end, segment.end_frame(true).0);
+            (here, tangent) = (segment.end, segment.end_frame().tangent);
         }
     }
     builder.close();

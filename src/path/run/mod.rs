@@ -9,7 +9,7 @@ mod polyline;
 mod sliding;
 mod span;
 
-pub use self::polyline::{Leg, SPIKE};
+pub use self::polyline::Leg;
 pub use self::sliding::Tie;
 
 use self::polyline::{Polyline, Ray};

@@ -2,6 +2,7 @@
 
 use crate::number::vector::{Vector, dot, norm, zero};
 use crate::number::{Coord, Length, Scalar};
+use crate::path::budget;
 use crate::path::node::Programmed;
 use crate::path::segment::Segment;
 use core::array::from_fn;
@@ -11,12 +12,6 @@ use heapless::{Deque, Vec};
 const VERTICES: usize = 64;
 /// Vertices left out between two that are kept.
 const DROPPED: usize = 12;
-/// Share of the tolerance by which a vertex that is left out may lie off.
-const THINNING: f64 = 0.05;
-/// The same where the path turns back: a spike, which is ironed out.
-pub const SPIKE: f64 = 0.4;
-/// How far back is no spike but rounding, as a share of the tolerance.
-const BACK_SLACK: f64 = 1.0e-3;
 /// Lines shorter than this, are followed by their direction, in `f32` to a nanometre; on longer
 /// ones a point is found by a division of wide integers.
 const SHORT: Length = Length::from_raw(10 * Length::PER_MM);
@@ -143,8 +138,8 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
             along = along.greatest(on);
         }
         error += self.forgotten;
-        let spike = back > leg.tolerance * S::of(BACK_SLACK);
-        let share = if spike { SPIKE } else { THINNING };
+        let spike = back > leg.tolerance * S::of(budget::BACKWARDS);
+        let share = if spike { budget::SPIKE } else { budget::THINNED };
         if error.greatest(back) > leg.tolerance * S::of(share) {
             return None;
         }
@@ -311,7 +306,7 @@ impl<S: Scalar, const N: usize> Vertex<S, N> {
     /// The vertex at the end of a line; `None` if it has no length.
     fn new(from: &Self, at: [Coord; N], leg: Leg<S>) -> Option<Self> {
         let line = Segment::<S, N>::line(from.at, at)?;
-        let (direction, _) = line.end_frame(true);
+        let direction = line.end_frame().tangent;
         Some(Self { at, s: from.s + line.exact_length, direction, leg })
     }
 }

@@ -17,6 +17,7 @@ use super::span::SpanCurve;
 use crate::number::list::some;
 use crate::number::vector::{Vector, dot, norm, sub, zero};
 use crate::number::{Coord, Length, Scalar};
+use crate::path::budget;
 use crate::spline::basis::Local;
 use crate::spline::sweep::{Order, Reference, System, Tube, price};
 use crate::spline::tube::{Place, Pole, Span, edges};
@@ -30,11 +31,6 @@ pub const PLACES: usize = 128;
 /// Places of comparison in one span: its start, the vertices of the poly-line in it, and more if
 /// they are far apart.
 pub const SPAN_PLACES: usize = 10;
-/// Share of the band that the spline keeps to; the rest is for rounding.
-const SHARE: f64 = 0.99;
-/// A motion that comes to rest within a cell, or starts there, leaves the spline by up to this share of
-/// curvature times length squared (`profile::compile` tests it): that much of the band is kept free.
-const REST_SHARE: f64 = 1.0 / 96.0;
 /// Turn, rad, from which on a vertex of the poly-line is compared with either of its lines instead of
 /// by arc length: the inside of a corner is farther from its vertex than from its lines.
 const SHARP: f64 = 0.15;
@@ -258,7 +254,7 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         let local = Local::new(knots);
         let (from, to) = (knots[2], knots[3]);
         let leg = polyline.lines(from, to).map(|(_, end)| end.leg).reduce(|a, b| a.with(&b))?;
-        let radius = leg.tolerance * S::of(SHARE) - leg.error;
+        let radius = budget::run_radius(leg.tolerance, leg.error);
         let [origin, others @ ..]: [[Coord; N]; 4] =
             from_fn(|j| polyline.point(Length::mean(knots[j], knots[j + 1], knots[j + 2])));
         let from_origin = |at: &[Coord; N]| -> Vector<S, N> { from_fn(|i| at[i].minus(origin[i])) };
@@ -325,7 +321,7 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         }
         let gap: S = widest.to_mm();
         let edges = [b, sub(&c, &b), sub(&d, &c)];
-        let rest = local.step() * local.step() * S::of(REST_SHARE);
+        let rest = local.step() * local.step() * S::of(budget::RUN_REST);
         let span = Span::new(&local, gap * gap * S::of(0.125) + rest);
         let sag = span.slack(&edges);
         let inside =

@@ -78,13 +78,13 @@ impl<S: Scalar, const N: usize> SpanCurve<S, N> {
         let [a, b, c] = &self.first;
         let per = S::of(2.0) / self.step;
         let second = from_fn(|i| ((b[i] - a[i]) * (S::ONE - u) + (c[i] - b[i]) * u) * per);
-        let (tangent, curvature) = by_arc_length(&self.first(u), &second);
+        let frame = by_arc_length(&self.first(u), &second);
         let at = match part {
             0 => *start,
             _ if part == self.parts => *end,
             _ => shifted(start, &self.offset(u)),
         };
-        Node { at, tangent, curvature }
+        Node::new(at, frame)
     }
 
     /// The cell over a part, between two nodes.
