@@ -4,7 +4,7 @@ use super::stop::{DEPTHS, HARD, SHARES, Stop};
 use super::{Halt, Planner};
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
-use crate::profile::law::State;
+use crate::profile::law::PathState;
 use crate::profile::solver::{Aim, Stretch};
 use crate::servo::link::Branch;
 
@@ -86,10 +86,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             let mut states = heapless::Vec::new();
             let end = self.put_stop(i, &stop, stretch.last, &mut states);
             let held = Stretch { last: end.unwrap_or(i), ..stretch };
-            if end.is_some()
-                && self.solver.holds(&self.window, held, &self.config.limits)
-                && self.crawl_in(held).is_none()
-            {
+            if end.is_some() && self.holds(held) && self.crawl_in(held).is_none() {
                 self.publish(held, branch, self.overrides, Some(Halt::Hold));
                 return true;
             }
@@ -206,13 +203,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         i: usize,
         stop: &Stop<S>,
         last: usize,
-        before: &mut heapless::Vec<State<S>, STOP_CELLS>,
+        before: &mut heapless::Vec<PathState<S>, STOP_CELLS>,
     ) -> Option<usize> {
         let (mut cell, mut way) = (i, S::ZERO);
         loop {
             let length = self.window.get(cell)?.cell.length;
             if way + length > stop.length() {
-                self.insert(cell, (stop.length() - way) / length, State::REST)?;
+                self.insert(cell, (stop.length() - way) / length, PathState::REST)?;
                 break;
             }
             way += length;

@@ -14,7 +14,7 @@ use super::{Halt, Planner, Progress};
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::path::node::Cell;
-use crate::profile::law::State;
+use crate::profile::law::PathState;
 use crate::profile::rows::Pace;
 use crate::profile::solver::{Aim, Stretch};
 use crate::servo::control::Wish;
@@ -209,12 +209,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             if !fits(self, end) {
                 continue;
             }
-            let state = self.window.get(end).map_or(State::REST, |station| station.state);
-            self.window.set_state(end, State::REST);
+            let state = self.window.get(end).map_or(PathState::REST, |station| station.state);
+            self.window.set_state(end, PathState::REST);
             let held = Stretch { last: end, ..stretch };
             // With no node between there is nothing that could be improved.
             let crawls = end == stretch.first + 1 && self.crawl_in(held).is_some();
-            if !crawls && self.solver.holds(&self.window, held, &self.config.limits) {
+            if !crawls && self.holds(held) {
                 self.improve(held, Aim::Time);
                 self.publish(held, branch, self.overrides, Some(halt));
                 return true;
@@ -288,7 +288,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let rests = self.window.get(last).is_some_and(|station| station.rest);
         let mut stretch = Stretch { first, last, open: !rests && self.halt.is_none() };
         // A plan that was made to rest at its end does so with all that the limits allow.
-        stretch.open &= self.solver.holds(&self.window, stretch, &self.config.limits);
+        stretch.open &= self.holds(stretch);
         if !slower && self.find_afresh(stretch) {
             self.publish(stretch, branch, before, self.halt);
             return true;
@@ -301,7 +301,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.improve(stretch, aim);
             self.loosen(first, last);
         }
-        let holds = self.solver.holds(&self.window, stretch, &self.config.limits);
+        let holds = self.holds(stretch);
         if !holds || self.crawl_in(stretch).is_some() {
             return false;
         }

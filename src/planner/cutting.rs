@@ -11,7 +11,7 @@ use crate::number::serial::{CycleSerial, NodeSerial};
 use crate::number::vector::{dot, norm, zero};
 use crate::path::hermite::{self, Hermite};
 use crate::path::node::{Cell, Node};
-use crate::profile::law::State;
+use crate::profile::law::PathState;
 use crate::profile::rows::{Bounds, Pace};
 use crate::profile::solver::Stretch;
 use crate::profile::window::Station;
@@ -198,7 +198,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             Node { at, tangent, curvature }
         };
         let v = dot(&here.velocity, &node.tangent);
-        let state = State { b: v * v, a: dot(&here.acceleration, &node.tangent) };
+        let state = PathState { b: v * v, a: dot(&here.acceleration, &node.tangent) };
         cut.node = node;
         (cut.rest, cut.pause) = (false, false);
         cut.way = station.way.plus(way);
@@ -271,7 +271,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// Puts a station with a state within the cell of station `i`, at a share of its length.
-    pub(super) fn insert(&mut self, i: usize, share: S, state: State<S>) -> Option<()> {
+    pub(super) fn insert(&mut self, i: usize, share: S, state: PathState<S>) -> Option<()> {
         let bound = self.window.get(i)?.bounds.speed;
         let (first, cut) = self.parted(i, share)?;
         if !self.add(i, Station { state, ..cut }) {
@@ -288,7 +288,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// Splits the cell of station `i` at a share of its length; nothing is known of the motion there.
     pub(super) fn split_cell(&mut self, i: usize, share: S) -> bool {
         let Some((first, cut)) = self.parted(i, share) else { return false };
-        let done = self.put_behind(i, Station { state: State::REST, agreed: State::REST, ..cut });
+        let done =
+            self.put_behind(i, Station { state: PathState::REST, agreed: PathState::REST, ..cut });
         if done {
             self.part(i, first);
         }
@@ -298,7 +299,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// About what braking takes from a station, mm: v (v / A + A / J) / 2 and a fifth more.
     pub(super) fn braking_distance(&self, i: usize) -> S {
         let Some(station) = self.window.get(i) else { return S::ZERO };
-        let State { b, a } = station.state;
+        let PathState { b, a } = station.state;
         // What the acceleration adds until it is gone.
         let more = a.greatest(S::ZERO) * a / (station.bounds.jerk + station.bounds.jerk);
         let speed = b.sqrt() + more;
@@ -372,7 +373,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let last = self.end_index();
         for i in 0..self.window.len() {
             if let Some(station) = self.window.get_mut(i) {
-                station.state = if i <= last { station.agreed } else { State::REST };
+                station.state = if i <= last { station.agreed } else { PathState::REST };
             }
         }
     }

@@ -5,8 +5,8 @@ use super::{Halt, Planner, Progress};
 use crate::machine::Config;
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
-use crate::profile::compile::{self, Place};
-use crate::profile::law::{Law, State};
+use crate::profile::compile::{self, Placement};
+use crate::profile::law::{Law, PathState};
 use crate::profile::solver::{Aim, Stretch};
 use crate::servo::link::Branch;
 use crate::servo::piece::{Piece, Sequel};
@@ -81,8 +81,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// Improves the states of a stretch for an aim, and counts the steps.
     pub(super) fn improve(&mut self, stretch: Stretch, aim: Aim) {
         let Config { limits, iterations, .. } = self.config;
-        let steps = self.solver.improve(&mut self.window, stretch, &limits, iterations, aim);
+        let steps = self.solver.on(&mut self.window, &limits, stretch).improve(iterations, aim);
         self.counters.steps += u32::from(steps);
+    }
+
+    /// Whether the states of a stretch keep all limits, with a rest at its end.
+    pub(super) fn holds(&mut self, stretch: Stretch) -> bool {
+        self.solver.on(&mut self.window, &self.config.limits, stretch).holds()
     }
 
     /// Gives the stations of a stretch from index `new` on states, and improves those before.
@@ -94,7 +99,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         // From the plan as it stands, and slow speeds behind it.
         self.take_agreed(stretch.first..new);
         let limits = self.config.limits;
-        let found = self.solver.seed(&mut self.window, stretch, new, &limits);
+        let found = self.solver.on(&mut self.window, &limits, stretch).seed(new);
         if found {
             self.improve(stretch, Aim::Time);
         }
@@ -104,8 +109,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// The same by a guess at the stations from index `new` on, which need not lead to a motion.
     pub(super) fn find_from_guess(&mut self, stretch: Stretch, new: usize) -> bool {
         let Config { limits, iterations, .. } = self.config;
-        self.solver.guess(&mut self.window, stretch, new, &limits);
-        let (steps, found) = self.solver.find(&mut self.window, stretch, &limits, iterations);
+        let mut problem = self.solver.on(&mut self.window, &limits, stretch);
+        problem.guess(new);
+        let (steps, found) = problem.find(iterations);
         self.counters.steps += u32::from(steps);
         found
     }
@@ -154,7 +160,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         first < end
             && (first..end).all(|i| {
                 let Some(from) = self.window.get(i) else { return false };
-                let State { b, a } = from.agreed;
+                let PathState { b, a } = from.agreed;
                 let least = S::of(2.0 * (1.0 - LEAST_LEFT)) * from.bounds.jerk * b.sqrt();
                 from.cell.length > S::ZERO && a < S::ZERO && a * a > least
             })
@@ -191,7 +197,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         (stretch.first..stretch.last).find(|&i| {
             let Some((station, after)) = self.window.pair(i) else { return false };
             let (length, bounds) = (station.cell.length, &station.bounds);
-            let to = if i + 1 == stretch.last { State::REST } else { after.state };
+            let to = if i + 1 == stretch.last { PathState::REST } else { after.state };
             let Some(law) = Law::new(length, station.state, to) else { return false };
             // From rest to rest: (32 h / J)^(1/3) by jerk alone, 2 (h / A)^(1/2) by acceleration alone.
             let t = law.time / most;
@@ -324,10 +330,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// The motion over a cell as it stands in the plan that is being made.
-    pub(super) fn piece(&self, i: usize, to: State<S>, sequel: Sequel) -> Option<Piece<S, N>> {
+    pub(super) fn piece(&self, i: usize, to: PathState<S>, sequel: Sequel) -> Option<Piece<S, N>> {
         let (station, after) = self.window.pair(i)?;
         let view = station.view(after, &self.config.limits);
-        let place = Place { serial: self.window.serial(i), way: station.way, sequel };
+        let place = Placement { serial: self.window.serial(i), way: station.way, sequel };
         if !(station.cell.length > S::ZERO) {
             return Some(compile::standstill(&view, place));
         }
@@ -355,12 +361,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             } else {
                 Sequel::Motion
             };
-            let to = if at_end { State::REST } else { after.state };
+            let to = if at_end { PathState::REST } else { after.state };
             let Some(piece) = self.piece(i, to, sequel) else { break };
             self.side.write(&piece);
         }
         for i in stretch.last..self.window.len() {
-            self.window.set_state(i, State::REST);
+            self.window.set_state(i, PathState::REST);
         }
         self.side.offer(branch);
         let (first, end) = (self.window.serial(stretch.first), self.window.serial(stretch.last));

@@ -1,7 +1,7 @@
 //! Coming to rest along a straight: at most three phases of constant jerk.
 
 use crate::number::Scalar;
-use crate::profile::law::State;
+use crate::profile::law::PathState;
 use crate::profile::window::Station;
 
 /// Shares of acceleration and jerk limits that a stop uses: where one ends too near to a node, the next does
@@ -65,7 +65,7 @@ impl<S: Scalar> Stop<S> {
         depth: Depth,
         share: S,
     ) -> Option<Self> {
-        let State { b, a } = station.state;
+        let PathState { b, a } = station.state;
         if !(b > S::ZERO && station.cell.length > S::ZERO) {
             return None;
         }
@@ -125,7 +125,7 @@ impl<S: Scalar> Stop<S> {
     }
 
     /// Speed and acceleration `way` mm after its beginning.
-    pub fn state(&self, mut way: S) -> State<S> {
+    pub fn state(&self, mut way: S) -> PathState<S> {
         for phase in &self.phases {
             let length = phase.length();
             if way > length {
@@ -142,8 +142,8 @@ impl<S: Scalar> Stop<S> {
                 }
             }
             let (_, v, a) = phase.at(high);
-            return State { b: v * v, a };
+            return PathState { b: v * v, a };
         }
-        State::REST
+        PathState::REST
     }
 }

@@ -1,21 +1,21 @@
 //! The barrier over one cell: its value, its derivatives, and what stands in for the curvature of
 //! the time.
 //!
-//! It is the logarithm of what is left of every limit. A relaxed one goes on with a parabola where
-//! less than a given share is left, so that it exists beyond the limits too (Feller and Ebenbauer,
-//! Relaxed Logarithmic Barrier Function Based Model Predictive Control, 2017): then no limit stands
-//! in the way of a step, and the start need not keep them.
+//! It is the logarithm of what is left of every limit, or the [relaxed](super::relaxation) one.
 
-use super::law::{Law, State};
+use super::law::{Law, PathState};
+use super::relaxation::Relaxation;
 use super::rows::{Gradient, Sink};
 use crate::number::Scalar;
 use core::array::from_fn;
 
-/// Share of the second derivative of the time that is used: far from the limits it lets speeds
-/// grow threefold in a step instead of by two thirds.
+/// Factor of h b^(-5/2) in the second derivative of the time h b^(-1/2) by b. The true one is 3/4, with which Newton's step
+/// from far below the limits takes b to 1.7 times itself; with this one it is 2.7 times, and still an
+/// overestimate of what a step costs near the limits, where the barrier decides.
 const TIME_CURVATURE: f64 = 0.3;
 
-/// Rounding of the corner in the price of an excess.
+/// Rounding of the kink of the penalty, as a share of the goal: within so much on either side its slope goes from a seventh
+/// of the whole to six sevenths.
 const ROUNDING: f64 = 0.01;
 
 /// Rows whose slacks are multiplied before the product is looked at, and the product from which on
@@ -23,7 +23,7 @@ const ROUNDING: f64 = 0.01;
 const GROUP: usize = 4;
 const LEAST_PRODUCT: f64 = 1.0e-9;
 
-/// What r exceeds 1 by, its corner rounded: value and first two derivatives.
+/// What r exceeds 1 by, with its kink rounded to a hyperbola: value and first two derivatives.
 fn hinge<S: Scalar>(r: S) -> [S; 3] {
     let half = S::of(0.5);
     let rounding = S::of(ROUNDING);
@@ -36,77 +36,14 @@ fn hinge<S: Scalar>(r: S) -> [S; 3] {
     ]
 }
 
-/// Value, slope and curvature of the barrier, by what is left of a limit or by how much of it is
-/// used, from where its parabola begins on.
-#[derive(Clone, Copy, Debug)]
-struct Parabola<S> {
-    value: S,
-    slope: S,
-    curvature: S,
-}
-
-impl<S: Scalar> Parabola<S> {
-    #[inline]
-    fn slope(&self, beyond: S) -> S {
-        self.slope + self.curvature * beyond
-    }
-
-    #[inline]
-    fn value(&self, beyond: S) -> S {
-        self.value + (self.slope + self.curvature * beyond * S::of(0.5)) * beyond
-    }
-}
-
-/// Where the barrier leaves the logarithm.
-#[derive(Clone, Copy, Debug)]
-pub struct Edge<S> {
-    /// What is left of a limit there; 0 if the barrier is not relaxed.
-    left: S,
-    /// What is used of a two-sided limit there.
-    used: S,
-    one_sided: Parabola<S>,
-    two_sided: Parabola<S>,
-}
-
-impl<S: Scalar> Edge<S> {
-    /// The barrier that ends at the limits.
-    pub const STRICT: Self = {
-        let none = Parabola { value: S::ZERO, slope: S::ZERO, curvature: S::ZERO };
-        Self { left: S::ZERO, used: S::ONE, one_sided: none, two_sided: none }
-    };
-
-    /// A barrier that goes on as a parabola where less than the share `left` > 0 of a limit is left.
-    pub fn relaxed(left: S) -> Self {
-        let (per, used) = (S::ONE / left, (S::ONE - left).sqrt());
-        let value = -left.ln();
-        let slope = S::of(2.0) * used * per;
-        Self {
-            left,
-            used,
-            one_sided: Parabola { value, slope: per, curvature: per * per },
-            two_sided: Parabola { value, slope, curvature: S::of(2.0) * per + slope * slope },
-        }
-    }
-
-    /// Whether limits may be exceeded.
-    pub fn is_relaxed(&self) -> bool {
-        self.left > S::ZERO
-    }
-
-    /// Where the parabola begins.
-    pub fn left(&self) -> S {
-        self.left
-    }
-}
-
 /// Collects gradient and second derivatives of the barrier over one cell.
 pub struct Model<S> {
     /// Its value.
     pub slack: Slack<S>,
-    /// Weight of the barrier in the gradient.
-    pub weight: S,
-    /// Weight of the barrier in the second derivatives.
-    pub stiffness: S,
+    /// Barrier parameter in the gradient.
+    pub mu: S,
+    /// Barrier parameter in the second derivatives.
+    pub mu_curvature: S,
     pub gradient: Gradient<S>,
     /// Upper triangle, row by row.
     pub hessian: [S; 10],
@@ -136,14 +73,14 @@ impl<S: Scalar> Model<S> {
     /// A row of which `left` is left.
     #[inline]
     fn left(&mut self, left: S, sign: S, g: &Gradient<S>) {
-        let (slope, curvature) = if left >= self.slack.edge.left {
+        let (slope, curvature) = if left >= self.slack.relaxation.delta() {
             let per = S::ONE / left;
             (per, per * per)
         } else {
-            let edge = &self.slack.edge;
-            (edge.one_sided.slope(edge.left - left), edge.one_sided.curvature)
+            let relaxation = &self.slack.relaxation;
+            (relaxation.one_sided.slope(relaxation.delta() - left), relaxation.one_sided.curvature)
         };
-        self.add(self.weight * slope * sign, self.stiffness * curvature, g);
+        self.add(self.mu * slope * sign, self.mu_curvature * curvature, g);
     }
 }
 
@@ -160,17 +97,17 @@ impl<S: Scalar> Sink<S> for Model<S> {
         for (r, g) in r.iter().zip(&g()) {
             let r = *r;
             let left = S::ONE - r * r;
-            let (slope, curvature) = if left >= self.slack.edge.left {
+            let (slope, curvature) = if left >= self.slack.relaxation.delta() {
                 // -ln(1 - r^2)
                 let per = S::ONE / left;
                 let slope = S::of(2.0) * r * per;
                 (slope, S::of(2.0) * per + slope * slope)
             } else {
-                let edge = &self.slack.edge;
-                let slope = edge.two_sided.slope(r.abs() - edge.used);
-                (if r < S::ZERO { -slope } else { slope }, edge.two_sided.curvature)
+                let relaxation = &self.slack.relaxation;
+                let slope = relaxation.two_sided.slope(r.abs() - relaxation.used());
+                (if r < S::ZERO { -slope } else { slope }, relaxation.two_sided.curvature)
             };
-            self.add(self.weight * slope, self.stiffness * curvature, g);
+            self.add(self.mu * slope, self.mu_curvature * curvature, g);
         }
     }
     #[inline]
@@ -187,17 +124,17 @@ impl<S: Scalar> Sink<S> for Model<S> {
         self.left(r, -S::ONE, &g());
     }
     #[inline]
-    fn priced<const M: usize>(
+    fn penalised<const M: usize>(
         &mut self,
         r: [S; M],
-        price: S,
+        weight: S,
         g: impl FnOnce() -> [Gradient<S>; M],
     ) {
-        self.slack.priced(r, price, none);
+        self.slack.penalised(r, weight, none);
         for (r, g) in r.iter().zip(&g()) {
             let r = *r;
             let [_, slope, curvature] = hinge(r);
-            self.add(price * slope, price * curvature, g);
+            self.add(weight * slope, weight * curvature, g);
         }
     }
 }
@@ -205,30 +142,30 @@ impl<S: Scalar> Sink<S> for Model<S> {
 /// Sums the barrier over all rows; notices a broken limit.
 #[derive(Clone, Copy)]
 pub struct Slack<S> {
-    edge: Edge<S>,
+    relaxation: Relaxation<S>,
     product: S,
     /// Value of the barrier, but for the logarithm of `product`.
     barrier: S,
     /// Least slack seen; positive means that all limits hold.
     least: S,
-    /// Sum of the prices.
-    pub price: S,
+    /// Sum of the penalties.
+    pub penalty: S,
 }
 
 impl<S: Scalar> Slack<S> {
-    pub fn new(edge: Edge<S>) -> Self {
-        Self { edge, product: S::ONE, barrier: S::ZERO, least: S::ONE, price: S::ZERO }
+    pub fn new(relaxation: Relaxation<S>) -> Self {
+        Self { relaxation, product: S::ONE, barrier: S::ZERO, least: S::ONE, penalty: S::ZERO }
     }
 
     /// Whether a limit is broken that must not be.
     #[inline]
     pub fn is_broken(&self) -> bool {
-        !(self.least > S::ZERO || self.edge.is_relaxed())
+        !(self.least > S::ZERO || self.relaxation.is_relaxed())
     }
 
     /// Some rows with what is left of them; at most [`GROUP`], so that their product is a number.
     #[inline]
-    fn take<const M: usize>(&mut self, slack: [S; M], beyond: impl Fn(&Edge<S>, usize) -> S) {
+    fn take<const M: usize>(&mut self, slack: [S; M], beyond: impl Fn(&Relaxation<S>, usize) -> S) {
         const { assert!(M <= GROUP) };
         let mut least = slack[0];
         for &s in &slack {
@@ -240,7 +177,7 @@ impl<S: Scalar> Slack<S> {
         if !(least > self.least) {
             self.least = least;
         }
-        if least >= self.edge.left {
+        if least >= self.relaxation.delta() {
             for &s in &slack {
                 self.product = self.product * s;
             }
@@ -250,8 +187,8 @@ impl<S: Scalar> Slack<S> {
             return;
         }
         for (k, &s) in slack.iter().enumerate() {
-            self.barrier = if s < self.edge.left {
-                self.barrier + beyond(&self.edge, k)
+            self.barrier = if s < self.relaxation.delta() {
+                self.barrier + beyond(&self.relaxation, k)
             } else {
                 self.barrier - s.ln()
             };
@@ -275,7 +212,9 @@ impl<S: Scalar> Sink<S> for Slack<S> {
     const GRADIENT: bool = false;
     #[inline]
     fn two_sided<const M: usize>(&mut self, r: [S; M], _: impl FnOnce() -> [Gradient<S>; M]) {
-        let beyond = |edge: &Edge<S>, k: usize| edge.two_sided.value(r[k].abs() - edge.used);
+        let beyond = |relaxed: &Relaxation<S>, k: usize| {
+            relaxed.two_sided.value(r[k].abs() - relaxed.used())
+        };
         let mut slack = r;
         for s in &mut slack {
             *s = S::ONE - *s * *s;
@@ -288,23 +227,34 @@ impl<S: Scalar> Sink<S> for Slack<S> {
         for s in &mut slack {
             *s = S::ONE - *s;
         }
-        self.take(slack, |edge, k| edge.one_sided.value(edge.left - slack[k]));
+        self.take(slack, |relaxed, k| relaxed.one_sided.value(relaxed.delta() - slack[k]));
     }
     #[inline]
     fn positive(&mut self, r: S, _: impl FnOnce() -> Gradient<S>) {
-        self.take([r], |edge, _| edge.one_sided.value(edge.left - r));
+        self.take([r], |relaxed, _| relaxed.one_sided.value(relaxed.delta() - r));
     }
     #[inline]
-    fn priced<const M: usize>(
+    fn penalised<const M: usize>(
         &mut self,
         r: [S; M],
-        price: S,
+        weight: S,
         _: impl FnOnce() -> [Gradient<S>; M],
     ) {
         for &r in &r {
-            self.price += price * hinge(r)[0];
+            self.penalty += weight * hinge(r)[0];
         }
     }
+}
+
+/// A cell as the unknowns see it.
+#[derive(Clone, Copy)]
+pub struct CellEnds<S> {
+    /// Length of the cell, mm.
+    pub length: S,
+    pub from: PathState<S>,
+    pub to: PathState<S>,
+    /// Whether the states at its start and at its end are to be found.
+    pub free: [bool; 2],
 }
 
 /// From derivatives by v to derivatives by b = v^2; those by fixed states vanish.
@@ -312,7 +262,7 @@ impl<S: Scalar> Sink<S> for Slack<S> {
 pub fn by_square<S: Scalar>(
     model: &Model<S>,
     law: &Law<S>,
-    (free0, free1): (bool, bool),
+    [free0, free1]: [bool; 2],
 ) -> (Gradient<S>, [S; 10]) {
     let mut factor = [S::ZERO; 4];
     if free0 {
@@ -337,9 +287,7 @@ pub fn by_square<S: Scalar>(
 pub fn add_damping<S: Scalar>(
     hessian: &mut [S; 10],
     weight: S,
-    length: S,
-    (from, to): (State<S>, State<S>),
-    (free0, free1): (bool, bool),
+    &CellEnds { length, from, to, free: [free0, free1] }: &CellEnds<S>,
 ) {
     if free0 {
         let per = weight / (from.b * from.b);
@@ -357,9 +305,7 @@ pub fn add_damping<S: Scalar>(
 #[inline]
 pub fn add_time_curvature<S: Scalar>(
     hessian: &mut [S; 10],
-    length: S,
-    (from, to): (State<S>, State<S>),
-    (free0, free1): (bool, bool),
+    &CellEnds { length, from, to, free: [free0, free1] }: &CellEnds<S>,
 ) {
     let steepness = |b: S| S::of(TIME_CURVATURE / 6.0) * length / (b * b * b.sqrt());
     if free0 {

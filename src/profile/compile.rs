@@ -9,7 +9,7 @@ use core::array::from_fn;
 
 /// Where a piece stands in the path.
 #[derive(Clone, Copy, Debug)]
-pub struct Place {
+pub struct Placement {
     pub serial: NodeSerial,
     pub way: ArcLength,
     pub sequel: Sequel,
@@ -19,7 +19,7 @@ pub struct Place {
 pub fn piece<S: Scalar, const N: usize>(
     view: &View<'_, S, N>,
     law: &Law<S>,
-    place: Place,
+    place: Placement,
 ) -> Piece<S, N> {
     let rate = law.rate;
     let half = S::of(0.5);
@@ -72,7 +72,10 @@ fn rest_at<S: Scalar, const N: usize>(piece: &mut Piece<S, N>, place: &[Coord; N
 }
 
 /// Standing still for `time` seconds.
-pub fn standstill<S: Scalar, const N: usize>(view: &View<'_, S, N>, place: Place) -> Piece<S, N> {
+pub fn standstill<S: Scalar, const N: usize>(
+    view: &View<'_, S, N>,
+    place: Placement,
+) -> Piece<S, N> {
     Piece {
         serial: place.serial,
         tag: view.cell.programmed.tag,
@@ -94,7 +97,7 @@ mod tests {
     use crate::path::node::Programmed;
     use crate::path::swing;
     use crate::path::transition::Transition;
-    use crate::profile::law::State;
+    use crate::profile::law::PathState;
 
     /// A motion that comes to rest in a cell, or starts there, follows the cell's spline less closely
     /// than one that passes: in a corner it must stay inside the band all the same.
@@ -118,11 +121,11 @@ mod tests {
                     // Constant jerk to or from rest: 2 v^2 = 3 |a| h.
                     let push = 2.0 / 3.0 / cell.length;
                     for (start, end) in [
-                        (State { b: 1.0, a: -push }, State::REST),
-                        (State::REST, State { b: 1.0, a: push }),
+                        (PathState { b: 1.0, a: -push }, PathState::REST),
+                        (PathState::REST, PathState { b: 1.0, a: push }),
                     ] {
                         let law = Law::new(cell.length, start, end).unwrap();
-                        let place = Place {
+                        let place = Placement {
                             serial: NodeSerial::ZERO,
                             way: ArcLength::ZERO,
                             sequel: Sequel::Motion,

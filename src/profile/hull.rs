@@ -1,8 +1,8 @@
 //! Paths of every kind, and motions of every kind over their cells, against the velocity of every axis, the band and
 //! the ends of the cells.
 
-use super::compile::{Place, piece};
-use super::law::{Law, State};
+use super::compile::{Placement, piece};
+use super::law::{Law, PathState};
 use super::rows::{Bounds, Pace, View};
 use crate::block::{Block, FINEST_BAND, Feed, Motion, Turn};
 use crate::machine::{AxisLimits, Config, Limits};
@@ -114,14 +114,15 @@ fn law<S: Scalar>(length: S, [p0, p1, p2, p3]: [S; 4]) -> Option<Law<S>> {
     let time = S::of(4.0) * length / (p0 + p1 + p2 + p3);
     let three = S::of(3.0) / time;
     let [start, end] =
-        [(p0, p1 - p0), (p3, p3 - p2)].map(|(v, gain)| State { b: v * v, a: gain * three });
+        [(p0, p1 - p0), (p3, p3 - p2)].map(|(v, gain)| PathState { b: v * v, a: gain * three });
     Law::new(length, start, end)
 }
 
 /// The greatest velocity of any axis over its limit in such a motion.
 fn over<S: Scalar>(view: &View<'_, S, AXES>, speeds: [S; 4]) -> f64 {
     let Some(law) = law(view.cell.length, speeds) else { return 0.0 };
-    let place = Place { serial: NodeSerial::ZERO, way: ArcLength::ZERO, sequel: Sequel::Motion };
+    let place =
+        Placement { serial: NodeSerial::ZERO, way: ArcLength::ZERO, sequel: Sequel::Motion };
     let piece = piece(view, &law, place);
     let mut worst = 0.0f64;
     for (axis, c) in view.limits.axes().iter().zip(&piece.axes) {
@@ -147,7 +148,7 @@ fn search<S: Scalar>(rounds: u32) {
             let (from, cell, to) = (&cut.from, &cut.cell, &cut.node);
             let bounds = Bounds::new(from, cell, to, &pace);
             let limits = &limits;
-            let view = View { from, cell, to, bounds, limits, share: one, price: S::ZERO };
+            let view = View { from, cell, to, bounds, limits, share: one, penalty: S::ZERO };
             // Steadily, and in any other way, half of it at the bound.
             for n in 0..4 {
                 let speeds = from_fn(|_| {
@@ -220,8 +221,11 @@ fn no_motion_over_a_cell_of_an_arc_leaves_the_band() {
             let speeds =
                 from_fn(|_| if draws.unit() < 0.4 { 1e-4 * draws.unit() } else { draws.unit() });
             let Some(law) = law(length, speeds) else { continue };
-            let place =
-                Place { serial: NodeSerial::ZERO, way: ArcLength::ZERO, sequel: Sequel::Motion };
+            let place = Placement {
+                serial: NodeSerial::ZERO,
+                way: ArcLength::ZERO,
+                sequel: Sequel::Motion,
+            };
             let piece = piece(&view, &law, place);
             for k in 1..32 {
                 let at = piece.at(law.time * f64::from(k) / 32.0);

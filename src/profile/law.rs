@@ -4,14 +4,14 @@ use crate::number::Scalar;
 
 /// Speed squared and acceleration along the path at a node.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct State<S> {
+pub struct PathState<S> {
     /// b = v^2, mm2/s2.
     pub b: S,
     /// Path acceleration, mm/s2.
     pub a: S,
 }
 
-impl<S: Scalar> State<S> {
+impl<S: Scalar> PathState<S> {
     /// At rest.
     pub const REST: Self = Self { b: S::ZERO, a: S::ZERO };
 }
@@ -46,7 +46,7 @@ const LEAST_ROOT: f64 = 0.01;
 impl<S: Scalar> Law<S> {
     /// The motion over a cell of `length` mm, or `None` if there is none with these end states.
     #[inline]
-    pub fn new(length: S, from: State<S>, to: State<S>) -> Option<Self> {
+    pub fn new(length: S, from: PathState<S>, to: PathState<S>) -> Option<Self> {
         let (v0, v1) = (from.b.sqrt(), to.b.sqrt());
         let mean = (v0 + v1) * S::of(0.5);
         let tilt = (from.a - to.a) * S::of(1.0 / 12.0);
@@ -106,7 +106,7 @@ impl<S: Scalar> Law<S> {
     }
 
     /// Length, mm, of the motion that takes `time` from one state to another.
-    pub fn length(from: State<S>, to: State<S>, time: S) -> S {
+    pub fn length(from: PathState<S>, to: PathState<S>, time: S) -> S {
         time * (from.b.sqrt() + to.b.sqrt()) * S::of(0.5)
             + time * time * (from.a - to.a) * S::of(1.0 / 12.0)
     }
@@ -127,7 +127,7 @@ mod tests {
     fn constant_jerk_from_rest_is_exact() {
         let (jerk, time) = (50_000.0f64, 0.02);
         let (h, v, a) = (jerk * time * time * time / 6.0, jerk * time * time / 2.0, jerk * time);
-        let law = Law::new(h, State::REST, State { b: v * v, a }).unwrap();
+        let law = Law::new(h, PathState::REST, PathState { b: v * v, a }).unwrap();
         assert!((law.time - time).abs() < 1e-15);
         for j in law.jerk {
             assert!((j - jerk).abs() < 1e-6 * jerk);
@@ -136,9 +136,9 @@ mod tests {
 
     #[test]
     fn impossible_states_have_no_law() {
-        let brake = State { b: 1.0, a: -1.0e3 };
-        let push = State { b: 1.0, a: 1.0e3 };
+        let brake = PathState { b: 1.0, a: -1.0e3 };
+        let push = PathState { b: 1.0, a: 1.0e3 };
         assert!(Law::<f64>::new(1.0, brake, push).is_none());
-        assert!(Law::<f64>::new(1.0, State::REST, State::REST).is_none());
+        assert!(Law::<f64>::new(1.0, PathState::REST, PathState::REST).is_none());
     }
 }

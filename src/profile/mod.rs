@@ -4,17 +4,22 @@
 //! executed between two nodes is one quintic per axis in time that meets position, velocity and
 //! acceleration at both ends ([`law`]); every limit is a bound on its Bernstein coefficients
 //! ([`rows`]), so it holds at every instant and not only where it was sampled. The sum of the
-//! times is minimised by a barrier method ([`solver`], [`barrier`], [`chain`], [`descent`]) from a
-//! [`guess`]. A [`window`] of the path is planned at a time; its end is always at rest.
+//! times is minimised over a stretch of a [`window`] of the path, whose end is always at rest.
+//!
+//! A [`solver`] is the workspace, a [`problem`] what it is put to: what is minimised, and its second-order model of
+//! [`barrier`] ([`relaxation`]) and time. It is solved by Newton's method ([`descent`], on a block [`tridiagonal`]
+//! system) from a [`guess`]. What comes out is made pieces of motion by [`compile`].
 
 mod barrier;
-mod chain;
 pub(crate) mod compile;
 mod descent;
 mod guess;
 #[cfg(test)]
 mod hull;
 pub(crate) mod law;
+mod problem;
+mod relaxation;
 pub(crate) mod rows;
 pub(crate) mod solver;
+mod tridiagonal;
 pub(crate) mod window;

@@ -39,8 +39,13 @@ pub trait Sink<S> {
     fn one_sided<const M: usize>(&mut self, r: [S; M], g: impl FnOnce() -> [Gradient<S>; M]);
     /// A row with r > 0.
     fn positive(&mut self, r: S, g: impl FnOnce() -> Gradient<S>);
-    /// Rows that may exceed 1 but cost `price` times the excess.
-    fn priced<const M: usize>(&mut self, r: [S; M], price: S, g: impl FnOnce() -> [Gradient<S>; M]);
+    /// Rows that may exceed 1 at a penalty of `weight` times the excess.
+    fn penalised<const M: usize>(
+        &mut self,
+        r: [S; M],
+        weight: S,
+        g: impl FnOnce() -> [Gradient<S>; M],
+    );
 }
 
 /// How fast the machine may go, and is asked to.
@@ -130,8 +135,8 @@ pub struct View<'a, S, const N: usize> {
     pub limits: &'a Limits<S, N>,
     /// Share of acceleration and jerk limits that may be used.
     pub share: S,
-    /// Price of speed above the goal, s for as much again; 0 if there is none.
-    pub price: S,
+    /// Penalty on speed above the goal, s for as much again; 0 if there is none.
+    pub penalty: S,
 }
 
 #[cfg(test)]
@@ -142,7 +147,7 @@ impl<'a, S: Scalar, const N: usize> View<'a, S, N> {
         cell: &'a Cell<S, N>,
         limits: &'a Limits<S, N>,
     ) -> Self {
-        Self { from, cell, to, bounds: Bounds::default(), limits, share: S::ONE, price: S::ZERO }
+        Self { from, cell, to, bounds: Bounds::default(), limits, share: S::ONE, penalty: S::ZERO }
     }
 }
 
@@ -302,9 +307,9 @@ fn speed_rows<S: Scalar, const N: usize, K: Sink<S>>(
     };
     let per = one / view.bounds.speed;
     sink.one_sided(scaled(&speeds, per), || gradients(per));
-    if view.price > zero {
+    if view.penalty > zero {
         let per = one / view.bounds.goal;
-        sink.priced(scaled(&speeds, per), view.price, || gradients(per));
+        sink.penalised(scaled(&speeds, per), view.penalty, || gradients(per));
     }
     forward_rows(view, law, sink);
 }
@@ -475,7 +480,7 @@ mod tests {
     use crate::machine::AxisLimits;
     use crate::number::Coord;
     use crate::path::node::Programmed;
-    use crate::profile::law::State;
+    use crate::profile::law::PathState;
     use std::vec::Vec;
 
     #[derive(Default)]
@@ -502,7 +507,7 @@ mod tests {
         fn positive(&mut self, r: f64, g: impl FnOnce() -> Gradient<f64>) {
             self.rows.push((r, g()));
         }
-        fn priced<const M: usize>(
+        fn penalised<const M: usize>(
             &mut self,
             r: [f64; M],
             _: f64,
@@ -535,8 +540,12 @@ mod tests {
         };
         let bounds =
             Bounds::new(&from, &cell, &to, &Pace { limits, cycle: 1e-3, feed: 1.0, rapid: 1.0 });
-        let law = Law::new(h, State { b: x[0] * x[0], a: x[1] }, State { b: x[2] * x[2], a: x[3] })
-            .unwrap();
+        let law = Law::new(
+            h,
+            PathState { b: x[0] * x[0], a: x[1] },
+            PathState { b: x[2] * x[2], a: x[3] },
+        )
+        .unwrap();
         let mut sink = List::default();
         rows(
             &View {
@@ -546,7 +555,7 @@ mod tests {
                 bounds,
                 limits: &limits,
                 share: 1.0,
-                price: 1.0,
+                penalty: 1.0,
             },
             &law,
             &mut sink,

@@ -1,6 +1,6 @@
 //! The stretch of path that is being planned.
 
-use super::law::{Law, State};
+use super::law::{Law, PathState};
 use super::rows::{Bounds, Pace, View};
 use crate::machine::Limits;
 use crate::number::serial::NodeSerial;
@@ -23,10 +23,10 @@ pub struct Station<S, const N: usize> {
     pub rest: bool,
     /// Whether it then goes on only when it is resumed.
     pub pause: bool,
-    /// State in the plan that is being worked on.
-    pub state: State<S>,
-    /// State in the plan that is being executed.
-    pub agreed: State<S>,
+    /// PathState in the plan that is being worked on.
+    pub state: PathState<S>,
+    /// PathState in the plan that is being executed.
+    pub agreed: PathState<S>,
 }
 
 /// A ring of stations. The first is where the part under execution starts; the last is at rest.
@@ -63,8 +63,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
             way: ArcLength::ZERO,
             rest: true,
             pause: false,
-            state: State::REST,
-            agreed: State::REST,
+            state: PathState::REST,
+            agreed: PathState::REST,
         });
         Self { stations, first: NodeSerial::ZERO }
     }
@@ -132,8 +132,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
             way,
             rest,
             pause: cell.event == Some(Event::Pause),
-            state: State::REST,
-            agreed: State::REST,
+            state: PathState::REST,
+            agreed: PathState::REST,
         };
         // The caller asks for room first.
         let _ = self.stations.push_back(station);
@@ -165,13 +165,13 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
         if let Some(last) = self.stations.back_mut() {
             last.rest = true;
             last.pause = false;
-            last.state = State::REST;
-            last.agreed = State::REST;
+            last.state = PathState::REST;
+            last.agreed = PathState::REST;
         }
     }
 
     /// Sets a station's state in the plan that is being worked on.
-    pub fn set_state(&mut self, index: usize, state: State<S>) {
+    pub fn set_state(&mut self, index: usize, state: PathState<S>) {
         if let Some(station) = self.stations.get_mut(index) {
             station.state = state;
         }
@@ -224,11 +224,11 @@ impl<S: Scalar, const N: usize> Station<S, N> {
             bounds: self.bounds,
             limits,
             share: S::ONE,
-            price: S::ZERO,
+            penalty: S::ZERO,
         }
     }
     /// Makes the cell end at a place where the agreed motion arrives after `time` seconds.
-    pub fn lead_to(&mut self, end: &[Coord; N], arriving: State<S>, time: S) {
+    pub fn lead_to(&mut self, end: &[Coord; N], arriving: PathState<S>, time: S) {
         if self.cell.straight {
             let way: [S; N] = from_fn(|i| end[i].minus(self.node.at[i]));
             self.cell.length = dot(&way, &self.node.tangent);

@@ -1,0 +1,304 @@
+//! What is minimised over a stretch, and its second-order model.
+//!
+//! The sum of the cell times minus mu times the logarithms of what is left of every limit
+//! ([`super::rows`]), over (b, a) of all stations between two fixed ones. The model leaves the
+//! second derivatives of the rows out, so it is positive definite: block tridiagonal, each 2 x 2 block
+//! coupled to the next ([`super::tridiagonal`]). How it is minimised is in [`super::descent`].
+
+use super::barrier::{CellEnds, Model, Slack, add_damping, add_time_curvature, by_square};
+use super::law::{Law, PathState};
+use super::relaxation::Relaxation;
+use super::rows::{View, rows, time_gradient};
+use super::solver::Stretch;
+use super::tridiagonal::BlockRow;
+use super::window::{Station, Window};
+use crate::machine::Limits;
+use crate::number::Scalar;
+use crate::number::list::{part_mut, some_mut};
+use core::ops::Range;
+
+/// Share of acceleration and jerk that the last cell before an open end may use.
+const OPEN_END_SHARE: f64 = 0.4;
+/// How much dearer it is to be above the goal than time is at the goal. Above 1 no time that could be won there pays for
+/// it: the penalty is exact.
+const EXCESS_PENALTY: f64 = 1.5;
+
+/// What is minimised besides the barrier.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Objective<S> {
+    /// The time.
+    Time,
+    /// The time, with a penalty on speed above the goal.
+    PenalisedTime,
+    /// `weight` times the integral of v^2 over the path, s per mm^3/s^2.
+    SpeedSquared { weight: S },
+}
+
+/// What there is to do, without the memory it is done in: a value that may be kept while the problem is laid
+/// aside.
+#[derive(Clone, Copy, Debug)]
+pub struct Task<S> {
+    pub stretch: Stretch,
+    pub objective: Objective<S>,
+    pub relaxation: Relaxation<S>,
+}
+
+/// A task with all that it works on.
+pub struct Problem<'a, S, const N: usize, const NODES: usize> {
+    pub(super) rows: &'a mut [BlockRow<S>; NODES],
+    pub(super) window: &'a mut Window<S, N, NODES>,
+    pub(super) limits: &'a Limits<S, N>,
+    pub(super) task: Task<S>,
+}
+
+/// Where the value is taken: how far along the step, under which barrier.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Probe<S> {
+    /// Barrier parameter, in what is minimised.
+    pub mu: S,
+    /// Share of the step.
+    pub share: S,
+}
+
+/// How the model weighs its parts.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Weights<S> {
+    /// Barrier parameter, in what is minimised.
+    pub mu: S,
+    /// Barrier parameter in the second derivatives: until a step has been taken with a new mu it is the one before,
+    /// for which the states are the centre. (The step is then that of a primal-dual method, which
+    /// takes up a new mu at once; one with the new mu throughout would go several times too far.)
+    pub mu_curvature: S,
+    /// Damping by relative changes of the states, after Levenberg and Marquardt.
+    pub damping: S,
+}
+
+impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
+    /// The rows of the stations of a range, and of the one behind it.
+    pub(super) fn rows(&mut self, cells: Range<usize>) -> &mut [BlockRow<S>] {
+        part_mut(self.rows, cells.start..cells.end + 1)
+    }
+
+    /// The rows of a station and the next.
+    pub(super) fn two_rows(&mut self, i: usize) -> Option<&mut [BlockRow<S>; 2]> {
+        some_mut(self.rows, i)
+    }
+
+    /// The cells of the stretch.
+    pub(super) fn cells(&self) -> Range<usize> {
+        self.task.stretch.first..self.task.stretch.last
+    }
+
+    /// Whether the state of a station is to be found.
+    pub(super) fn is_free(&self, i: usize) -> bool {
+        self.window.get(i).is_some_and(|station| self.frees(i, station))
+    }
+
+    /// The same of station `i` at hand.
+    #[inline]
+    pub(super) fn frees(&self, i: usize, station: &Station<S, N>) -> bool {
+        let Stretch { first, last, .. } = self.task.stretch;
+        i > first && i < last && !station.rest
+    }
+
+    /// Cell `i`, from a station to the one after it, with its limits. The last one before an end that is only the end of what
+    /// is known keeps a reserve, so that the plan can be taken on from there without a break.
+    #[inline]
+    fn view<'b>(
+        &'b self,
+        i: usize,
+        station: &'b Station<S, N>,
+        after: &'b Station<S, N>,
+    ) -> View<'b, S, N> {
+        let mut view = station.view(after, self.limits);
+        let stretch = self.task.stretch;
+        if i + 1 == stretch.last && stretch.open && !after.rest {
+            view.share = S::of(OPEN_END_SHARE);
+            view.bounds = view.bounds.share(view.share);
+        }
+        if matches!(self.task.objective, Objective::PenalisedTime) {
+            view.penalty = S::of(EXCESS_PENALTY) * station.cell.length / station.bounds.goal;
+        }
+        view
+    }
+
+    /// The state of station `i` moved by `share` of its step.
+    #[inline]
+    fn moved(&self, i: usize, station: &Station<S, N>, share: S) -> PathState<S> {
+        if i == self.task.stretch.last {
+            return PathState::REST;
+        }
+        if !self.frees(i, station) {
+            return station.state;
+        }
+        let step = self.rows.get(i).map_or([S::ZERO; 2], |row| row.step);
+        PathState { b: station.state.b - share * step[0], a: station.state.a - share * step[1] }
+    }
+
+    /// Moves the states by a share of their steps.
+    pub(super) fn take_step(&mut self, share: S) {
+        for i in self.task.stretch.first..=self.task.stretch.last {
+            if let Some(station) = self.window.get(i) {
+                self.window.set_state(i, self.moved(i, station, share));
+            }
+        }
+    }
+
+    /// Whether the time of the cells counts.
+    #[inline]
+    fn is_timed(&self) -> bool {
+        !matches!(self.task.objective, Objective::SpeedSquared { .. })
+    }
+
+    /// What b costs by itself at the end of cell `i`, s per mm2/s2: its part in the integral of v^2, by the
+    /// trapezoidal rule.
+    #[inline]
+    fn cost_of_speed(&self, i: usize, station: &Station<S, N>, after: &Station<S, N>) -> S {
+        match self.task.objective {
+            Objective::SpeedSquared { weight } if self.frees(i + 1, after) => {
+                weight * ((station.cell.length + after.cell.length) * S::of(0.5))
+            }
+            _ => S::ZERO,
+        }
+    }
+
+    /// What the speeds cost by themselves.
+    pub(super) fn speed_squared(&self) -> S {
+        let mut sum = S::ZERO;
+        for i in self.cells() {
+            if let Some((station, after)) = self.window.pair(i) {
+                sum += self.cost_of_speed(i, station, after) * after.state.b;
+            }
+        }
+        sum
+    }
+
+    /// What is minimised, over some cells of the stretch; `None` if a limit is broken that must not be.
+    pub(super) fn value(&self, probe: Probe<S>, cells: Range<usize>) -> Option<S> {
+        let Probe { mu, share } = probe;
+        let timed = self.is_timed();
+        let mut time = S::ZERO;
+        let mut slack = Slack::new(self.task.relaxation);
+        let mut here = self.moved(cells.start, self.window.get(cells.start)?, share);
+        for i in cells {
+            let (station, after) = self.window.pair(i)?;
+            let next = self.moved(i + 1, after, share);
+            if station.cell.length > S::ZERO {
+                if !(here.b >= S::ZERO && next.b >= S::ZERO) {
+                    return None;
+                }
+                let law = Law::new(station.cell.length, here, next)?;
+                if timed {
+                    time += law.time;
+                }
+                rows(&self.view(i, station, after), &law, &mut slack);
+                if slack.is_broken() {
+                    return None;
+                }
+            }
+            time += self.cost_of_speed(i, station, after) * next.b;
+            here = next;
+        }
+        let value = time + slack.penalty + mu * slack.barrier();
+        value.is_finite().then_some(value)
+    }
+
+    /// Whether the states of the stretch keep all limits, with a rest at its end, however the barrier
+    /// is relaxed.
+    pub fn holds(&mut self) -> bool {
+        self.holds_over(self.cells())
+    }
+
+    /// The same over some cells of the stretch.
+    pub(super) fn holds_over(&mut self, cells: Range<usize>) -> bool {
+        for row in self.rows(cells.clone()) {
+            row.step = [S::ZERO; 2];
+        }
+        let relaxation = core::mem::replace(&mut self.task.relaxation, Relaxation::STRICT);
+        let holds = self.value(Probe { mu: S::ZERO, share: S::ZERO }, cells).is_some();
+        self.task.relaxation = relaxation;
+        holds
+    }
+
+    /// Time over the stretch, s; `None` if there is no motion over a cell.
+    pub(super) fn time(&self) -> Option<S> {
+        let mut time = S::ZERO;
+        for i in self.cells() {
+            let (station, after) = self.window.pair(i)?;
+            if station.cell.length > S::ZERO {
+                let to = if i + 1 == self.cells().end { PathState::REST } else { after.state };
+                time += Law::new(station.cell.length, station.state, to)?.time;
+            }
+        }
+        Some(time)
+    }
+
+    /// Gradient and second derivatives of every cell into the blocks; returns what is minimised, `None`
+    /// if a limit is broken that must not be.
+    pub(super) fn assemble(&mut self, weights: Weights<S>) -> Option<S> {
+        let Weights { mu, mu_curvature, damping } = weights;
+        let cells = self.cells();
+        self.rows(cells.clone()).fill(BlockRow::EMPTY);
+        let timed = self.is_timed();
+        let mut slack = Slack::new(self.task.relaxation);
+        let mut time = S::ZERO;
+        for i in cells.clone() {
+            let (station, after) = self.window.pair(i)?;
+            let free = [self.frees(i, station), self.frees(i + 1, after)];
+            let cost = self.cost_of_speed(i, station, after);
+            time += cost * after.state.b;
+            let (length, from) = (station.cell.length, station.state);
+            let to = if i + 1 == cells.end { PathState::REST } else { after.state };
+            let [_, ahead] = some_mut(self.rows, i)?;
+            ahead.gradient[0] += cost;
+            if !(length > S::ZERO) {
+                continue;
+            }
+            let ends = CellEnds { length, from, to, free };
+            let law = Law::new(length, from, to)?;
+            let mut gradient = [S::ZERO; 4];
+            if timed {
+                time += law.time;
+                gradient = time_gradient(&law);
+            }
+            let mut model = Model { mu, mu_curvature, gradient, hessian: [S::ZERO; 10], slack };
+            rows(&self.view(i, station, after), &law, &mut model);
+            let (g, mut h) = by_square(&model, &law, free);
+            slack = model.slack;
+            if slack.is_broken() {
+                return None;
+            }
+            add_damping(&mut h, damping * law.time, &ends);
+            if timed {
+                add_time_curvature(&mut h, &ends);
+            }
+            let [here, ahead] = some_mut(self.rows, i)?;
+            for (sum, part) in here.block.iter_mut().zip([h[0], h[1], h[4]]) {
+                *sum += part;
+            }
+            here.gradient[0] += g[0];
+            here.gradient[1] += g[1];
+            here.coupling = [h[2], h[3], h[5], h[6]];
+            for (sum, part) in ahead.block.iter_mut().zip([h[7], h[8], h[9]]) {
+                *sum += part;
+            }
+            ahead.gradient[0] += g[2];
+            ahead.gradient[1] += g[3];
+        }
+        self.fix_rows();
+        let value = time + slack.penalty + mu * slack.barrier();
+        value.is_finite().then_some(value)
+    }
+
+    /// Rows of the stations that are not free: their step is 0.
+    fn fix_rows(&mut self) {
+        for i in self.task.stretch.first..=self.task.stretch.last {
+            if !self.is_free(i)
+                && let Some(row) = self.rows.get_mut(i)
+            {
+                row.block = [S::ONE, S::ZERO, S::ONE];
+                row.gradient = [S::ZERO; 2];
+            }
+        }
+    }
+}
