@@ -85,7 +85,7 @@
 //! Nothing is allocated: a `Link<S, N, BLOCKS, NODES>` holds 2 x `NODES` pieces, a
 //! `Planner<S, N, BLOCKS, NODES>` `BLOCKS` blocks, a stretch of spline of fixed size, and `NODES` nodes
 //! with the solver's workspace. A dense run takes few nodes for many lines, so `BLOCKS` may be small.
-//! `size_of` tells the bytes; the README has a table.
+//! `size_of` tells the bytes; `docs/figures.md` has a table.
 #![no_std]
 #![deny(unsafe_code)]
 
@@ -96,6 +96,10 @@ pub mod block;
 #[cfg(doc)]
 #[doc = include_str!("guide.md")]
 pub mod guide {}
+/// The README's program is compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}
 #[cfg(feature = "c")]
 pub mod c;
 #[cfg(feature = "gcode")]

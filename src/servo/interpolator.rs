@@ -12,7 +12,7 @@ const PIECES_PER_TICK: usize = 6;
 /// The interrupt's handle: call [`Interpolator::tick`] once per servo cycle.
 ///
 /// Work per tick: one piece evaluated where it lies, at most six begun; no waiting, no division, no
-/// root. The README has the number of instructions.
+/// root. `docs/target.md` has the number of instructions.
 pub struct Interpolator<'a, S: Scalar, const N: usize> {
     side: ServoSide<'a, S, N>,
     cycle: S,

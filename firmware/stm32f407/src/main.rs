@@ -10,7 +10,7 @@
 //! | 2 | `receive`, `emergency`, `limit` | a byte from the line; inputs |
 //! | 0 | `idle` | the line, planning, the watchdog |
 //!
-//! Wiring and rates are in `board.rs`; the README's chapter "On your board" says more.
+//! Wiring and rates are in `board.rs`; `docs/boards.md` says more.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 // The frameworks' macros.
 #![cfg_attr(target_os = "none", allow(unsafe_code, missing_docs))]

@@ -1,4 +1,4 @@
-//! `splineway bench`: the README's figures.
+//! `splineway bench`: the figures of `docs/figures.md`.
 
 use crate::figures::{Figures, print_head, print_memory, print_row};
 use anyhow::{Context, Result, ensure};

@@ -1,4 +1,4 @@
-//! The figures of the README: machining times beside other speed laws, judged, and what they cost.
+//! The figures of `docs/figures.md`: machining times beside other speed laws, judged, and what they cost.
 
 use crate::baseline::{self, Law};
 use crate::machine::Machine;
