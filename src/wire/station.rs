@@ -410,7 +410,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
             _ if self.alarm => State::Alarm,
             Progress::Held if self.lost => State::SenderLost,
             Progress::Held => State::Held,
-            Progress::Aborted if rests => State::Aborted,
+            Progress::Aborted => State::Aborted,
             Progress::Done | Progress::NeedsBlocks if rests && !self.left => State::Idle,
             _ => State::Running,
         }

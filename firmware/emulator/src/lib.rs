@@ -7,11 +7,12 @@
 
 use crc::{CRC_32_ISCSI, Crc, Digest};
 use serde::{Deserialize, Serialize};
-use splineway::wire::{Events, Station};
+use splineway::wire::Events;
 use splineway::{
-    Activity, AxisLimits, Config, ConfigError, Coord, Interpolator, Limits, Link, Planner,
-    Progress, Scalar, Setpoint,
+    Activity, AxisLimits, Config, ConfigError, Coord, Interpolator, Limits, Link, Planner, Scalar,
+    Setpoint,
 };
+use splineway_controller::Background;
 
 /// What the first frame says: the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -75,12 +76,10 @@ type Core<'a, S, const N: usize, const BLOCKS: usize, const NODES: usize> =
 
 #[inline(never)]
 fn plan<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
-    station: &mut Station<S, N, 16>,
-    planner: &mut Planner<'_, S, N, BLOCKS, NODES>,
-    events: &Events<4>,
-) -> Progress {
+    background: &mut Background<'_, '_, S, N, BLOCKS, NODES, 16, 4>,
+) {
     // Time stands still: nobody is missed.
-    station.poll(planner, events, 0)
+    background.plan(0);
 }
 
 #[inline(never)]
@@ -122,14 +121,14 @@ pub fn run<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
     let crc = Crc::<u32>::new(&CRC_32_ISCSI);
     let mut digest = crc.digest();
     let mut outcome = Outcome::default();
-    let mut station = Station::<S, N, 16>::new();
     let events = Events::new();
+    let mut background = Background::new(planner, &events);
     let mut idle = 0;
     let mut open = false;
     while idle < PATIENCE {
-        while !station.is_full() {
+        while !background.is_full() {
             let Some(byte) = source() else { break };
-            station.receive(byte);
+            background.receive(byte);
             // The first frame opens the session, which is answered by the next poll.
             if !open && byte == 0 {
                 open = true;
@@ -137,7 +136,7 @@ pub fn run<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
             }
         }
         meter.begin();
-        let progress = plan(&mut station, planner, &events);
+        plan(&mut background);
         meter.end(Part::Planning);
         meter.begin();
         let setpoint = tick(interpolator);
@@ -149,12 +148,12 @@ pub fn run<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
             continue;
         }
         idle += 1;
-        if progress == Progress::Done && !station.is_waiting() {
+        if background.is_done(&setpoint) {
             outcome.complete = true;
             break;
         }
     }
-    outcome.blocks = station.taken().saturating_sub(1);
+    outcome.blocks = background.taken().saturating_sub(1);
     outcome.digest = digest.finalize();
     Ok(outcome)
 }

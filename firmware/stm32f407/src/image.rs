@@ -8,8 +8,11 @@ mod app {
     use crate::board::{self, Board, Laser, Output, Stepper};
     use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
     use heapless::spsc::{Consumer, Producer, Queue};
-    use splineway::wire::{Event, Events, FRAME, Refusal, Station};
-    use splineway::{Controls, Coord, Interpolator, Link, Planner, Progress, Setpoint};
+    use splineway::wire::{Command, Event, Events};
+    use splineway::{
+        BLOCKS, Controls, Coord, Interpolator, Link, NODES, Planner, Progress, Setpoint,
+    };
+    use splineway_controller::{Background, Clock, Port};
     use stm32f4xx_hal::gpio::{ErasedPin, Input};
     use stm32f4xx_hal::pac::{Interrupt, TIM3, USART2};
     use stm32f4xx_hal::prelude::*;
@@ -20,6 +23,8 @@ mod app {
     const AXES: usize = board::AXES;
     /// Items that wait for the planner: the host's window.
     const WINDOW: usize = 16;
+    /// Events that may be on their way to the servo task.
+    const QUEUED: usize = 8;
     /// Bytes that may arrive while the planner works: more than a window of the longest frames.
     const BYTES: usize = 4096;
 
@@ -34,7 +39,7 @@ mod app {
     /// Servo cycles since the start: the background's clock.
     static CYCLES: AtomicU32 = AtomicU32::new(0);
     /// Spindle, coolant, tool: from the line to the servo task.
-    static EVENTS: Events<8> = Events::new();
+    static EVENTS: Events<QUEUED> = Events::new();
 
     #[shared]
     struct Shared {
@@ -57,7 +62,6 @@ mod app {
         bytes_out: Consumer<'static, u8>,
         tx: Tx<USART2>,
         planner: Planner<'static, f32, AXES>,
-        station: Station<f32, AXES, WINDOW>,
         stop_button: ErasedPin<Input>,
         switches: [ErasedPin<Input>; AXES],
         stop_controls: Controls<'static>,
@@ -93,7 +97,6 @@ mod app {
                 bytes_out,
                 tx: board.tx,
                 planner,
-                station: Station::new(),
                 stop_button: board.stop_button,
                 switches: board.switches,
                 stop_controls: controls,
@@ -178,81 +181,73 @@ mod app {
         context.local.limit_controls.abort();
     }
 
-    /// Milliseconds, out of servo cycles; both may wrap around.
-    #[derive(Default)]
-    struct Clock {
-        cycles: u32,
-        /// Cycles that do not make a millisecond yet.
-        rest: u32,
-        ms: u32,
+    /// What the background sees of the board.
+    struct Outside<'a, M> {
+        bytes: &'a mut Consumer<'static, u8>,
+        tx: &'a mut Tx<USART2>,
+        setpoint: M,
+        clock: Clock,
+        /// Bytes lost that the log knows of.
+        lost: u32,
     }
 
-    impl Clock {
-        fn ms(&mut self, cycles: u32) -> u32 {
-            const PER_MS: u32 = board::SERVO_HZ / 1000;
-            self.rest += cycles.wrapping_sub(self.cycles);
-            self.cycles = cycles;
-            self.ms = self.ms.wrapping_add(self.rest / PER_MS);
-            self.rest %= PER_MS;
-            self.ms
+    impl<M: rtic::Mutex<T = Setpoint<f32, AXES>>> Port<f32, AXES> for Outside<'_, M> {
+        fn read(&mut self) -> Option<u8> {
+            self.bytes.dequeue()
+        }
+
+        fn write(&mut self, byte: u8) -> bool {
+            self.tx.write(byte).is_ok()
+        }
+
+        fn now_ms(&mut self) -> u32 {
+            self.clock.ms(CYCLES.load(Relaxed))
+        }
+
+        fn setpoint(&mut self) -> Setpoint<f32, AXES> {
+            self.setpoint.lock(|setpoint| *setpoint)
+        }
+
+        fn alarm(&mut self) -> bool {
+            let lost = LOST.load(Relaxed);
+            if lost != self.lost {
+                self.lost = lost;
+                defmt::warn!("{} bytes came faster than they could be read", lost);
+            }
+            let lagged = LAGGED.swap(false, Relaxed);
+            if lagged {
+                defmt::error!("an axis did not make all its steps in time");
+            }
+            // The emergency stop lasts: no session may move anything.
+            EMERGENCY.load(Relaxed) | LIMIT.swap(false, Relaxed) | lagged
+        }
+
+        fn obeyed(&mut self, command: Command) {
+            defmt::debug!("command {}", command);
         }
     }
 
-    #[idle(
-        local = [bytes_out, tx, planner, station, watchdog, led, frame: [u8; FRAME] = [0; FRAME]],
-        shared = [setpoint, enable]
-    )]
+    #[idle(local = [bytes_out, tx, planner, watchdog, led], shared = [setpoint, enable])]
     fn idle(mut context: idle::Context) -> ! {
-        let idle::LocalResources { bytes_out, tx, planner, station, watchdog, led, frame, .. } =
+        let idle::LocalResources { bytes_out: bytes, tx, planner, watchdog, led, .. } =
             context.local;
-        let (mut next, mut length) = (0, 0);
+        let clock = Clock::new(board::SERVO_HZ / 1000);
+        let setpoint = context.shared.setpoint;
+        let mut outside = Outside { bytes, tx, setpoint, clock, lost: 0 };
+        let mut background =
+            Background::<_, AXES, BLOCKS, NODES, WINDOW, QUEUED>::new(planner, &EVENTS);
         let mut progress = Progress::NeedsBlocks;
-        let mut clock = Clock::default();
         watchdog.start(board::WATCHDOG_MS.millis());
         // Unless the emergency stop was open at the start.
         if !EMERGENCY.load(Relaxed) {
             context.shared.enable.lock(|enable| enable.set_high());
         }
-        let mut lost = 0;
         loop {
             watchdog.feed();
-            // Everything that has come; commands are passed on as soon as they are complete.
-            while let Some(byte) = bytes_out.dequeue() {
-                if let Some(command) = station.receive(byte) {
-                    defmt::debug!("command {}", command);
-                    command.send(planner.controls());
-                }
-            }
-            if lost != LOST.load(Relaxed) {
-                lost = LOST.load(Relaxed);
-                defmt::warn!("{} bytes came faster than they could be read", lost);
-            }
-            // The emergency stop lasts: no session may move anything.
-            if EMERGENCY.load(Relaxed) || LIMIT.swap(false, Relaxed) {
-                station.close(Refusal::Alarm);
-            }
-            if LAGGED.swap(false, Relaxed) {
-                defmt::error!("an axis did not make all its steps in time");
-                planner.controls().abort();
-                station.close(Refusal::Alarm);
-            }
-            let ms = clock.ms(CYCLES.load(Relaxed));
-            let now = station.poll(planner, &EVENTS, ms);
+            let now = background.round(&mut outside);
             if now != progress {
                 defmt::trace!("{}", now);
                 progress = now;
-            }
-            // One reply at a time; bytes go out as the line takes them.
-            if next == length {
-                let setpoint = context.shared.setpoint.lock(|setpoint| *setpoint);
-                next = 0;
-                length = station.reply(&setpoint, frame);
-            }
-            while let Some(&byte) = frame.get(next)
-                && next < length
-                && tx.write(byte).is_ok()
-            {
-                next += 1;
             }
             if progress == Progress::Planned {
                 led.toggle();

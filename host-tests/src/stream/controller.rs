@@ -1,10 +1,13 @@
-//! A controller as the firmware is one, with the core and the same end of the line, but no machine.
+//! A controller without a machine: the background of the firmware ([`splineway_controller`]), on a
+//! pseudo-terminal.
 
 use crate::machine::Machine;
 use anyhow::{Context, Result, bail};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
-use splineway::wire::{Event, Events, FRAME, State, Station};
-use splineway::{Activity, BLOCKS, Coord, Link, NODES, Planner, Progress};
+use splineway::wire::{Event, Events, State};
+use splineway::{Activity, BLOCKS, Coord, Link, NODES, Planner, Setpoint};
+use splineway_controller::{Background, Port};
+use std::collections::VecDeque;
 use std::fs::File;
 use std::io::{Read, Write};
 use std::sync::mpsc::{Receiver, channel};
@@ -47,6 +50,40 @@ impl Faults {
             }
         }
         out
+    }
+}
+
+/// What the background sees: bytes that have come and that go out, the time, the last setpoint.
+struct Outside<const N: usize> {
+    faults: Faults,
+    incoming: VecDeque<u8>,
+    outgoing: Vec<u8>,
+    now: Duration,
+    setpoint: Setpoint<f32, N>,
+}
+
+impl<const N: usize> Outside<N> {
+    fn position(&self) -> Vec<i64> {
+        (0..N).map(|axis| self.setpoint.position_nm(axis)).collect()
+    }
+}
+
+impl<const N: usize> Port<f32, N> for Outside<N> {
+    fn read(&mut self) -> Option<u8> {
+        self.incoming.pop_front()
+    }
+
+    fn write(&mut self, byte: u8) -> bool {
+        self.outgoing.extend(self.faults.pass(&[byte]));
+        true
+    }
+
+    fn now_ms(&mut self) -> u32 {
+        self.now.as_millis() as u32
+    }
+
+    fn setpoint(&mut self) -> Setpoint<f32, N> {
+        self.setpoint
     }
 }
 
@@ -150,12 +187,18 @@ impl Controller {
         let mut link = Box::new(Link::<f32, N, BLOCKS, NODES>::new());
         let (mut planner, mut interpolator): (Planner<'_, f32, N, BLOCKS, NODES>, _) =
             link.split(config, [Coord::ZERO; N])?;
-        let mut station = Station::<f32, N, QUEUE>::new();
         let events = Events::<EVENTS>::new();
+        let mut background =
+            Background::<_, N, BLOCKS, NODES, QUEUE, EVENTS>::new(&mut planner, &events);
         let bytes = self.listen()?;
-        let mut frame = [0; FRAME];
-        let mut setpoint = interpolator.tick();
         let (began, mut cycles) = (Instant::now(), 0);
+        let mut outside = Outside {
+            faults,
+            incoming: VecDeque::new(),
+            outgoing: Vec::new(),
+            now: Duration::ZERO,
+            setpoint: interpolator.tick(),
+        };
         let (mut ran, mut leaves, mut heard) = (false, false, began);
         let mut state = State::Idle;
         loop {
@@ -167,43 +210,36 @@ impl Controller {
                 if !chunk.is_empty() {
                     heard = Instant::now();
                 }
-                for byte in faults.pass(&chunk) {
-                    if let Some(command) = station.receive(byte) {
-                        command.send(planner.controls());
-                    }
-                }
+                outside.incoming.extend(faults.pass(&chunk));
             }
             let now = began.elapsed();
+            outside.now = now;
             let target = (now.as_secs_f64() * speed / machine.cycle) as u64;
-            let mut progress = Progress::Waiting;
+            // The line is served whether a servo cycle is due or not.
+            background.round(&mut outside);
             for _ in 0..(target.saturating_sub(cycles)).min(MOST_CYCLES) {
                 // The line is served whatever planning costs: what is not made up for now is lost time.
                 if began.elapsed() > now + MOST_TIME {
                     break;
                 }
-                progress = station.poll(&mut planner, &events, now.as_millis() as u32);
-                setpoint = interpolator.tick();
-                if let Some(event) = events.take(&setpoint) {
+                outside.setpoint = interpolator.tick();
+                if let Some(event) = events.take(&outside.setpoint) {
                     leaves |= tell(&Happening::Event(event));
                 }
+                background.round(&mut outside);
             }
             cycles = target;
-            loop {
-                let length = station.reply(&setpoint, &mut frame);
-                if length == 0 {
-                    break;
-                }
-                self.terminal.write_all(&faults.pass(&frame[..length]))?;
-            }
-            let position = || (0..N).map(|axis| setpoint.position_nm(axis)).collect();
-            let before = std::mem::replace(&mut state, station.state(&setpoint));
+            self.terminal.write_all(&outside.outgoing)?;
+            outside.outgoing.clear();
+            let setpoint = outside.setpoint;
+            let before = std::mem::replace(&mut state, background.state(&setpoint));
             if state != before {
-                leaves |= tell(&Happening::State { state, position: position() });
+                leaves |= tell(&Happening::State { state, position: outside.position() });
             }
             ran |= setpoint.activity != Activity::Idle;
-            if ran && progress == Progress::Done && state == State::Idle {
+            if ran && state == State::Idle && background.is_done(&setpoint) {
                 ran = false;
-                leaves |= tell(&Happening::Run(position()));
+                leaves |= tell(&Happening::Run(outside.position()));
             }
             // Only when the host has nothing more to ask.
             if leaves && heard.elapsed() > SILENCE {

@@ -100,6 +100,7 @@ fn drives(
         let setpoint = interpolator.tick();
         black_box(drive.drive(&setpoint)).ok()?;
         black_box(crate::line::controller(planner, &setpoint));
+        crate::line::background(planner, &setpoint);
     }
 }
 

@@ -6,6 +6,7 @@ use splineway::wire::{
     Station, Step, Target, encode,
 };
 use splineway::{Block, Controls, Coord, Planner, Setpoint};
+use splineway_controller::{Background, Clock, Port};
 
 /// Kept by a controller.
 static EVENTS: Events<8> = Events::new();
@@ -26,6 +27,36 @@ pub fn controller(planner: &mut Planner<'_, f32, 3>, setpoint: &Setpoint<f32, 3>
     black_box(frame);
     black_box(EVENTS.happened());
     EVENTS.take(setpoint)
+}
+
+/// A board, as far as a compiler can know.
+struct Board<'a>(&'a Setpoint<f32, 3>, Clock);
+
+impl Port<f32, 3> for Board<'_> {
+    fn read(&mut self) -> Option<u8> {
+        black_box(None)
+    }
+    fn write(&mut self, byte: u8) -> bool {
+        black_box(byte) != 0
+    }
+    fn now_ms(&mut self) -> u32 {
+        self.1.ms(black_box(1))
+    }
+    fn setpoint(&mut self) -> Setpoint<f32, 3> {
+        *self.0
+    }
+    fn alarm(&mut self) -> bool {
+        black_box(false)
+    }
+}
+
+/// The background of a controller.
+pub fn background(planner: &mut Planner<'_, f32, 3, 16, 64>, setpoint: &Setpoint<f32, 3>) {
+    let mut board = Board(setpoint, Clock::new(black_box(10)));
+    let mut background = Background::<_, 3, 16, 64, 16, 8>::new(planner, &EVENTS);
+    black_box(background.round(&mut board));
+    black_box((background.state(setpoint), background.is_done(setpoint)));
+    black_box((background.is_full(), background.taken()));
 }
 
 /// The host's end, which may be a board too.
