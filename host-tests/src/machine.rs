@@ -4,6 +4,7 @@ use crate::program::{AXES, Header, LETTERS, Program};
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Deserialize;
 use splineway::gcode::{OFFSETS, Place, Setup};
+use splineway::machine::defaults;
 use splineway::{AxisLimits, Config, Coord, CornerMode, Limits, Scalar};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -64,13 +65,13 @@ impl Default for Machine {
     fn default() -> Self {
         let axis = Axis { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0 };
         Self {
-            tolerance: 0.01,
-            cycle: 0.001,
+            tolerance: defaults::TOLERANCE,
+            cycle: defaults::CYCLE,
             lookahead: 64,
             mode: Mode::Band,
             lambda: 0.0,
-            lead: 0.01,
-            sweeps: 8,
+            lead: defaults::LEAD,
+            sweeps: defaults::SWEEPS,
             axes: BTreeMap::from([("default".to_owned(), axis)]),
             work: BTreeMap::new(),
             reference: BTreeMap::new(),

@@ -1,6 +1,7 @@
 //! The core through its public interface: the paper's paths, starvation, errors, contexts.
 
-use splineway::block::{BlockError, Field};
+use splineway::block::BlockError;
+use splineway::machine::Quantity;
 use splineway::{
     Activity, AxisLimits, Block, Config, Coord, CornerMode, Feed, Interpolator, Limits, Link,
     Motion, Planner, Progress, PushError, Setpoint, Turn,
@@ -349,14 +350,14 @@ fn bad_blocks_are_refused_and_leave_the_rest_intact() {
     let mut field = field;
     for feed in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let reason = field(&Block { feed: Feed::PerSecond(feed), ..line });
-        assert!(matches!(reason, BlockError::OutOfRange { field: Field::Feed, .. }));
+        assert!(matches!(reason, BlockError::OutOfRange { quantity: Quantity::Feed, .. }));
     }
     let reason = field(&Block { feed: Feed::Duration(0.0), ..line });
-    assert!(matches!(reason, BlockError::OutOfRange { field: Field::Duration, .. }));
+    assert!(matches!(reason, BlockError::OutOfRange { quantity: Quantity::Duration, .. }));
     let reason = field(&Block { tolerance: Some(-0.1), ..line });
-    assert!(matches!(reason, BlockError::OutOfRange { field: Field::Tolerance, .. }));
+    assert!(matches!(reason, BlockError::OutOfRange { quantity: Quantity::Tolerance, .. }));
     let reason = field(&Block::dwell(f64::NAN, 7));
-    assert!(matches!(reason, BlockError::OutOfRange { field: Field::Dwell, .. }));
+    assert!(matches!(reason, BlockError::OutOfRange { quantity: Quantity::Dwell, .. }));
     let far = [Coord::from_raw(i64::MAX), Coord::ZERO, Coord::ZERO];
     assert!(matches!(field(&Block::line(far, 1.0, 7)), BlockError::Coordinate { axis: 0, .. }));
     let reason = field(&arc(at(9.0, 0.0, 0.0), (6.0, 0.0), (0, 1)));

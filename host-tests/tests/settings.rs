@@ -1,6 +1,7 @@
 //! Every setting at its least and its greatest: no motion may be slower than one that stops at every corner.
 
 use splineway::machine::Quantity;
+use splineway::number::Range;
 use splineway::{
     Activity, AxisLimits, Block, Config, ConfigError, Coord, CornerMode, Limits, Link, Motion,
     Progress, Scalar, Turn,
@@ -104,7 +105,7 @@ fn with<S: Scalar>(quantity: Quantity, value: f64) -> Config<S, 2> {
 
 fn no_setting_makes_the_motion_crawl<S: Scalar>() {
     for quantity in Quantity::SETTINGS {
-        let (least, greatest) = quantity.range();
+        let Range { least, greatest } = quantity.range();
         for value in [least, greatest] {
             // A million cycles per second take too long here.
             let value = if quantity == Quantity::Cycle { value.max(2.0e-5) } else { value };
@@ -158,7 +159,7 @@ fn no_overlap_of_the_paper_makes_the_motion_crawl() {
 #[test]
 fn what_is_out_of_range_is_refused_with_value_and_range() {
     for quantity in Quantity::SETTINGS {
-        let (least, greatest) = quantity.range();
+        let Range { least, greatest } = quantity.range();
         let whole = matches!(quantity, Quantity::Iterations | Quantity::Sweeps);
         let below = if whole { least - 1.0 } else { least - 1.0e-3 };
         let above = if whole { greatest + 1.0 } else { greatest * 1.001 };
@@ -168,12 +169,11 @@ fn what_is_out_of_range_is_refused_with_value_and_range() {
                 continue;
             }
             let error = with::<f64>(quantity, value).check().unwrap_err();
-            let ConfigError::Setting { quantity: named, value: given, least: l, greatest: g } =
-                error
-            else {
+            let ConfigError::Setting { quantity: named, error: found } = error else {
                 panic!("{error:?}")
             };
-            assert_eq!((named, l, g), (quantity, least, greatest));
+            assert_eq!((named, found.least, found.greatest), (quantity, least, greatest));
+            let given = found.value;
             assert!(given.to_bits() == value.to_bits() || (given.is_nan() && value.is_nan()));
             let words = error.to_string();
             let range = format!("it must be {least} to {greatest}");

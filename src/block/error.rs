@@ -1,32 +1,8 @@
 //! Why a block was not taken.
 
+use crate::machine::Quantity;
+use crate::number::RangeError;
 use core::fmt;
-
-/// A field of a block.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum Field {
-    /// Feed, mm/s.
-    Feed,
-    /// Duration of an inverse-time block, s.
-    Duration,
-    /// Tolerance, mm.
-    Tolerance,
-    /// Dwell time, s.
-    Dwell,
-}
-
-impl Field {
-    const fn words(self) -> (&'static str, &'static str) {
-        match self {
-            Self::Feed => ("feed", "mm/s"),
-            Self::Duration => ("duration", "s"),
-            Self::Tolerance => ("tolerance", "mm"),
-            Self::Dwell => ("dwell", "s"),
-        }
-    }
-}
 
 /// What is wrong with a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,21 +11,17 @@ impl Field {
 pub enum BlockError {
     /// A number of the block is not finite or out of its range.
     OutOfRange {
-        /// Which field.
-        field: Field,
-        /// The value given.
-        value: f64,
-        /// Least value accepted.
-        least: f64,
-        /// Greatest value accepted.
-        greatest: f64,
+        /// Which number.
+        quantity: Quantity,
+        /// The value given, and the range.
+        error: RangeError,
     },
     /// A coordinate is beyond `Coord::LIMIT_MM`.
     Coordinate {
         /// Index of the axis.
         axis: usize,
-        /// The value given, mm.
-        value: f64,
+        /// The value given, and the range, mm.
+        error: RangeError,
     },
     /// The arc's plane names an axis that does not exist, or the same axis twice.
     Plane {
@@ -84,11 +56,11 @@ pub enum BlockError {
 impl fmt::Display for BlockError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Self::OutOfRange { field, value, least, greatest } => {
-                let (name, unit) = field.words();
+            Self::OutOfRange { quantity, error: RangeError { value, least, greatest } } => {
+                let (name, unit) = quantity.words();
                 write!(f, "{name} is {value} {unit}; it must be {least} to {greatest}")
             }
-            Self::Coordinate { axis, value } => {
+            Self::Coordinate { axis, error: RangeError { value, .. } } => {
                 write!(f, "coordinate of axis {axis} is {value} mm; it must be within +-1e6")
             }
             Self::Plane { axes: (p, q) } => {

@@ -5,9 +5,10 @@
 
 mod arc;
 mod error;
+pub(crate) mod range;
 
 pub use arc::centre_from_radius;
-pub use error::{BlockError, Field, PushError};
+pub use error::{BlockError, PushError};
 
 use crate::number::{Coord, Scalar};
 

@@ -21,6 +21,7 @@ mod types;
 pub use types::*;
 
 use crate::block::{Block, Motion, Turn};
+use crate::machine::defaults;
 use crate::number::Coord;
 use crate::planner::Planner;
 use crate::servo::{Controls, Interpolator, Link};
@@ -99,12 +100,12 @@ pub unsafe extern "C" fn splineway_config_init_sized(
             size: size_of::<splineway_config>() as u32,
             axis_count: SPLINEWAY_AXES as u32,
             axes: [axis; SPLINEWAY_AXES],
-            cycle: 0.001,
-            tolerance: 0.01,
-            lead: 0.01,
-            start_delay: 0.05,
-            iterations: 40,
-            sweeps: 8,
+            cycle: defaults::CYCLE as f32,
+            tolerance: defaults::TOLERANCE as f32,
+            lead: defaults::LEAD as f32,
+            start_delay: defaults::START_DELAY as f32,
+            iterations: defaults::ITERATIONS,
+            sweeps: defaults::SWEEPS,
         });
     }
     splineway_result::OK

@@ -1,6 +1,6 @@
 //! How the core is set up for a machine.
 
-use super::{ConfigError, Limits, Quantity};
+use super::{ConfigError, Limits, Quantity, defaults};
 use crate::number::Scalar;
 
 /// How the corners between straight lines are rounded.
@@ -54,17 +54,17 @@ pub struct Config<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Config<S, N> {
-    /// Sensible settings for a machine: 1 ms servo cycle, 0.01 mm tolerance, full band corners.
+    /// The settings of [`defaults`]: 1 ms servo cycle, 0.01 mm tolerance, full band corners.
     pub fn new(limits: Limits<S, N>) -> Self {
         Self {
             limits,
-            cycle: S::of(1.0e-3),
-            tolerance: S::of(0.01),
+            cycle: S::of(defaults::CYCLE),
+            tolerance: S::of(defaults::TOLERANCE),
             corner: CornerMode::Band,
-            lead: S::of(0.01),
-            start_delay: S::of(0.05),
-            iterations: 40,
-            sweeps: 8,
+            lead: S::of(defaults::LEAD),
+            start_delay: S::of(defaults::START_DELAY),
+            iterations: defaults::ITERATIONS,
+            sweeps: defaults::SWEEPS,
         }
     }
 
@@ -74,11 +74,8 @@ impl<S: Scalar, const N: usize> Config<S, N> {
     /// [`ConfigError::Setting`] names the first setting out of range.
     pub fn check(&self) -> Result<(), ConfigError> {
         for quantity in Quantity::SETTINGS {
-            let value = self.setting(quantity);
-            if !quantity.accepts(value) {
-                let (value, (least, greatest)) = (value.to_f64(), quantity.range());
-                return Err(ConfigError::Setting { quantity, value, least, greatest });
-            }
+            let named = |error| ConfigError::Setting { quantity, error };
+            quantity.check(self.setting(quantity)).map_err(named)?;
         }
         Ok(())
     }
@@ -93,7 +90,7 @@ impl<S: Scalar, const N: usize> Config<S, N> {
             (Quantity::Lambda, CornerMode::Paper { lambda }) => lambda,
             (Quantity::Iterations, _) => S::from_u32(u32::from(self.iterations)),
             (Quantity::Sweeps, _) => S::from_u32(u32::from(self.sweeps)),
-            _ => S::of(quantity.range().0),
+            _ => S::of(quantity.range().least),
         }
     }
 }

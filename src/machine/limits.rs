@@ -50,10 +50,8 @@ impl<S: Scalar, const N: usize> Limits<S, N> {
                 (Quantity::Acceleration, limits.acceleration),
                 (Quantity::Jerk, limits.jerk),
             ] {
-                if !quantity.accepts(value) {
-                    let (value, (least, greatest)) = (value.to_f64(), quantity.range());
-                    return Err(ConfigError::AxisLimit { axis, quantity, value, least, greatest });
-                }
+                let named = |error| ConfigError::AxisLimit { axis, quantity, error };
+                quantity.check(value).map_err(named)?;
             }
         }
         Ok(Self { axes })

@@ -1,13 +1,16 @@
 //! What the machine can do: axis limits, servo cycle, and how the core is tuned to it.
 
 mod config;
+pub mod defaults;
 mod error;
 mod limits;
+mod quantity;
 mod ramp;
 mod size;
 
 pub use config::{Config, CornerMode};
-pub use error::{ConfigError, Quantity};
+pub use error::ConfigError;
 pub use limits::{AxisLimits, Limits};
+pub use quantity::Quantity;
 pub(crate) use ramp::Ramp;
 pub use size::{BLOCKS, NODES};

@@ -1,6 +1,6 @@
 //! Fixed-point coordinates.
 
-use super::{RangeError, Scalar};
+use super::{Range, RangeError, Scalar};
 
 /// One axis coordinate in fixed point: a whole number of 1e-12 mm (or 1e-12 degrees on a rotary
 /// axis).
@@ -18,6 +18,8 @@ impl Coord {
     pub const PER_MM: i64 = 1_000_000_000_000;
     /// Largest coordinate that is accepted in a block, mm (1 km).
     pub const LIMIT_MM: f64 = 1.0e6;
+    /// Coordinates that are accepted, mm.
+    pub const RANGE: Range = Range::new(-Self::LIMIT_MM, Self::LIMIT_MM);
 
     /// The coordinate nearest to `mm`.
     ///
@@ -25,7 +27,7 @@ impl Coord {
     /// [`RangeError`], in mm, if it is not finite or beyond [`Coord::LIMIT_MM`].
     pub fn from_mm(mm: f64) -> Result<Self, RangeError> {
         if !(mm.abs() <= Self::LIMIT_MM) {
-            return Err(Self::out_of_range(mm));
+            return Err(Self::RANGE.refused(mm));
         }
         Ok(Self(libm::round(mm * Self::PER_MM as f64) as i64))
     }
@@ -37,13 +39,9 @@ impl Coord {
     pub const fn from_nm(nm: i64) -> Result<Self, RangeError> {
         const LIMIT: i64 = 1_000_000_000_000;
         if nm > LIMIT || nm < -LIMIT {
-            return Err(Self::out_of_range(nm as f64 * 1.0e-6));
+            return Err(Self::RANGE.refused(nm as f64 * 1.0e-6));
         }
         Ok(Self(nm * 1_000_000))
-    }
-
-    const fn out_of_range(mm: f64) -> RangeError {
-        RangeError { value: mm, least: -Self::LIMIT_MM, greatest: Self::LIMIT_MM }
     }
 
     /// From raw units of 1e-12 mm.

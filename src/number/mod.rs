@@ -19,5 +19,5 @@ pub mod vector;
 pub use arc_length::ArcLength;
 pub use coord::Coord;
 pub(crate) use length::Length;
-pub use range::RangeError;
+pub use range::{Range, RangeError};
 pub use scalar::Scalar;

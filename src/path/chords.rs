@@ -7,14 +7,12 @@
 //! each of its turning points, at which the motion rests, and to its end.
 
 use super::budget;
-use super::queued::{check_coordinates, in_range};
-use crate::block::{Block, BlockError, Field, Motion};
-use crate::machine::Config;
-use crate::number::{Coord, Scalar};
+use crate::block::range::{check_coordinates, in_range};
+use crate::block::{Block, BlockError, Motion};
+use crate::machine::{Config, Quantity};
+use crate::number::{Coord, Range, Scalar};
 use core::array::from_fn;
 
-/// Least tolerance of a curve, mm.
-const LEAST_TOLERANCE: f64 = 1.0e-4;
 /// Most chords of a curve.
 const MOST: f64 = 1.0e6;
 /// Parts in which the length of a curve is found, for inverse-time feeds.
@@ -58,7 +56,7 @@ impl<S: Scalar, const N: usize> Chords<S, N> {
             check_coordinates(point)?;
         }
         let tolerance = budget::tolerance(block, config);
-        in_range(Field::Tolerance, tolerance, LEAST_TOLERANCE, 1.0e3)?;
+        in_range(Quantity::CurveTolerance, tolerance)?;
         let offsets =
             [controls[0], controls[1], to].map(|point| from_fn(|i| point[i].minus::<f64>(from[i])));
         let budget::Chords { sag, rest } = budget::Chords::new(tolerance);
@@ -84,8 +82,9 @@ impl<S: Scalar, const N: usize> Chords<S, N> {
         let count = libm::ceil(Scalar::sqrt(0.75 * bend(&offsets) / sag));
         if count > MOST {
             let least = tolerance.to_f64() * (count / MOST) * (count / MOST);
-            let (field, value) = (Field::Tolerance, tolerance.to_f64());
-            return Err(BlockError::OutOfRange { field, value, least, greatest: 1.0e3 });
+            let quantity = Quantity::CurveTolerance;
+            let error = Range { least, ..quantity.range() }.refused(tolerance.to_f64());
+            return Err(BlockError::OutOfRange { quantity, error });
         }
         chords.count = (count as u32).max(1);
         Ok(Some(chords))

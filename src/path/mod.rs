@@ -1,7 +1,7 @@
 //! Geometry: from blocks to a curvature-continuous path, as a chain of nodes and cells.
 //!
 //! No file in here knows at what speed the path will be run. Of feed words, limits and the servo cycle it takes three
-//! things. [`queued`] makes of a feed word the speed along the path that is asked for, at most what the axes' velocities
+//! things. [`feed`] makes of a feed word the speed along the path that is asked for, at most what the axes' velocities
 //! allow on a line; a cell carries it on. [`cut`] makes lengths of feed, jerk and acceleration: a cell is at most what the
 //! feed covers in a quarter of a second, and the first from a standstill what jerk covers while it gets going; a
 //! [`run`] lays its knots no farther apart, so that within the band its spline depends on them, too. And a dwell is a
@@ -23,6 +23,7 @@ mod check;
 mod chords;
 pub(crate) mod corner;
 pub(crate) mod cut;
+mod feed;
 mod helix;
 pub(crate) mod hermite;
 mod joint;

@@ -1,16 +1,14 @@
 //! Blocks that wait for their neighbours, checked and with their geometry.
 
 use super::budget;
+use super::feed;
 use super::node::{Event, Programmed};
 use super::run::Leg;
 use super::segment::Segment;
-use crate::block::{Block, BlockError, Feed, Field, Motion};
-use crate::machine::{Config, Limits};
-use crate::number::vector::{norm, zero};
+use crate::block::range::{check_coordinate, check_coordinates, in_range};
+use crate::block::{Block, BlockError, Feed, Motion};
+use crate::machine::{Config, Quantity};
 use crate::number::{Coord, Length, Scalar};
-
-/// Most difference of the feeds of lines that become one, relative: rounding of their directions.
-const FEED_SLACK: f64 = 1.0e-3;
 
 /// How two segments meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,12 +73,11 @@ impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
 
     /// Whether a block goes on as this one does: no stop between them, and alike in all but direction.
     pub fn runs_on(&self, next: &Self) -> bool {
-        let (a, b) = (self.feed, next.feed);
         !self.stop_after
             && self.rapid == next.rapid
             && self.chord == next.chord
             && self.tolerance == next.tolerance
-            && (self.rapid || (a - b).abs() <= a.least(b) * S::of(FEED_SLACK))
+            && (self.rapid || feed::alike(self.feed, next.feed, feed::ROUNDED))
     }
 
     /// The band of the joint with a neighbour, mm: what the lines that each was made of have left of its tolerance,
@@ -98,12 +95,8 @@ impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
         config: &Config<S, N>,
     ) -> Result<Option<Self>, BlockError> {
         let tolerance = budget::tolerance(block, config);
-        in_range(Field::Tolerance, tolerance, 0.0, 1.0e3)?;
-        match block.feed {
-            Feed::PerSecond(feed) => in_range(Field::Feed, feed, 1.0e-9, 1.0e6)?,
-            Feed::Duration(seconds) => in_range(Field::Duration, seconds, 1.0e-6, 1.0e6)?,
-            Feed::Rapid => {}
-        }
+        in_range(Quantity::Tolerance, tolerance)?;
+        feed::check(block.feed)?;
         let mut item = Self {
             segment: None,
             dwell: S::ZERO,
@@ -124,7 +117,7 @@ impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
         };
         let segment = match block.motion {
             Motion::Dwell { seconds } => {
-                in_range(Field::Dwell, seconds, 0.0, 1.0e6)?;
+                in_range(Quantity::Dwell, seconds)?;
                 item.dwell = seconds;
                 item.stop_after = true;
                 return Ok((seconds > S::ZERO).then_some(item));
@@ -148,74 +141,8 @@ impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
             }
         };
         let Some(segment) = segment else { return Ok(None) };
-        item.feed = path_speed(&segment, whole, block.feed, &config.limits);
+        item.feed = feed::path_speed(&segment, whole, block.feed, &config.limits);
         item.segment = Some(segment);
         Ok(Some(item))
     }
-}
-
-pub fn in_range<S: Scalar>(
-    field: Field,
-    value: S,
-    least: f64,
-    greatest: f64,
-) -> Result<(), BlockError> {
-    if value >= S::of(least) && value <= S::of(greatest) {
-        Ok(())
-    } else {
-        Err(BlockError::OutOfRange { field, value: value.to_f64(), least, greatest })
-    }
-}
-
-/// Every coordinate of a point within [`Coord::LIMIT_MM`].
-pub fn check_coordinates<const N: usize>(to: &[Coord; N]) -> Result<(), BlockError> {
-    to.iter().enumerate().try_for_each(|(axis, coord)| check_coordinate(axis, *coord))
-}
-
-fn check_coordinate(axis: usize, coord: Coord) -> Result<(), BlockError> {
-    const LIMIT: i64 = Coord::LIMIT_MM as i64 * Coord::PER_MM;
-    if coord.raw() > LIMIT || coord.raw() < -LIMIT {
-        return Err(BlockError::Coordinate { axis, value: coord.to_mm() });
-    }
-    Ok(())
-}
-
-/// Least speed along the path that is asked for, mm/s: a long duration of a tiny length gives less.
-const LEAST_SPEED: f64 = 1.0e-9;
-
-/// Speed along the path that the feed word asks for, at most what the axes allow on a line, mm/s. The one
-/// place where a feed word is read: for lines, arcs, and the chords of a curve that is `whole` mm long.
-fn path_speed<S: Scalar, const N: usize>(
-    segment: &Segment<S, N>,
-    whole: Option<S>,
-    feed: Feed<S>,
-    limits: &Limits<S, N>,
-) -> S {
-    let tangent = segment.start_frame().tangent;
-    let mut linear = zero::<S, N>();
-    let mut most = S::of(1.0e6);
-    for (i, axis) in limits.axes().iter().enumerate() {
-        if !axis.rotary {
-            linear[i] = tangent[i];
-        }
-        let share = tangent[i].abs();
-        if segment.is_line() && share * most > axis.velocity {
-            most = axis.velocity / share;
-        }
-    }
-    let wanted = match feed {
-        Feed::Rapid => return most,
-        Feed::Duration(seconds) => {
-            (whole.unwrap_or(segment.length) / seconds).greatest(S::of(LEAST_SPEED))
-        }
-        Feed::PerSecond(feed) => {
-            // G94: the feed is the speed over the linear axes if any of them moves.
-            let mut share = norm(&linear);
-            if !(share > S::ZERO) {
-                share = S::ONE;
-            }
-            if share * most <= feed { most } else { feed / share }
-        }
-    };
-    wanted.least(most)
 }

@@ -13,6 +13,7 @@ mod stop;
 use self::cutting::{ADDED, Changes};
 use self::plan::Pending;
 
+use crate::block::range::check_coordinates;
 use crate::block::{Block, BlockError, PushError};
 use crate::machine::{Config, ConfigError};
 use crate::number::serial::{CycleSerial, NodeSerial};
@@ -21,7 +22,6 @@ use crate::number::{Coord, Scalar};
 use crate::path::builder::Builder;
 use crate::path::hermite;
 use crate::path::node::Node;
-use crate::path::queued::check_coordinates;
 use crate::profile::solver::Solver;
 use crate::profile::window::Window;
 use crate::servo::control::{Requests, Wish};
@@ -159,8 +159,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Link<S,
     ) -> Result<(Planner<'_, S, N, BLOCKS, NODES>, Interpolator<'_, S, N>), ConfigError> {
         const { assert!(N >= 1 && N <= 9, "1 to 9 axes") };
         config.check()?;
-        if let Err(BlockError::Coordinate { axis, value }) = check_coordinates(&start) {
-            return Err(ConfigError::Start { axis, value });
+        if let Err(BlockError::Coordinate { axis, error }) = check_coordinates(&start) {
+            return Err(ConfigError::Start { axis, error });
         }
         let (plan, servo, requests) = self.ends();
         let node = Node { at: start, tangent: zero(), curvature: zero() };

@@ -116,7 +116,7 @@ impl core::error::Error for MoveError {}
 
 fn coord(axis: usize, nm: i64) -> Result<Coord, MoveError> {
     Coord::from_nm(nm)
-        .map_err(|error| MoveError::Coordinate(BlockError::Coordinate { axis, value: error.value }))
+        .map_err(|error| MoveError::Coordinate(BlockError::Coordinate { axis, error }))
 }
 
 fn point<const N: usize>(target: &Target, from: &[Coord; N]) -> Result<[Coord; N], MoveError> {

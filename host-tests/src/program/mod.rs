@@ -327,9 +327,9 @@ fn spline(text: &str, ending: &str, options: ReadOptions<'_>) -> Result<Program>
 /// What the core says about a block, with the letters of the axes instead of their numbers.
 pub fn on_letters(error: &BlockError, axes: &[usize]) -> String {
     match *error {
-        BlockError::Coordinate { axis, value } => {
+        BlockError::Coordinate { axis, error } => {
             let letter = axes.get(axis).map_or('?', |&axis| LETTERS[axis]);
-            format!("{letter} would go to {value} mm; coordinates must be within +-1e6")
+            format!("{letter} would go to {} mm; coordinates must be within +-1e6", error.value)
         }
         ref other => other.to_string(),
     }

@@ -3,6 +3,7 @@
 use crate::number::vector::{Vector, dot, norm, zero};
 use crate::number::{Coord, Length, Scalar};
 use crate::path::budget;
+use crate::path::feed;
 use crate::path::node::Programmed;
 use crate::path::segment::Segment;
 use core::array::from_fn;
@@ -15,8 +16,6 @@ const DROPPED: usize = 12;
 /// Lines shorter than this, are followed by their direction, in `f32` to a nanometre; on longer
 /// ones a point is found by a division of wide integers.
 const SHORT: Length = Length::from_raw(10 * Length::PER_MM);
-/// Most difference of the feeds of lines that become one, relative.
-const FEED_SLACK: f64 = 0.02;
 
 /// What is asked for on a line of the polyline.
 #[derive(Clone, Copy, Debug)]
@@ -31,8 +30,7 @@ pub struct Leg<S> {
 impl<S: Scalar> Leg<S> {
     /// Whether two lines may become one, or share a span.
     pub fn is_like(&self, other: &Self) -> bool {
-        let (a, b) = (self.programmed.feed, other.programmed.feed);
-        (a - b).abs() <= a.least(b) * S::of(FEED_SLACK)
+        feed::alike(self.programmed.feed, other.programmed.feed, feed::BLURRED)
             && self.programmed.rapid == other.programmed.rapid
             && self.tolerance == other.tolerance
     }

@@ -6,6 +6,7 @@ use crate::machine::Axis;
 use crate::program::AXES;
 use fastrand::Rng;
 use splineway::machine::Quantity;
+use splineway::number::Range;
 use splineway::wire::Command;
 use splineway::{AxisLimits, Config, ConfigError, CornerMode, Limits, Scalar};
 
@@ -160,7 +161,7 @@ impl Setting {
 
 /// The nearest number that is accepted for a setting.
 fn within(quantity: Quantity, value: u16) -> u16 {
-    let (least, greatest) = quantity.range();
+    let Range { least, greatest } = quantity.range();
     f64::from(value).clamp(least, greatest) as u16
 }
 

@@ -1,0 +1,70 @@
+//! What a feed word means: the speed along the path that it asks for.
+//!
+//! The one place where a feed word is read, for lines, arcs and the chords of curves. A block of no length asks for
+//! nothing and never comes here.
+
+use super::segment::Segment;
+use crate::block::range::in_range;
+use crate::block::{BlockError, Feed};
+use crate::machine::{Limits, Quantity};
+use crate::number::Scalar;
+use crate::number::vector::{norm, zero};
+
+/// Most difference of the feeds of lines that become one, relative: what their directions are rounded by.
+pub const ROUNDED: f64 = 1.0e-3;
+/// The same of short lines in a run: what a speed law would not make anything of between two of its nodes.
+pub const BLURRED: f64 = 0.02;
+
+/// Whether two speeds, mm/s, differ by a share of the lesser at most.
+pub fn alike<S: Scalar>(a: S, b: S, share: f64) -> bool {
+    (a - b).abs() <= a.least(b) * S::of(share)
+}
+
+/// Whether the number of a feed word lies in its range.
+pub fn check<S: Scalar>(feed: Feed<S>) -> Result<(), BlockError> {
+    match feed {
+        Feed::PerSecond(feed) => in_range(Quantity::Feed, feed),
+        Feed::Duration(seconds) => in_range(Quantity::Duration, seconds),
+        Feed::Rapid => Ok(()),
+    }
+}
+
+/// Least speed along the path that is asked for, mm/s: a long duration of a tiny length gives less.
+const LEAST_SPEED: f64 = 1.0e-9;
+
+/// Speed along the path that the feed word asks for, at most what the axes allow on a line, mm/s. The one
+/// place where a feed word is read: for lines, arcs, and the chords of a curve that is `whole` mm long.
+pub fn path_speed<S: Scalar, const N: usize>(
+    segment: &Segment<S, N>,
+    whole: Option<S>,
+    feed: Feed<S>,
+    limits: &Limits<S, N>,
+) -> S {
+    let tangent = segment.start_frame().tangent;
+    let mut linear = zero::<S, N>();
+    let mut most = S::of(1.0e6);
+    for (i, axis) in limits.axes().iter().enumerate() {
+        if !axis.rotary {
+            linear[i] = tangent[i];
+        }
+        let share = tangent[i].abs();
+        if segment.is_line() && share * most > axis.velocity {
+            most = axis.velocity / share;
+        }
+    }
+    let wanted = match feed {
+        Feed::Rapid => return most,
+        Feed::Duration(seconds) => {
+            (whole.unwrap_or(segment.length) / seconds).greatest(S::of(LEAST_SPEED))
+        }
+        Feed::PerSecond(feed) => {
+            // G94: the feed is the speed over the linear axes if any of them moves.
+            let mut share = norm(&linear);
+            if !(share > S::ZERO) {
+                share = S::ONE;
+            }
+            if share * most <= feed { most } else { feed / share }
+        }
+    };
+    wanted.least(most)
+}
