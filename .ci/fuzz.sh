@@ -16,9 +16,9 @@ for target in blocks gcode wire splines; do
   corpus=$(mktemp -d)
   dictionary=
   case $target in
-    gcode) cp ../examples/*.txt seeds/*.ngc seeds/*.gcode "$corpus" ;;
+    gcode) cp ../data/*.txt seeds/*.ngc seeds/*.gcode "$corpus" ;;
     wire) cp seeds/*.wire "$corpus" ;;
-    splines) cp ../examples/*.json "$corpus" ;;
+    splines) cp ../data/*.json "$corpus" ;;
   esac
   [ -f "$target.dict" ] && dictionary="-dict=$target.dict"
   "target/x86_64-unknown-linux-gnu/release/$target" -runs="$runs" -seed="$seed" -max_len=600 -timeout=20 \

@@ -1,6 +1,6 @@
 //! Speed along a path with this planner and with other speed laws, as a plot.
 //!
-//! `cargo run --release -p splineway-host --example compare_plot -- speeds.html`
+//! `cargo run --release --example compare_plot -- speeds.html`
 
 use anyhow::Result;
 use splineway_host::baseline::{self, Law};
@@ -11,7 +11,7 @@ use splineway_host::view::{Curve, Trace, plot_speeds};
 use std::path::{Path, PathBuf};
 
 fn main() -> Result<()> {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/butterfly.json");
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/butterfly.json");
     let program = program::read(
         &file,
         ReadOptions { feed: 200.0, segments: Some(80), ..ReadOptions::DEFAULT },

@@ -1,6 +1,6 @@
 //! A spline smoothed inside a tube and run as curves: its Bezier spans are blocks.
 //!
-//! `cargo run --release -p splineway-host --example nurbs`
+//! `cargo run --release --example nurbs`
 
 use splineway::{
     Activity, AxisLimits, Block, Config, Coord, Limits, Link, Progress, PushError, RangeError,
@@ -10,7 +10,7 @@ use std::path::Path;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // A NURBS curve from a file, as cubic spans.
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/butterfly.json");
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/butterfly.json");
     let program = program::read(
         &file,
         ReadOptions { feed: 100.0, segments: Some(400), ..ReadOptions::DEFAULT },

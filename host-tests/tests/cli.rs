@@ -15,7 +15,7 @@ fn file(name: &str, text: &str) -> PathBuf {
 }
 
 fn example() -> String {
-    format!("{}/examples/butterfly.json", env!("CARGO_MANIFEST_DIR"))
+    format!("{}/data/butterfly.json", env!("CARGO_MANIFEST_DIR"))
 }
 
 fn error_of(arguments: &[&str], code: i32) -> String {
@@ -149,7 +149,7 @@ fn arcs_helices_dwells_and_inverse_time_run() {
 fn events_are_played() {
     let path = file("zigzag.txt", "0 0 0 100\n30 0 0 100\n30 30 0 100\n60 30 0 100\n60 60 0 100\n");
     let path = path.display().to_string();
-    let events = format!("{}/examples/commands.csv", env!("CARGO_MANIFEST_DIR"));
+    let events = format!("{}/data/commands.csv", env!("CARGO_MANIFEST_DIR"));
     let seconds = |arguments: &[&str]| -> f64 {
         let output = splineway(arguments);
         let text = String::from_utf8_lossy(&output.stdout).into_owned();
@@ -188,7 +188,7 @@ fn other_speed_laws_and_corners_are_compared() {
 fn smooth_writes_spline_report_and_plot() {
     let folder = std::env::temp_dir().join(format!("splineway-smooth-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
-    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/noisy.txt");
+    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/data/noisy.txt");
     let file = |name: &str| folder.join(name).to_str().unwrap().to_owned();
     let (out, report, plot) = (file("out.toml"), file("report.json"), file("plot.svg"));
     for method in ["thesis", "bounded"] {
@@ -336,8 +336,7 @@ fn outputs_never_overwrite_inputs_and_are_checked_first() {
         assert!(!PathBuf::from(&fresh).exists(), "{outputs:?} left a file");
     }
     let spline = at("wave.toml");
-    std::fs::copy(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/noisy.txt"), at("wave.txt"))
-        .unwrap();
+    std::fs::copy(concat!(env!("CARGO_MANIFEST_DIR"), "/data/noisy.txt"), at("wave.txt")).unwrap();
     let wave = at("wave.txt");
     let before = std::fs::read(&wave).unwrap();
     assert!(error_of(&["smooth", &wave, "--out", &wave], 1).contains("input"));

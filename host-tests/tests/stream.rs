@@ -104,7 +104,7 @@ const CALM: Settings = Settings { silence: 30_000, abort: false };
 const TEN: Duration = Duration::from_secs(10);
 
 fn butterfly() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/butterfly.json")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("data/butterfly.json")
 }
 
 fn example() -> Program {

@@ -4,7 +4,7 @@
 //! - links one whose panic handler cannot be linked: so no panic can be reached, and nothing allocates;
 //! - links the example in C with the library for C;
 //! - measures the size of the code and the stack that is needed at most;
-//! - runs the paths of `host-tests/examples` and those in FOLDER through the other in QEMU and here, compares the
+//! - runs the paths of `host-tests/data` and those in FOLDER through the other in QEMU and here, compares the
 //!   digests of all setpoints, and prints instructions per tick and per block.
 //!
 //! Without a toolchain for the target, GNU binutils and a C compiler for it, or QEMU it says so and ends; with
@@ -147,7 +147,7 @@ fn compare(emulator: &Image, path: &Path, six: bool) -> Result<Option<String>> {
 
 fn examples() -> Vec<PathBuf> {
     ["butterfly.json", "noisy.txt"]
-        .map(|name| Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name))
+        .map(|name| Path::new(env!("CARGO_MANIFEST_DIR")).join("data").join(name))
         .to_vec()
 }
 

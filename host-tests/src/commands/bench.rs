@@ -8,7 +8,7 @@ use std::path::PathBuf;
 /// other speed laws, with memory and cost.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Bench {
-    /// Files, or folders of them; the examples of this program if left out.
+    /// Files, or folders of them; those of `host-tests/data` if left out.
     pub paths: Vec<PathBuf>,
     /// Print JSON.
     #[arg(long)]
@@ -25,7 +25,7 @@ impl Bench {
     /// A file cannot be read or run, or a limit is broken.
     pub fn execute(&self) -> Result<()> {
         let given = if self.paths.is_empty() {
-            vec![PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("examples")]
+            vec![PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("data")]
         } else {
             self.paths.clone()
         };

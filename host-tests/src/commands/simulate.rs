@@ -15,7 +15,7 @@ const DEFAULT_FEED: f64 = 50.0;
 
 const EXAMPLES: &str = "\
 Examples:
-  splineway simulate host-tests/examples/butterfly.json --tolerance 0.05 --plot butterfly.html
+  splineway simulate host-tests/data/butterfly.json --tolerance 0.05 --plot butterfly.html
   splineway simulate part.gcode --machine mill.toml --report part.json
   splineway simulate path.txt --scalar f32 --setpoints setpoints.csv
 

@@ -31,7 +31,7 @@ The whole program is read and checked before the first block is sent.
 
 Example, without hardware:
   splineway controller            (prints the name of its port)
-  splineway stream host-tests/examples/butterfly.json --port /dev/pts/3 --approach
+  splineway stream host-tests/data/butterfly.json --port /dev/pts/3 --approach
 
 Exit codes: 0 run to its end, 1 error or aborted, 2 wrong usage.";
 

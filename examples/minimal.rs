@@ -1,6 +1,6 @@
 //! The smallest loop: blocks in, one setpoint per servo cycle out.
 //!
-//! `cargo run --release -p splineway-host --example minimal`
+//! `cargo run --release --example minimal`
 
 use splineway::{Activity, AxisLimits, Block, Config, Coord, Limits, Link, Progress};
 

@@ -1,7 +1,7 @@
 //! Setpoints to drives: three axes of step and direction whose pins only count, behind the trait that
 //! stands for any output.
 //!
-//! `cargo run --release -p splineway-host --example custom_output`
+//! `cargo run --release --example custom_output`
 
 use embedded_hal::digital::{ErrorType, OutputPin};
 use splineway::output::{Drive, Scale, StepDir, StepTiming};

@@ -1,7 +1,7 @@
 //! Planner and interpolator in contexts of their own, as background and interrupt are: two threads, and
 //! nothing between them but the link. A third one plays the operator.
 //!
-//! `cargo run --release -p splineway-host --example two_contexts`
+//! `cargo run --release --example two_contexts`
 
 use splineway::{
     Activity, AxisLimits, BLOCKS, Block, Config, Coord, Limits, Link, NODES, Progress, PushError,
