@@ -67,6 +67,15 @@ impl Length {
     }
 }
 
+/// What lies between two arc lengths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Interval {
+    /// Where it begins.
+    pub from: Length,
+    /// Where it ends.
+    pub to: Length,
+}
+
 impl Add for Length {
     type Output = Self;
     #[inline]

@@ -18,6 +18,6 @@ pub mod vector;
 
 pub use arc_length::ArcLength;
 pub use coord::Coord;
-pub(crate) use length::Length;
+pub(crate) use length::{Interval, Length};
 pub use range::{Range, RangeError};
 pub use scalar::Scalar;

@@ -5,12 +5,16 @@ use super::queued::{Joint, QueuedBlock};
 use super::segment::Segment;
 use crate::machine::{Limits, Ramp};
 use crate::number::vector::zero;
-use crate::number::{Length, Scalar};
+use crate::number::{Interval, Length, Scalar};
 
 /// Longest time one cell may take at the programmed feed, s.
 pub const LONGEST_CELL_TIME: f64 = 0.25;
 /// Each cell of a line may be longer than the one before by this share of the distance from the end.
 const GROWTH: f64 = 0.5;
+/// What is left is one piece up to so many times the length of a piece: a rest of rounding is none.
+const REST: f64 = 1.0001;
+/// It is two equal pieces below so many times that length: the second would else be a tenth of the first, or less.
+const HALVED: f64 = 2.1;
 
 /// A cell, the nodes it starts and ends at, and whether the motion rests at the end.
 pub struct Emitted<S, const N: usize> {
@@ -68,52 +72,55 @@ pub fn rest_cell<S: Scalar, const N: usize>(
     Ramp::new(limits, &segment.start_frame().tangent).first_cell(feed)
 }
 
-/// Length of the next of the pieces that a length is cut into, mm: `done` lies behind, `left` ahead,
-/// pieces next to the ends are `first` and `last` mm long and grow with the distance from there, as
-/// speed does, to `longest` at most. `None` where less than two pieces would be left.
-pub fn next_piece<S: Scalar>(
-    (done, left): (S, S),
-    (first, last): (S, S),
-    longest: S,
-) -> (S, Remainder) {
-    let growth = S::of(GROWTH);
-    let forward = first.greatest(growth * done);
-    let backward = last.greatest(left * S::of(GROWTH / (1.0 + GROWTH)));
-    let step = forward.least(backward).least(longest);
-    let remainder = if left <= step * S::of(1.0001) {
-        Remainder::One
-    } else if left < step * S::of(2.1) {
-        Remainder::Two
-    } else {
-        Remainder::More
-    };
-    (step, remainder)
+/// Lengths of the pieces at the ends of a length that is cut, mm: they grow with the distance from there, as speed does.
+#[derive(Clone, Copy)]
+pub struct EndSizes<S> {
+    pub first: S,
+    pub last: S,
 }
 
-/// How many pieces are left.
+/// The next of the pieces that a length is cut into.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Remainder {
-    One,
-    /// Two, of equal length.
-    Two,
-    More,
+pub enum NextPiece<S> {
+    /// All that is left.
+    Rest,
+    /// Half of what is left.
+    Half,
+    /// So much, mm.
+    Length(S),
 }
 
-/// The node at which the next cell of a body ends, by its arc length along the segment.
+/// The next piece of a length of which `done` mm lie behind and `left` mm ahead; `longest` mm at most.
+pub fn next_piece<S: Scalar>(done: S, left: S, ends: EndSizes<S>, longest: S) -> NextPiece<S> {
+    let growth = S::of(GROWTH);
+    let forward = ends.first.greatest(growth * done);
+    let backward = ends.last.greatest(left * S::of(GROWTH / (1.0 + GROWTH)));
+    let step = forward.least(backward).least(longest);
+    if left <= step * S::of(REST) {
+        NextPiece::Rest
+    } else if left < step * S::of(HALVED) {
+        NextPiece::Half
+    } else {
+        NextPiece::Length(step)
+    }
+}
+
+/// The node at which the next cell of a body ends, of which so much is left, by its arc length along the segment.
 pub fn next_cut<S: Scalar, const N: usize>(
     segment: &Segment<S, N>,
-    item: &QueuedBlock<S, N>,
-    (s, until): (Length, Length),
-    ends: (S, S),
+    block: &QueuedBlock<S, N>,
+    Interval { from: s, to: until }: Interval,
+    ends: EndSizes<S>,
 ) -> Length {
-    let done = (s - item.taken).to_mm::<S>();
+    let done = (s - block.taken).to_mm::<S>();
     let left = (until - s).to_mm::<S>();
-    let longest = segment.longest_cell(item.tolerance).least(item.feed * S::of(LONGEST_CELL_TIME));
-    match next_piece((done, left), ends, longest) {
+    let longest =
+        segment.longest_cell(block.tolerance).least(block.feed * S::of(LONGEST_CELL_TIME));
+    match next_piece(done, left, ends, longest) {
         // From rest to rest there must be a node between.
-        (_, Remainder::One) if !(s == item.taken && item.joint == Joint::Stop) => until,
-        (_, Remainder::One | Remainder::Two) => s + (until - s + Length::UNIT) / 2,
-        (step, Remainder::More) => {
+        NextPiece::Rest if !(s == block.taken && block.joint == Joint::Stop) => until,
+        NextPiece::Rest | NextPiece::Half => s + (until - s + Length::UNIT) / 2,
+        NextPiece::Length(step) => {
             // At least a thousandth of what is left of a line, so that the count of cells is bounded. On
             // an arc the band has the last word.
             let least = if segment.is_line() { (until - s) / 1024 } else { Length::ZERO };

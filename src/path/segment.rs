@@ -5,7 +5,7 @@ use super::helix::{Helix, WHOLE};
 use super::node::{Cell, Frame, Node, Programmed};
 use crate::block::{BlockError, FINEST_BAND, Turn};
 use crate::number::vector::{Vector, zero};
-use crate::number::{Coord, Length, Scalar};
+use crate::number::{Coord, Interval, Length, Scalar};
 use core::array::from_fn;
 
 /// Moves shorter than this, mm, are accepted and ignored: they are below the finest input.
@@ -136,8 +136,8 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
         Node::new(at, self.frame(share))
     }
 
-    /// The cell between two arc lengths.
-    pub fn cell(&self, (from, to): (Length, Length), programmed: Programmed<S>) -> Cell<S, N> {
+    /// The cell over a piece of it.
+    pub fn cell(&self, Interval { from, to }: Interval, programmed: Programmed<S>) -> Cell<S, N> {
         let (length, tangent_offset, straight) = match &self.shape {
             Shape::Line(_) => ((to - from).to_mm::<S>(), zero(), true),
             Shape::Arc(helix) => {

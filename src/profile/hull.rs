@@ -7,7 +7,7 @@ use super::rows::{Bounds, Pace, View};
 use crate::block::{Block, FINEST_BAND, Feed, Motion, Turn};
 use crate::machine::{AxisLimits, Config, Limits};
 use crate::number::serial::NodeSerial;
-use crate::number::{ArcLength, Coord, Length, Scalar};
+use crate::number::{ArcLength, Coord, Interval, Length, Scalar};
 use crate::path::builder::Builder;
 use crate::path::cut::Emitted;
 use crate::path::node::{Node, Programmed};
@@ -214,8 +214,11 @@ fn no_motion_over_a_cell_of_an_arc_leaves_the_band() {
         let length = arc.longest_cell(band);
         let end = Length::from_mm(length);
         let programmed = Programmed { feed: 1.0, rapid: false, tag: 0 };
-        let (from, cell, to) =
-            (arc.node(Length::ZERO), arc.cell((Length::ZERO, end), programmed), arc.node(end));
+        let (from, cell, to) = (
+            arc.node(Length::ZERO),
+            arc.cell(Interval { from: Length::ZERO, to: end }, programmed),
+            arc.node(end),
+        );
         let view = View::unbound([&from, &to], &cell, &limits);
         for _ in 0..300 {
             let speeds =

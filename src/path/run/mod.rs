@@ -14,11 +14,11 @@ pub use self::sliding::Tie;
 
 use self::polyline::{Polyline, Ray};
 use self::sliding::SlidingSpline;
-use super::cut::{Emitted, LONGEST_CELL_TIME, Remainder, next_piece};
+use super::cut::{Emitted, EndSizes, LONGEST_CELL_TIME, NextPiece, next_piece};
 use super::node::Node;
 use crate::machine::Ramp;
 use crate::number::vector::{Vector, dot, norm, sub, zero};
-use crate::number::{Coord, Length, Scalar};
+use crate::number::{Coord, Interval, Length, Scalar};
 use heapless::Deque;
 
 /// Share of the tolerance by which vertices may lie off the line between two dominant points: at
@@ -182,7 +182,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
 
     /// Takes note of a piece of the next line, between two arc lengths, and its tag. Where there is no room
     /// the tag is not shown.
-    pub fn mark(&mut self, from: Length, to: Length, tag: u32) {
+    pub fn mark(&mut self, Interval { from, to }: Interval, tag: u32) {
         if let Some((start, before)) = self.polyline.growing() {
             // The next line may become one with those before it, and show its last tag all over.
             let start = self.pieces.back().map_or(start, |piece| start.max(piece.to));
@@ -355,14 +355,12 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             return self.end.is_some() && self.tie(from.s);
         };
         let here = if self.knots == KnotState::New { from.s } else { self.spline.end() };
-        let s = match next_piece(
-            ((here - from.s).to_mm(), (to.s - here).to_mm()),
-            (from.size, to.size),
-            to.feed * S::of(LONGEST_CELL_TIME),
-        ) {
-            (_, Remainder::One) => to.s,
-            (_, Remainder::Two) => here + (to.s - here) / 2,
-            (step, Remainder::More) => here + Length::from_mm(step).max(Length::UNIT),
+        let (done, left) = ((here - from.s).to_mm(), (to.s - here).to_mm());
+        let ends = EndSizes { first: from.size, last: to.size };
+        let s = match next_piece(done, left, ends, to.feed * S::of(LONGEST_CELL_TIME)) {
+            NextPiece::Rest => to.s,
+            NextPiece::Half => here + (to.s - here) / 2,
+            NextPiece::Length(step) => here + Length::from_mm(step).max(Length::UNIT),
         };
         if self.knots == KnotState::New {
             self.spline.begin(&self.polyline, here, self.start, s - here);

@@ -1,0 +1,184 @@
+//! Handing cells on: what is cut at the moment, one cell at a time.
+
+use super::{Body, Builder, Front, Stage};
+use crate::machine::Config;
+use crate::number::{Interval, Length, Scalar};
+use crate::path::blend::{self, Blend};
+use crate::path::corner::Corner;
+use crate::path::cut::{Emitted, dwell_part, next_cut, standstill};
+use crate::path::joint::{bent_lengths, mean_node};
+use crate::path::node::{Cell, Node};
+use crate::path::queued::{Joint, QueuedBlock};
+use crate::path::transition::Transition;
+
+impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
+    /// The next cell, if enough is known to cut it. `last` is the node the last one ended at.
+    pub fn emit(&mut self, last: &Node<S, N>, config: &Config<S, N>) -> Option<Emitted<S, N>> {
+        self.take_chords(config);
+        // A finished stage leads to the next: body, joint, next block. Each turn of this loop
+        // moves on by one of these, and a block has a body or a joint with cells, or is dropped.
+        for _ in 0..4 * BLOCKS {
+            let block = *self.queue.front()?;
+            let Some(segment) = block.segment else { return Some(self.stand(last, block, config)) };
+            let front = Front { block, segment };
+            match self.stage {
+                Stage::Waiting => {
+                    if !self.front_is_ready(config) {
+                        return None;
+                    }
+                    self.start_front(&front, config);
+                }
+                Stage::Run { until } => {
+                    if let Some(cut) = self.run.next(last, self.rested, config.sweeps) {
+                        self.rested = cut.rest;
+                        return Some(cut);
+                    }
+                    if let Some(s) = until {
+                        if !self.run.is_done() {
+                            return None;
+                        }
+                        self.leave_run(&front.segment, s);
+                    } else if !self.run.has_room() || !self.extend_run(&front, config) {
+                        return None;
+                    }
+                }
+                Stage::Body(body) if body.s < body.until => {
+                    return Some(self.emit_body(&front, body, last, config));
+                }
+                Stage::Body(body) if block.joint == Joint::Run => {
+                    self.start_run(&front, body.s, config);
+                }
+                Stage::Body(_) => self.start_joint(&front),
+                Stage::Corner { transition, index } if index < transition.cells() => {
+                    self.stage = Stage::Corner { transition, index: index + 1 };
+                    let cells = transition.cells();
+                    let programmed = self.programmed_beside(index, cells, front.segment.length)?;
+                    let from = if self.rested { transition.node(index) } else { *last };
+                    let cell = transition.cell(index, &from, programmed);
+                    return Some(self.moving(from, cell, transition.node(index + 1)));
+                }
+                Stage::Blend { blend, index } if index < blend::CELLS => {
+                    self.stage = Stage::Blend { blend, index: index + 1 };
+                    let length = front.segment.length;
+                    let programmed = self.programmed_beside(index, blend::CELLS, length)?;
+                    let from = if self.rested { blend.node(index) } else { *last };
+                    let cell = blend.cell(index, &from, programmed);
+                    return Some(self.moving(from, cell, blend.node(index + 1)));
+                }
+                Stage::Corner { .. } | Stage::Blend { .. } => self.next_block(),
+            }
+        }
+        None
+    }
+
+    /// A cell that is passed.
+    fn moving(&mut self, from: Node<S, N>, cell: Cell<S, N>, node: Node<S, N>) -> Emitted<S, N> {
+        self.rested = false;
+        Emitted { from, cell, node, rest: false }
+    }
+
+    /// As much of a standstill at the front as one cell may take.
+    fn stand(
+        &mut self,
+        last: &Node<S, N>,
+        block: QueuedBlock<S, N>,
+        config: &Config<S, N>,
+    ) -> Emitted<S, N> {
+        let dwell = dwell_part(block.dwell, config.cycle);
+        match self.queue.front_mut() {
+            Some(front) if dwell < block.dwell => front.dwell = block.dwell - dwell,
+            _ => drop(self.queue.pop_front()),
+        }
+        self.rested = true;
+        standstill(last, &QueuedBlock { dwell, ..block })
+    }
+
+    /// The next cell of the front segment's body.
+    fn emit_body(
+        &mut self,
+        front: &Front<S, N>,
+        body: Body<S>,
+        last: &Node<S, N>,
+        config: &Config<S, N>,
+    ) -> Emitted<S, N> {
+        // Where pieces end there are nodes as well, and the others stay where they are: written in
+        // pieces, a line takes no longer.
+        let goal = if body.next > body.s {
+            body.next
+        } else {
+            next_cut(&front.segment, &front.block, body.left(), body.ends)
+        };
+        let (next, goal) = self.to_mark(front, body.left(), goal, config);
+        self.stage = Stage::Body(Body { s: next, next: goal, ..body });
+        let entry = Node { at: last.at, ..front.segment.node(body.s) };
+        let from = if self.rested { entry } else { *last };
+        let piece = Interval { from: body.s, to: next };
+        let mut cut = self.body_cell(front, (&from, &entry), piece, next >= body.until);
+        cut.cell.programmed.tag = self.tag_at(0, body.s.midpoint(next).to_mm());
+        self.pass_marks(next);
+        self.rested = cut.rest;
+        cut
+    }
+
+    /// The cell over a piece of the front segment's body. `entry` is the segment's own node at its start,
+    /// `from` the node of the path there, which may hold the mean direction of two segments.
+    fn body_cell(
+        &self,
+        Front { block, segment }: &Front<S, N>,
+        (from, entry): (&Node<S, N>, &Node<S, N>),
+        piece: Interval,
+        at_end: bool,
+    ) -> Emitted<S, N> {
+        let mut cell = segment.cell(piece, block.programmed());
+        let mut node = segment.node(piece.to);
+        if at_end && block.joint == Joint::Through {
+            let next = self.queue.get(1).and_then(|next| next.segment.as_ref());
+            if let Some(next) = next {
+                let lengths = bent_lengths(segment.length, next.length);
+                node = mean_node(node.at, &segment.end_frame(), &next.start_frame(), lengths);
+            }
+        }
+        // A node that is simply passed has the mean tangent of both sides: the curve of the cell
+        // bends by the little difference.
+        for i in 0..N {
+            cell.tangent_offset[i] += (entry.tangent[i] - from.tangent[i]) * cell.length;
+            cell.straight &= node.tangent[i] == from.tangent[i] && from.curvature[i] == S::ZERO;
+        }
+        Emitted { from: *from, cell, node, rest: at_end && block.joint == Joint::Stop }
+    }
+
+    /// The body is done: on to the joint, or over it.
+    fn start_joint(&mut self, Front { block, segment }: &Front<S, N>) {
+        let ahead = self.queue.get(1).and_then(|next| next.segment);
+        let Some(ahead) = ahead else {
+            self.next_block();
+            return;
+        };
+        let reach = self.kept.to_mm::<S>();
+        match (block.joint, self.half) {
+            (Joint::Corner, Some(half)) => {
+                let (a, b) = (segment.end_frame().tangent, ahead.start_frame().tangent);
+                let transition = Transition::new(segment.end, (&a, &b), &Corner::new(&a, &b), half);
+                self.stage = Stage::Corner { transition, index: 0 };
+            }
+            (Joint::Blend, _) => {
+                self.stage = Stage::Blend { blend: Blend::new(segment, &ahead, reach), index: 0 };
+            }
+            _ => self.next_block(),
+        }
+    }
+
+    /// Drops the front block; the next one starts where its joint ended.
+    pub(super) fn next_block(&mut self) {
+        let done = self.queue.pop_front();
+        self.marks.drop_front(done.as_ref().map_or(0, |done| usize::from(done.marks)));
+        if let (Some(done), Some(next)) = (done, self.queue.front_mut()) {
+            next.taken = self.kept;
+            next.entered = done.joint;
+            next.length_before = done.segment.map_or(S::ZERO, |segment| segment.length);
+        }
+        self.pass_marks(self.kept);
+        self.kept = Length::ZERO;
+        self.stage = Stage::Waiting;
+    }
+}

@@ -1,0 +1,146 @@
+//! The front block: when its joint to the next is decided, what that takes of it, and how cutting it starts.
+
+use super::{Body, Builder, Front, Stage};
+use crate::machine::{Config, CornerMode, Ramp};
+use crate::number::{Interval, Length, Scalar};
+use crate::path::cut::{EndSizes, rest_cell};
+use crate::path::joint::{Taken, bent_lengths, corner_mode, reach};
+use crate::path::queued::Joint;
+use crate::path::run::Tie;
+use crate::path::segment::Segment;
+
+/// Share of a line next to a joint that is simply passed which a run leaves alone.
+const PASSED_SHARE: i64 = 4;
+
+/// Length of a cell next to a joint that takes so much of a segment, mm: the motion is slow there.
+fn beside<S: Scalar, const N: usize>(joint: Joint, taken: Length, segment: &Segment<S, N>) -> S {
+    match joint {
+        Joint::Corner | Joint::Blend => taken.to_mm::<S>() * S::of(0.5),
+        _ => segment.length,
+    }
+}
+
+impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
+    /// Whether the joint behind the front block can be decided.
+    pub(super) fn front_is_ready(&self, config: &Config<S, N>) -> bool {
+        let Some(item) = self.queue.front() else { return false };
+        if item.stop_after || self.queue.len() >= 3 {
+            return true;
+        }
+        match self.queue.get(1) {
+            None => self.closed,
+            Some(next) => {
+                self.closed
+                    || next.stop_after
+                    || next.segment.is_none()
+                    || matches!(corner_mode(item, next, config.corner), CornerMode::Paper { .. })
+            }
+        }
+    }
+
+    /// Decides the joint behind the front block: how it is, and what it takes of the segment.
+    fn decide(&mut self, Front { block, segment }: &Front<S, N>, config: &Config<S, N>) -> Joint {
+        let next = self.queue.get(1).copied();
+        let mut joint = block.joint;
+        let ahead = next.as_ref().and_then(|next| next.segment.as_ref());
+        if block.stop_after || ahead.is_none() {
+            joint = Joint::Stop;
+        }
+        let taken = match (joint, &next, ahead) {
+            (Joint::Corner | Joint::Blend, Some(next), Some(ahead)) => {
+                reach(block, segment, next, ahead, joint, config)
+            }
+            _ => Taken { length: Length::ZERO, half: None },
+        };
+        (self.kept, self.half) = (taken.length, taken.half);
+        if matches!(joint, Joint::Corner | Joint::Blend) && self.kept <= Length::ZERO {
+            joint = Joint::Stop;
+            self.kept = Length::ZERO;
+        }
+        if let Some(front) = self.queue.front_mut() {
+            front.joint = joint;
+        }
+        joint
+    }
+
+    /// Decides the joint behind the front block and starts on its body.
+    pub(super) fn start_front(&mut self, front: &Front<S, N>, config: &Config<S, N>) {
+        let joint = self.decide(front, config);
+        let Front { block, segment } = front;
+        if joint == Joint::Run {
+            let mut until = block.taken;
+            if block.entered == Joint::Through {
+                until += segment.exact_length / PASSED_SHARE;
+            }
+            let first = (until - block.taken).to_mm();
+            self.stage =
+                Stage::Body(Body::new(block.taken, until, EndSizes { first, last: first }));
+            return;
+        }
+        let until = segment.exact_length - self.kept;
+        let ahead = self.queue.get(1).and_then(|next| next.segment.as_ref());
+        let size = |joint: Joint, kept: Length, neighbour: S| match joint {
+            Joint::Stop | Joint::Run => rest_cell(segment, block.feed, &config.limits),
+            Joint::Through => bent_lengths(segment.length, neighbour).0,
+            Joint::Corner | Joint::Blend => kept.to_mm::<S>() * S::of(0.5),
+        };
+        let first = size(block.entered, block.taken, block.length_before);
+        let last = size(joint, self.kept, ahead.map_or(S::ZERO, |ahead| ahead.length));
+        self.stage = Stage::Body(Body::new(block.taken, until, EndSizes { first, last }));
+    }
+
+    /// Starts a run `s` along the front segment.
+    pub(super) fn start_run(
+        &mut self,
+        Front { block, segment }: &Front<S, N>,
+        s: Length,
+        config: &Config<S, N>,
+    ) {
+        let tie = if self.rested { Tie::Rest } else { Tie::Smooth };
+        let ramp = Ramp::new(&config.limits, &segment.start_frame().tangent);
+        let beside = beside(block.entered, block.taken, segment);
+        self.run.begin(segment.node(s).at, tie, block.leg(), (ramp, beside));
+        self.run_from = s;
+        self.stage = Stage::Run { until: None };
+    }
+
+    /// Takes the front block into the run, if its joint is known. Returns whether it was.
+    pub(super) fn extend_run(&mut self, front: &Front<S, N>, config: &Config<S, N>) -> bool {
+        if !self.front_is_ready(config) {
+            return false;
+        }
+        let joint = self.decide(front, config);
+        let Front { block, segment } = front;
+        let taken = Interval { from: self.run_from, to: segment.exact_length - self.kept };
+        self.mark_run(taken);
+        if joint == Joint::Run {
+            self.run.push(segment.end, block.leg());
+            self.run_from = Length::ZERO;
+            self.next_block();
+            self.stage = Stage::Run { until: None };
+            return true;
+        }
+        let mut until = segment.exact_length - self.kept;
+        if joint == Joint::Through {
+            until -= segment.exact_length / PASSED_SHARE;
+        }
+        let tie = if joint == Joint::Stop { Tie::Rest } else { Tie::Smooth };
+        let beside = beside(joint, self.kept, segment);
+        let mut leg = block.leg();
+        leg.programmed.tag = self.tag_at(0, until.to_mm());
+        self.run.finish(segment.node(until).at, leg, tie, beside);
+        self.stage = Stage::Run { until: Some(until) };
+        true
+    }
+
+    /// The run is done: on with the rest of its last line.
+    pub(super) fn leave_run(&mut self, segment: &Segment<S, N>, s: Length) {
+        if let Some(front) = self.queue.front_mut() {
+            front.taken = s;
+        }
+        self.pass_marks(s);
+        let until = segment.exact_length - self.kept;
+        let size = (until - s).to_mm();
+        self.stage = Stage::Body(Body::new(s, until, EndSizes { first: size, last: size }));
+    }
+}

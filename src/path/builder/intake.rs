@@ -1,0 +1,199 @@
+//! Taking blocks in: the look-ahead grows, or its last line becomes longer.
+
+use super::{Builder, Stage};
+use crate::block::{Block, PushError};
+use crate::machine::{Config, CornerMode, Ramp};
+use crate::number::Length;
+use crate::number::Scalar;
+use crate::number::vector::{norm, sub};
+use crate::path::budget::Straightened;
+use crate::path::chords::Chords;
+use crate::path::joint::joint;
+use crate::path::queued::{Joint, QueuedBlock};
+use crate::path::segment::Segment;
+use crate::path::straight::{Mark, Sleeve};
+
+/// Shortest piece whose tag is shown, as a share of the length over which the feed is reached: every piece
+/// that is shown takes a node of the window.
+const SHOWN_SHARE: f64 = 1.0 / 32.0;
+/// Rounding of the turn between two lines, in units of the scalar's.
+const TURN_ROUNDING: f64 = 16.0;
+
+/// The last block with a line that runs straight on from it.
+struct Longer<S, const N: usize> {
+    block: QueuedBlock<S, N>,
+    sleeve: Sleeve<N>,
+    /// The mark between the two, if that is to be shown.
+    mark: Option<Mark<S>>,
+}
+
+impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
+    /// Takes a block, or leaves everything as it was.
+    pub fn push(&mut self, block: &Block<S, N>, config: &Config<S, N>) -> Result<(), PushError> {
+        self.take_chords(config);
+        if self.is_full() {
+            return Err(PushError::Full);
+        }
+        let reject = |reason| PushError::Rejected { tag: block.tag, reason };
+        if let Some(chords) = Chords::new(self.end, block, config).map_err(reject)? {
+            // The first chord is checked as the block is, by its feed; the others are what it is.
+            self.take(&chords.line(), Some(chords.whole()), config)?;
+            self.chords = chords.advanced();
+            self.take_chords(config);
+            return Ok(());
+        }
+        self.take(block, None, config)
+    }
+
+    /// Takes chords of the curve that was accepted last as long as there is room.
+    pub(super) fn take_chords(&mut self, config: &Config<S, N>) {
+        for _ in 0..BLOCKS {
+            let Some(chords) = self.chords else { return };
+            if self.queue.is_full() {
+                return;
+            }
+            // Its fields are those of the first, and its end lies between control points.
+            let taken = self.take(&chords.line(), Some(chords.whole()), config);
+            debug_assert!(taken.is_ok(), "a chord of a curve that was accepted is refused");
+            self.chords = chords.advanced();
+        }
+    }
+
+    /// Takes a block for which there is room, or leaves everything as it was. `whole` is the length of the
+    /// curve that it is a part of, mm.
+    fn take(
+        &mut self,
+        block: &Block<S, N>,
+        whole: Option<S>,
+        config: &Config<S, N>,
+    ) -> Result<(), PushError> {
+        let reject = |reason| PushError::Rejected { tag: block.tag, reason };
+        let Some(item) = QueuedBlock::new(self.end, block, whole, config).map_err(reject)? else {
+            // Zero length: nothing to do but to honour an exact stop.
+            if block.exact_stop
+                && let Some(last) = self.queue.back_mut()
+            {
+                last.stop_after = true;
+            }
+            return Ok(());
+        };
+        self.closed = false;
+        if let Some(segment) = &item.segment {
+            self.end = segment.end;
+        }
+        if self.take_as_part(&item, config) {
+            return Ok(());
+        }
+        self.sleeve = match &item.segment {
+            Some(segment) => Sleeve::of(&segment.start, &segment.end),
+            None => Sleeve::NONE,
+        };
+        // The joint behind a block that is being cut has been decided, unless a run goes on.
+        if (self.waits() || self.queue.len() > 1)
+            && let Some(last) = self.queue.back_mut()
+        {
+            (last.joint, last.want) = joint(last, &item, config);
+        }
+        let taken = self.queue.push_back(item);
+        debug_assert!(taken.is_ok(), "room was checked");
+        Ok(())
+    }
+
+    /// Whether the last block may still become longer; `exact`: without turning.
+    fn last_is_open(&self, exact: bool) -> bool {
+        let Some(front) = self.queue.front() else { return false };
+        match (self.queue.len(), self.stage) {
+            (1, Stage::Waiting) => {
+                exact || (front.taken == Length::ZERO && front.entered == Joint::Stop)
+            }
+            (1, Stage::Run { until: None }) => exact || front.taken == Length::ZERO,
+            (1, _) => false,
+            // What the joint behind the front block takes of the last has been decided.
+            (2, _) if !self.waits() => match front.joint {
+                Joint::Stop | Joint::Run => true,
+                Joint::Corner | Joint::Blend => exact,
+                Joint::Through => false,
+            },
+            _ => true,
+        }
+    }
+
+    /// Takes a line on to which the last one runs straight as a part of it. Returns whether it is one.
+    fn take_as_part(&mut self, item: &QueuedBlock<S, N>, config: &Config<S, N>) -> bool {
+        let Some(Longer { block: longer, sleeve, mark }) = self.longer(item, config) else {
+            return false;
+        };
+        if let Some(mark) = mark {
+            self.marks.push(mark);
+        }
+        self.sleeve = sleeve;
+        if let Some(last) = self.queue.back_mut() {
+            *last = longer;
+        }
+        // The joint behind a block that is being cut has been decided, unless a run goes on.
+        if let Some(n) = self.queue.len().checked_sub(2)
+            && (n > 0 || self.waits())
+            && let Some(before) = self.queue.get_mut(n)
+        {
+            (before.joint, before.want) = joint(before, &longer, config);
+        }
+        true
+    }
+
+    /// The last block with a line that runs straight on from it, and the mark between them, if that is
+    /// to be shown. At equal feed, tolerance and kind only, where no stop is asked for.
+    fn longer(&self, item: &QueuedBlock<S, N>, config: &Config<S, N>) -> Option<Longer<S, N>> {
+        let last = self.queue.back().filter(|last| last.runs_on(item))?;
+        let (before, after) = (last.segment.as_ref()?, item.segment.as_ref()?);
+        let lines = before.is_line() && after.is_line() && config.corner == CornerMode::Band;
+        if !lines {
+            return None;
+        }
+        let shorter = before.length.least(after.length);
+        let slack = Straightened::new(item.tolerance, shorter);
+        // The vertex lies at least half the turn times the shorter line off the line past it. Most lines turn by
+        // far more, and what follows is done in `f64`, which the target has no instructions for.
+        let turn = norm(&sub(&after.start_frame().tangent, &before.end_frame().tangent));
+        let least = S::of(2.0 * slack.rounded) / shorter;
+        if turn > least + S::EPSILON * S::of(TURN_ROUNDING) {
+            return None;
+        }
+        let (sleeve, error) =
+            self.sleeve.extended(&before.start, &before.end, &after.end, slack)?;
+        let exact = error <= slack.exact;
+        if !self.last_is_open(exact) {
+            return None;
+        }
+        let begun = match last.marks {
+            0 => S::ZERO,
+            _ => self.marks.get(self.marks.len().checked_sub(1)?)?.s,
+        };
+        let piece = before.length - begun;
+        // Without room for a mark the piece is shown as a part of the next.
+        let shown = last.tag != item.tag
+            && piece >= least_piece(before, last.feed, config)
+            && !self.marks.is_full();
+        let off = if exact { 0.0 } else { error };
+        let block = QueuedBlock {
+            segment: Some(Segment::line(before.start, after.end)?),
+            feed: last.feed.least(item.feed),
+            stop_after: item.stop_after,
+            tag: item.tag,
+            marks: last.marks + u16::from(shown),
+            error: Straightened::taken(item.tolerance, S::of(off).greatest(last.error)),
+            ..*last
+        };
+        let mark = shown.then_some(Mark { s: before.length, tag: last.tag });
+        Some(Longer { block, sleeve, mark })
+    }
+}
+
+/// Length of the shortest piece of a line whose tag is shown, mm: a servo cycle at the feed at least.
+pub(super) fn least_piece<S: Scalar, const N: usize>(
+    segment: &Segment<S, N>,
+    feed: S,
+    config: &Config<S, N>,
+) -> S {
+    let ramp = Ramp::new(&config.limits, &segment.start_frame().tangent).length(feed);
+    (feed * config.cycle).greatest(ramp * S::of(SHOWN_SHARE))
+}

@@ -1,0 +1,154 @@
+//! From blocks to the chain of nodes and cells: look-ahead over blocks, joints, and cutting.
+//!
+//! A joint needs to know both neighbours, and to share a leg by need also what the next joint
+//! wants of it: so a block is held until two more have come, or until the path is closed.
+//!
+//! [`intake`] takes blocks in; [`front`] decides how the first of them joins the next; [`emit`] cuts it into cells, which
+//! show the [`tags`] of its lines.
+
+mod emit;
+mod front;
+mod intake;
+mod tags;
+
+use super::blend::Blend;
+use super::chords::Chords;
+use super::cut::EndSizes;
+use super::queued::QueuedBlock;
+use super::run::Run;
+use super::segment::Segment;
+use super::straight::{Marks, Sleeve};
+use super::transition::{Half, Transition};
+use crate::number::{Coord, Interval, Length, Scalar};
+use heapless::Deque;
+
+/// What is being cut at the moment.
+#[derive(Clone, Copy)]
+enum Stage<S, const N: usize> {
+    /// Nothing: the front block waits.
+    Waiting,
+    /// The body of the front segment.
+    Body(Body<S>),
+    /// A run of lines from the front segment on. Once its end is known, the front segment is its last
+    /// line, which it leaves at `until`.
+    Run { until: Option<Length> },
+    /// The corner behind the front segment.
+    Corner { transition: Transition<S, N>, index: u8 },
+    /// The blend behind the front segment.
+    Blend { blend: Blend<S, N>, index: u8 },
+}
+
+/// What lies between the joints of the front segment.
+#[derive(Clone, Copy)]
+struct Body<S> {
+    /// Where the next cell begins.
+    s: Length,
+    /// Where it ends, unless a piece of the line ends before; not behind `s` if that is open.
+    next: Length,
+    /// Where the body ends.
+    until: Length,
+    /// Lengths of its first and last cell.
+    ends: EndSizes<S>,
+}
+
+impl<S> Body<S> {
+    const fn new(s: Length, until: Length, ends: EndSizes<S>) -> Self {
+        Self { s, next: Length::ZERO, until, ends }
+    }
+
+    /// What is not cut.
+    const fn left(&self) -> Interval {
+        Interval { from: self.s, to: self.until }
+    }
+}
+
+/// The front block, which moves, and its segment.
+struct Front<S, const N: usize> {
+    block: QueuedBlock<S, N>,
+    segment: Segment<S, N>,
+}
+
+/// The look-ahead buffer over blocks.
+pub struct Builder<S, const N: usize, const BLOCKS: usize> {
+    queue: Deque<QueuedBlock<S, N>, BLOCKS>,
+    /// The rest of a curve that has been accepted last.
+    chords: Option<Chords<S, N>>,
+    /// Where the last block, a line, may run on to.
+    sleeve: Sleeve<N>,
+    /// Marks of the queued lines, in order.
+    marks: Marks<S, BLOCKS>,
+    /// End of the last accepted block.
+    end: [Coord; N],
+    closed: bool,
+    stage: Stage<S, N>,
+    /// Length kept free of the front segment's end by its joint to the next.
+    kept: Length,
+    /// Shape of that joint, if it is a corner.
+    half: Option<Half<S>>,
+    /// The run of lines that is cut.
+    run: Run<S, N>,
+    /// Place on the front segment from which on the run takes it.
+    run_from: Length,
+    /// Whether the last cell ended at rest, so that the direction may change.
+    rested: bool,
+}
+
+impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
+    pub fn new(start: [Coord; N]) -> Self {
+        const { assert!(BLOCKS >= 4, "a look-ahead of fewer than 4 blocks cannot share legs") };
+        Self {
+            queue: Deque::new(),
+            chords: None,
+            sleeve: Sleeve::NONE,
+            marks: Marks::new(),
+            end: start,
+            closed: false,
+            stage: Stage::Waiting,
+            kept: Length::ZERO,
+            half: None,
+            run: Run::new(),
+            run_from: Length::ZERO,
+            rested: true,
+        }
+    }
+
+    /// Forgets everything and starts anew at a point. (In place: a new one would take its size of stack.)
+    pub fn restart(&mut self, start: [Coord; N]) {
+        self.queue.clear();
+        self.marks.clear();
+        self.chords = None;
+        self.end = start;
+        self.closed = false;
+        self.stage = Stage::Waiting;
+        self.kept = Length::ZERO;
+        self.half = None;
+        self.run.clear();
+        self.rested = true;
+    }
+
+    /// End point of the last accepted block.
+    pub fn end(&self) -> &[Coord; N] {
+        self.chords.as_ref().map_or(&self.end, Chords::end)
+    }
+
+    /// Blocks waiting: of lines that have become one, those whose tags are kept.
+    pub fn len(&self) -> usize {
+        self.queue.len() + self.marks.len() + usize::from(self.chords.is_some())
+    }
+
+    pub fn is_full(&self) -> bool {
+        // Of marks there is no more room before something is cut: which it will be, of three blocks.
+        let marked = self.marks.is_full() && self.queue.len() >= 3;
+        self.queue.is_full() || self.chords.is_some() || marked
+    }
+
+    /// No more blocks for now: the path ends, at rest, where the last block ends.
+    pub fn close(&mut self) {
+        self.closed = self.chords.is_none();
+    }
+
+    /// Whether the joint behind the front block has not been decided.
+    fn waits(&self) -> bool {
+        matches!(self.stage, Stage::Waiting | Stage::Run { until: None })
+    }
+}

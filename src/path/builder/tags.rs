@@ -1,0 +1,87 @@
+//! The tags of lines that have become one: which a cell shows, and where cells end for it.
+
+use super::intake::least_piece;
+use super::{Builder, Front};
+use crate::machine::Config;
+use crate::number::{Interval, Length, Scalar};
+use crate::path::node::Programmed;
+
+/// Least part of a cell that the end of a piece cuts off.
+const PART_OF_CELL: i64 = 8;
+
+impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
+    /// What is asked of a cell of the joint behind the front block, of `cells` in all: in its first half
+    /// by the front block, `length` mm long, at the place beside it, in the second by the next.
+    pub(super) fn programmed_beside(
+        &self,
+        index: u8,
+        cells: u8,
+        length: S,
+    ) -> Option<Programmed<S>> {
+        let per = self.kept.to_mm::<S>() / S::from_u32(u32::from(cells));
+        // From the middle of the joint to the middle of the cell.
+        let s = S::from_i64(2 * i64::from(index) + 1 - i64::from(cells)) * per;
+        let (item, s) = if s < S::ZERO { (0, length + s) } else { (1, s) };
+        Some(Programmed { tag: self.tag_at(item, s), ..self.queue.get(item)?.programmed() })
+    }
+
+    /// The tag at a place of the front block (0) or the next (1), mm from its start.
+    pub(super) fn tag_at(&self, item: usize, s: S) -> u32 {
+        let count = |index: usize| self.queue.get(index).map_or(0, |item| usize::from(item.marks));
+        let first = if item == 0 { 0 } else { count(0) };
+        let marks = (first..first + count(item)).filter_map(|index| self.marks.get(index));
+        let own = self.queue.get(item).map_or(0, |item| item.tag);
+        marks.into_iter().find(|mark| mark.s > s).map_or(own, |mark| mark.tag)
+    }
+
+    /// Where a cell of the front block ends, of which so much is left, that would end at `next`, and where the next one would begin without
+    /// what pieces end between: at the end of a piece if that is near, else at one before.
+    pub(super) fn to_mark(
+        &self,
+        Front { block, segment }: &Front<S, N>,
+        Interval { from: s, to: until }: Interval,
+        next: Length,
+        config: &Config<S, N>,
+    ) -> (Length, Length) {
+        if block.marks == 0 {
+            return (next, next);
+        }
+        // What is too short to be shown is no cell of its own, nor is a small part of one: in `f32` the motion
+        // over a cell a hundred times as short as its neighbour is not found.
+        let least = Length::from_mm(least_piece(segment, block.feed, config)) / 2;
+        let near = least.max((next - s) / PART_OF_CELL);
+        let count = usize::from(block.marks);
+        let mut ends =
+            (0..count).filter_map(|index| self.marks.get(index)).map(|m| Length::from_mm(m.s));
+        match ends.find(|&at| at - s > near) {
+            Some(at) if next - at > near => (at, next),
+            Some(at) if at - next < near && next < until && until - at > near => (at, at),
+            _ => (next, next),
+        }
+    }
+
+    /// Forgets the marks of the front block up to a place on it.
+    pub(super) fn pass_marks(&mut self, s: Length) {
+        let Some(front) = self.queue.front_mut() else { return };
+        let passed = s.to_mm::<S>();
+        while front.marks > 0 && self.marks.get(0).is_some_and(|mark| mark.s <= passed) {
+            self.marks.drop_front(1);
+            front.marks -= 1;
+        }
+    }
+
+    /// Shows a run the marks of the front block, over what it takes of it.
+    pub(super) fn mark_run(&mut self, Interval { from, to: until }: Interval) {
+        let count = self.queue.front().map_or(0, |front| usize::from(front.marks));
+        let origin = self.run.reach() - from;
+        let mut begins = from;
+        for mark in (0..count).filter_map(|index| self.marks.get(index)) {
+            let ends = Length::from_mm(mark.s);
+            if ends > from && begins < until {
+                let piece = Interval { from: origin + begins, to: origin + ends };
+                self.run.mark(piece, mark.tag);
+            }
+            begins = ends.max(from);
+        }
+    }
+}
