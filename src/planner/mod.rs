@@ -1,30 +1,31 @@
 //! The background side: blocks in, plans out.
 //!
-//! [`Planner`] holds the look-ahead and says what is to be done now; [`plan`] makes plans and hands
-//! them over; [`control`] answers an operator's commands: it [`cutting`]s the window where an answer
-//! takes effect, and comes to rest by [`brake`] and [`stop`].
+//! - [`Planner`] is the producer's handle.
+//! - [`phase`]: what it is doing, as one value, with all its transitions.
+//! - [`horizon`]: the path ahead, the plan agreed on it, and the draft of the next.
+//! - [`ahead`]: blocks cut into cells, and plans that go on as far as is known.
+//! - [`command`]: answers to an operator's commands.
+//! - [`offer`]: plans handed over, and the interrupt's word on them.
 
-mod brake;
-mod control;
-mod cutting;
-mod plan;
-mod stop;
+mod ahead;
+mod command;
+mod horizon;
+mod offer;
+mod phase;
 
-use self::cutting::{ADDED, Changes};
-use self::plan::Pending;
+use self::command::Answered;
+use self::horizon::Horizon;
+use self::phase::{Phase, Rest};
 
 use crate::block::range::check_coordinates;
 use crate::block::{Block, BlockError, PushError};
 use crate::machine::{Config, ConfigError};
-use crate::number::serial::{CycleSerial, NodeSerial};
+use crate::number::serial::NodeSerial;
 use crate::number::vector::zero;
 use crate::number::{Coord, Scalar};
 use crate::path::builder::Builder;
-use crate::path::hermite;
 use crate::path::node::Node;
-use crate::profile::solver::Solver;
-use crate::profile::window::Window;
-use crate::servo::control::{Requests, Wish};
+use crate::servo::control::Requests;
 use crate::servo::link::PlanSide;
 use crate::servo::{Controls, Interpolator, Link};
 
@@ -46,25 +47,6 @@ pub enum Progress {
     /// At rest after an abort, and everything that had been pushed is dropped. Said at every poll until
     /// [`Planner::acknowledge_abort`].
     Aborted,
-}
-
-/// Why the plan ends where it does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Halt {
-    /// As soon as the limits allow.
-    Hold,
-    /// At the end of a block.
-    Block,
-}
-
-impl Halt {
-    /// Whether it is still asked for.
-    fn is_wanted(self, wish: &Wish) -> bool {
-        match self {
-            Self::Hold => wish.holds(),
-            Self::Block => wish.stop || wish.single,
-        }
-    }
 }
 
 /// Counts since the start, for reports.
@@ -101,45 +83,17 @@ pub struct Planner<
     const NODES: usize = { crate::machine::NODES },
 > {
     side: PlanSide<'a, S, N>,
-    config: Config<S, N>,
-    builder: Builder<S, N, BLOCKS>,
-    window: Window<S, N, NODES>,
-    solver: Solver<S, NODES>,
-    /// Running number of the node at which the present plan ends.
-    planned_end: NodeSerial,
-    /// The plan that was offered last, until the interpolator has decided on it.
-    pending: Option<Pending>,
-    /// What that plan has changed in the window.
-    changes: Changes<S, N>,
     requests: &'a Requests,
-    /// Overrides in effect, per cent: of feeds and of rapids.
-    overrides: (u16, u16),
-    /// Why the plan ends where it does, if an operator has asked for it.
-    halt: Option<Halt>,
-    /// Whether the motion rests until it is resumed: at a pause, or in single block mode.
-    waits: bool,
-    /// Number of the last resume seen.
-    resumes: u32,
-    /// Number of the last abort that has been acknowledged.
-    aborts: u32,
-    /// Number of the last abort that is complete, until it is acknowledged.
-    dropped: Option<u32>,
-    /// Servo cycles after which an answer to a command takes effect.
-    reaction: u32,
-    /// Plans made when a rest at the end of a block was looked for last.
-    tried: u32,
-    /// Node at which it is time for a new plan.
-    checkpoint: NodeSerial,
-    /// Tick at which the motion came to rest with nothing planned.
-    waiting_since: Option<CycleSerial>,
+    builder: Builder<S, N, BLOCKS>,
+    horizon: Horizon<S, N, NODES>,
+    phase: Phase,
+    answered: Answered,
+    /// Whether the producer has said that no more blocks come for now.
     finished: bool,
+    /// Servo cycles after which an answer to a command takes effect: more after one that came too late.
+    reaction: u32,
     counters: Counters,
 }
-
-/// Room in the window for one more cell, and for the stations that answers to commands add.
-const LEAST_ROOM: usize = 2 + ADDED;
-/// A stop is imminent when less than this many leads remain.
-const URGENT_LEADS: f64 = 4.0;
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Link<S, N, BLOCKS, NODES> {
     /// The two handles of a core that rests at `start`: the planner for the background, the interpolator for the
@@ -168,25 +122,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Link<S,
         Ok((
             Planner {
                 side: plan,
-                config,
-                builder: Builder::new(start),
-                window: Window::new(node),
-                solver: Solver::new(),
-                planned_end: NodeSerial::ZERO,
-                pending: None,
-                changes: Changes::NONE,
                 requests,
-                overrides: (100, 100),
-                halt: None,
-                waits: false,
-                resumes: 0,
-                aborts: 0,
-                dropped: None,
-                reaction: 0,
-                tried: 0,
-                checkpoint: NodeSerial::ZERO,
-                waiting_since: None,
+                builder: Builder::new(start),
+                horizon: Horizon::new(config, node, NodeSerial::ZERO),
+                phase: Phase::Resting(Rest::IDLE),
+                answered: Answered::default(),
                 finished: false,
+                reaction: 0,
                 counters: Counters::default(),
             },
             Interpolator::new(servo, start, config.cycle),
@@ -209,7 +151,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.is_aborted() {
             return Err(PushError::Aborted);
         }
-        self.builder.push(block, &self.config)?;
+        self.builder.push(block, &self.horizon.config)?;
         self.finished = false;
         Ok(())
     }
@@ -225,7 +167,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// Whether an abort has been asked for that has not been acknowledged.
     pub fn is_aborted(&self) -> bool {
-        self.requests.aborts() != self.aborts
+        self.requests.aborts() != self.answered.aborts
     }
 
     /// The producer knows that everything was dropped and will begin anew from [`Planner::end`], where
@@ -234,10 +176,11 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// the last was asked for.
     pub fn acknowledge_abort(&mut self) -> bool {
         let aborts = self.requests.aborts();
-        let complete = aborts != self.aborts && self.dropped == Some(aborts);
+        let complete = aborts != self.answered.aborts
+            && self.phase == Phase::Resting(Rest::Dropped { abort: aborts });
         if complete {
-            self.aborts = aborts;
-            self.dropped = None;
+            self.answered.aborts = aborts;
+            self.phase = Phase::Resting(Rest::IDLE);
         }
         complete
     }
@@ -264,12 +207,12 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// Nodes of the window that lie ahead of the motion: the fill of the look-ahead.
     pub fn nodes_ahead(&self) -> usize {
-        self.window.len() - 1 - self.window.clamped_index(self.side.progress())
+        self.horizon.window.len() - 1 - self.horizon.window.clamped_index(self.side.progress())
     }
 
     /// Counts since the start.
     pub fn counters(&self) -> Counters {
-        Counters { starved: self.side.starved(), ..self.counters }
+        Counters { starved: self.side.starved(), steps: self.horizon.steps, ..self.counters }
     }
 
     /// Does what is to be done now: one planning step at most. Call it in the background, again
@@ -281,120 +224,23 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         self.hear();
         // While a plan is undecided, the motion may be on the one before, whose running numbers mean
         // something else from the new plan's first node on: keep all behind that.
-        let behind = match self.pending {
-            Some(pending) if !at.is_before(pending.first) => pending.first,
+        let behind = match self.phase.offer() {
+            Some(offer) if !at.is_before(offer.first) => offer.first,
             _ => at,
         };
-        self.window.release_before(behind);
+        self.horizon.window.release_before(behind);
         if self.finished {
             self.builder.close();
         }
         self.build();
         let wish = self.requests.read();
-        if let Some(progress) = self.obey(&wish, at) {
-            return progress;
-        }
-        if self.pending.is_some() {
-            return Progress::Waiting;
-        }
-        let resting = at == self.planned_end;
-        if resting { self.poll_at_rest(wish.single) } else { self.poll_moving(at) }
-    }
-
-    /// Cuts blocks into cells as long as there is room.
-    fn build(&mut self) {
-        let pace = self.pace();
-        for _ in 0..NODES {
-            // A cell may have to be split in two.
-            if self.window.room() < LEAST_ROOM {
-                return;
-            }
-            let Some(last) = self.window.last() else { return };
-            let node = last.node;
-            let Some(cut) = self.builder.emit(&node, &self.config) else { return };
-            self.counters.cells += 1;
-            let before = self.window.serial(self.window.len() - 1);
-            let lone = cut.rest && cut.cell.length > S::ZERO && self.may_rest_at(before);
-            if let Some(last) = self.window.last_mut()
-                && last.rest
-            {
-                last.node = cut.from;
-            }
-            if lone {
-                // From rest to rest there must be a node between.
-                let (first, middle, second) = hermite::split(&cut.from, &cut.cell, &cut.node);
-                self.window.append(first, middle, false, &pace);
-                self.window.append(second, cut.node, true, &pace);
-            } else {
-                self.window.append(cut.cell, cut.node, cut.rest, &pace);
-            }
-        }
-    }
-
-    /// Index of the station at which the agreed plan ends: it is never released before the motion is there.
-    fn end_index(&self) -> usize {
-        debug_assert!(self.window.find(self.planned_end).is_some());
-        self.window.clamped_index(self.planned_end)
-    }
-
-    /// Whether a plan may end at a node.
-    fn may_rest_at(&self, serial: NodeSerial) -> bool {
-        let rests =
-            self.window.get(self.window.clamped_index(serial)).is_some_and(|station| station.rest);
-        rests
-            || serial == self.planned_end
-            || self.pending.is_some_and(|pending| pending.end == serial)
-    }
-
-    /// At rest where the plan ends: start when the look-ahead is full, when no more is to come, or
-    /// when more has not come for a while.
-    fn poll_at_rest(&mut self, single: bool) -> Progress {
-        let end = self.window.serial(self.window.len() - 1);
-        let unplanned = end != self.planned_end;
-        if !unplanned && self.builder.len() == 0 {
-            self.waiting_since = None;
-            return if self.finished { Progress::Done } else { Progress::NeedsBlocks };
-        }
-        let now = self.side.cycles();
-        let since = *self.waiting_since.get_or_insert(now);
-        let waited = S::from_u32(now.since(since).unwrap_or(u32::MAX)) * self.config.cycle;
-        let full = self.builder.is_full() || self.window.room() < LEAST_ROOM;
-        if !(full || self.finished || waited >= self.config.start_delay) {
-            return Progress::NeedsBlocks;
-        }
-        if !full {
-            self.builder.close();
-            self.build();
-        }
-        self.waiting_since = None;
-        self.plan(self.planned_end, single)
-    }
-
-    /// In motion: plan on when a part of the plan has been run or its end is near.
-    fn poll_moving(&mut self, at: NodeSerial) -> Progress {
-        self.waiting_since = None;
-        if self.window.get(self.end_index()).is_some_and(|end| end.pause) {
-            return Progress::Waiting;
-        }
-        let urgent = self.ends_within(self.config.lead * S::of(URGENT_LEADS), at);
-        if urgent
-            && self.window.room() >= LEAST_ROOM
-            && !self.builder.is_full()
-            && self.builder.len() > 0
-        {
-            // The blocks that wait for their neighbours must go as they are.
-            self.builder.close();
-            self.build();
-        }
-        let end = self.window.serial(self.window.len() - 1);
-        if end == self.planned_end {
-            return if self.builder.len() > 0 { Progress::Waiting } else { Progress::NeedsBlocks };
-        }
-        let passed = !at.is_before(self.checkpoint);
-        if !(passed || urgent) {
-            return Progress::Waiting;
-        }
-        let Some(branch) = self.branch(at) else { return Progress::Waiting };
-        self.plan(branch, false)
+        let progress = match self.obey(&wish, at) {
+            Some(progress) => progress,
+            None if self.phase.offer().is_some() => Progress::Waiting,
+            None if at == self.horizon.end() => self.poll_at_rest(wish.single),
+            None => self.poll_moving(at),
+        };
+        debug_assert_eq!(self.phase.offer().is_some(), self.horizon.has_draft());
+        progress
     }
 }

@@ -37,8 +37,8 @@ pub struct Window<S, const N: usize, const NODES: usize> {
 }
 
 impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
-    /// A window that rests at one node.
-    pub fn new(node: Node<S, N>) -> Self {
+    /// A window that rests at one node, whose running number is `first`.
+    pub fn new(node: Node<S, N>, first: NodeSerial) -> Self {
         // Fourteen nodes are kept free for what answers to commands add. With fewer than 48 the others do not
         // hold the way to a stop over the cells of corners and arcs: it is slower than a stop at every corner.
         const {
@@ -66,7 +66,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
             state: PathState::REST,
             agreed: PathState::REST,
         });
-        Self { stations, first: NodeSerial::ZERO }
+        Self { stations, first }
     }
 
     /// Number of stations, at least 1.

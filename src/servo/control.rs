@@ -32,14 +32,27 @@ pub struct Requests {
     rapid: AtomicU32,
 }
 
+/// Overrides, per cent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Overrides {
+    /// Of feeds.
+    pub feed: u16,
+    /// Of rapids.
+    pub rapid: u16,
+}
+
+impl Overrides {
+    /// As programmed.
+    pub const PROGRAMMED: Self = Self { feed: 100, rapid: 100 };
+}
+
 /// What is asked for at one moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wish {
     pub hold: bool,
     pub stop: bool,
     pub single: bool,
-    /// Overrides of feed and of rapids, per cent.
-    pub overrides: (u16, u16),
+    pub overrides: Overrides,
     /// Numbers of the last resume and of the last abort.
     pub resumes: u32,
     pub aborts: u32,
@@ -48,7 +61,7 @@ pub struct Wish {
 impl Wish {
     /// Whether the motion is to be held: by a hold, or by an override of 0.
     pub fn holds(&self) -> bool {
-        self.hold || self.overrides.0 == 0 || self.overrides.1 == 0
+        self.hold || self.overrides.feed == 0 || self.overrides.rapid == 0
     }
 }
 
@@ -76,7 +89,7 @@ impl Requests {
             hold: pressed & HOLD != 0,
             stop: pressed & STOP != 0,
             single: self.single.load(Acquire),
-            overrides: (per_cent(&self.feed), per_cent(&self.rapid)),
+            overrides: Overrides { feed: per_cent(&self.feed), rapid: per_cent(&self.rapid) },
             resumes: pressed & RESUMES,
             aborts: pressed / ABORT,
         }

@@ -1,9 +1,11 @@
 //! Coming to rest on the path as soon as the limits allow.
 
-use super::stop::{DEPTHS, HARD, SHARES, Stop};
-use super::{Halt, Planner};
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
+use crate::planner::Planner;
+use crate::planner::horizon::stop_profile::{DEPTHS, HARD, SHARES, StopProfile};
+use crate::planner::horizon::{Horizon, Proposal};
+use crate::planner::phase::{Halt, Phase};
 use crate::profile::law::PathState;
 use crate::profile::solver::{Aim, Stretch};
 use crate::servo::link::Branch;
@@ -29,35 +31,69 @@ const LEAST_PART: f64 = 0.03;
 impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     Planner<'_, S, N, BLOCKS, NODES>
 {
-    /// A plan that comes to rest as soon as the limits allow.
+    /// A plan that comes to rest as soon as the limits allow. Whether there is one.
     pub(super) fn brake(&mut self) -> bool {
-        if self.stands(self.side.progress()) {
-            let Some((stretch, branch)) = self.cut_dwell() else {
-                return self.rest_next(Halt::Hold);
-            };
-            self.publish(stretch, branch, self.overrides, Some(Halt::Hold));
-            return true;
+        let stands = self.horizon.stands(self.side.progress());
+        let moment = self.moment();
+        if stands {
+            let made = self.horizon.draft(|draft| {
+                let (stretch, branch) = draft.cut_dwell(moment?)?;
+                Some(Proposal { stretch, branch, halt: Some(Halt::Hold) })
+            });
+            return self.offer(made) || self.rest_next(Halt::Hold);
         }
-        if let Some((stretch, branch)) = self.prepare() {
-            if self.rests_soon(stretch) {
-                self.undo();
-                return self.rest_as_agreed();
-            }
-            // At once, as on a straight; or from somewhere on the motion that brakes hardest.
-            if self.stop(stretch, branch) {
-                return true;
-            }
-            self.improve(stretch, Aim::Halt);
-            if self.stop(stretch, branch) || self.rest_at(stretch, branch, Halt::Hold, |_, _| true)
-            {
-                return true;
-            }
-        }
+        let mut soon = false;
+        let made = self.horizon.draft(|draft| {
+            let (stretch, branch) = draft.prepare(moment?)?;
+            soon = draft.rests_soon(stretch);
+            if soon { None } else { draft.brake_in(stretch, branch) }
+        });
         // The rest that the plan comes to anyway may be nearer than any other.
-        self.undo();
-        self.rest_next(Halt::Hold)
+        self.offer(made) || if soon { self.rest_as_agreed() } else { self.rest_next(Halt::Hold) }
     }
 
+    /// If the motion comes to rest at the end of the piece under way, lets it stay there.
+    pub(super) fn rest_next(&mut self, halt: Halt) -> bool {
+        let (at, end) = (self.side.progress(), self.horizon.end());
+        if at == end {
+            return false;
+        }
+        let next = at.next();
+        let i = self.horizon.window.clamped_index(next);
+        if halt == Halt::Block && !self.horizon.ends_block(i) {
+            return false;
+        }
+        let rests = self.horizon.window.get(i).is_some_and(|station| station.rest);
+        (rests || next == end) && self.rest_there(next, halt)
+    }
+
+    /// Lets the motion stay at the next rest of the plan.
+    fn rest_as_agreed(&mut self) -> bool {
+        let at = self.side.progress();
+        let window = &self.horizon.window;
+        let last = self.horizon.stretch_from(window.clamped_index(at)).last;
+        let rest = window.serial(last);
+        at != self.horizon.end() && self.rest_there(rest, Halt::Hold)
+    }
+
+    /// Lets the motion stay at a node at which it rests; whether a plan was made for it.
+    fn rest_there(&mut self, node: NodeSerial, halt: Halt) -> bool {
+        if node == self.horizon.end() {
+            if let Phase::Following(now) = &mut self.phase {
+                now.rest_at_end(halt);
+            }
+            return false;
+        }
+        let i = self.horizon.window.clamped_index(node);
+        let stretch = Stretch { first: i, last: i, open: false };
+        let halt = Some(halt);
+        let made =
+            self.horizon.draft(|_| Some(Proposal { stretch, branch: Branch::Node(node), halt }));
+        self.offer(made)
+    }
+}
+
+impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// Whether the motion as agreed comes to rest hardly later than the shortest stop.
     fn rests_soon(&self, stretch: Stretch) -> bool {
         let mut agreed = S::ZERO;
@@ -72,76 +108,45 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         agreed <= least * S::of(LATER)
     }
 
+    /// At once, as on a straight; or from somewhere on the motion that brakes hardest.
+    fn brake_in(&mut self, stretch: Stretch, branch: Branch) -> Option<Proposal> {
+        self.stop(stretch, branch).or_else(|| {
+            self.improve(stretch, Aim::Halt);
+            self.stop(stretch, branch)
+                .or_else(|| self.rest_at(stretch, branch, Halt::Hold, |_, _| true))
+        })
+    }
+
     /// A plan that ends in the nearest stop that keeps the limits, if there is one near.
-    fn stop(&mut self, stretch: Stretch, branch: Branch) -> bool {
+    fn stop(&mut self, stretch: Stretch, branch: Branch) -> Option<Proposal> {
         let mut nearest = S::ZERO;
         let furthest = self.braking_distance(stretch.first) * S::of(FURTHEST_STOP);
         for _ in 0..STOP_TRIES {
-            let Some((i, stop)) = self.next_stop(stretch, nearest) else { return false };
+            let (i, stop) = self.next_stop(stretch, nearest)?;
             if stop.at > furthest {
-                return false;
+                return None;
             }
             nearest = stop.at;
-            let added = self.changes.added.len();
+            let added = self.count_added();
             let mut states = heapless::Vec::new();
             let end = self.put_stop(i, &stop, stretch.last, &mut states);
             let held = Stretch { last: end.unwrap_or(i), ..stretch };
             if end.is_some() && self.holds(held) && self.crawl_in(held).is_none() {
-                self.publish(held, branch, self.overrides, Some(Halt::Hold));
-                return true;
+                return Some(Proposal { stretch: held, branch, halt: Some(Halt::Hold) });
             }
-            let pace = self.pace();
-            while self.changes.added.len() > added
-                && let Some((serial, cell)) = self.changes.added.pop()
-            {
-                self.take_out(self.window.clamped_index(serial), cell, &pace);
-            }
+            self.take_back(added);
             for (k, state) in states.iter().enumerate() {
                 self.window.set_state(i + 1 + k, *state);
             }
             self.loosen(i, i + 1 + states.len());
         }
-        false
-    }
-
-    /// If the motion comes to rest at the end of the piece under way, lets it stay there.
-    pub(super) fn rest_next(&mut self, halt: Halt) -> bool {
-        let at = self.side.progress();
-        if at == self.planned_end {
-            return false;
-        }
-        let next = at.next();
-        let i = self.window.clamped_index(next);
-        if halt == Halt::Block && !self.ends_block(i) {
-            return false;
-        }
-        let rests = self.window.get(i).is_some_and(|station| station.rest);
-        (rests || next == self.planned_end) && self.rest_there(next, halt)
-    }
-
-    /// Lets the motion stay at the next rest of the plan.
-    fn rest_as_agreed(&mut self) -> bool {
-        let at = self.side.progress();
-        let last = self.stretch_from(self.window.clamped_index(at)).last;
-        at != self.planned_end && self.rest_there(self.window.serial(last), Halt::Hold)
-    }
-
-    /// Lets the motion stay at a node at which it rests; whether a plan was made for it.
-    fn rest_there(&mut self, node: NodeSerial, halt: Halt) -> bool {
-        if node == self.planned_end {
-            self.halt = Some(halt);
-            return false;
-        }
-        let i = self.window.clamped_index(node);
-        let stretch = Stretch { first: i, last: i, open: false };
-        self.publish(stretch, Branch::Node(node), self.overrides, Some(halt));
-        true
+        None
     }
 
     /// The station from which the motion can come to rest nearest, but further than `beyond`, and
     /// how.
-    fn next_stop(&self, stretch: Stretch, beyond: S) -> Option<(usize, Stop<S>)> {
-        let mut best: Option<(usize, Stop<S>)> = None;
+    fn next_stop(&self, stretch: Stretch, beyond: S) -> Option<(usize, StopProfile<S>)> {
+        let mut best: Option<(usize, StopProfile<S>)> = None;
         let mut way = S::ZERO;
         for i in stretch.first..stretch.last {
             let station = self.window.get(i)?;
@@ -152,7 +157,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                     if k >= HARD && !brief {
                         break;
                     }
-                    let Some(stop) = Stop::new(station, way, depth, S::of(*share)) else {
+                    let Some(stop) = StopProfile::new(station, way, depth, S::of(*share)) else {
                         continue;
                     };
                     brief = stop.time() < self.config.cycle * S::of(BRIEF);
@@ -178,7 +183,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// Whether a stop ends not too near to a node of the stretch: the piece that comes to rest lasts, and the
     /// one that will start there.
-    fn is_clear(&self, stretch: Stretch, stop: &Stop<S>) -> bool {
+    fn is_clear(&self, stretch: Stretch, stop: &StopProfile<S>) -> bool {
         let begin = stop.at - stop.length();
         let mut way = S::ZERO;
         for i in stretch.first..stretch.last {
@@ -201,7 +206,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     fn put_stop(
         &mut self,
         i: usize,
-        stop: &Stop<S>,
+        stop: &StopProfile<S>,
         last: usize,
         before: &mut heapless::Vec<PathState<S>, STOP_CELLS>,
     ) -> Option<usize> {

@@ -51,13 +51,13 @@ pub const DEPTHS: [Depth; 2] = [Depth::Limits, Depth::Steady];
 
 /// Acceleration down to a depth, held, and back to zero together with the speed.
 #[derive(Clone, Copy, Debug)]
-pub struct Stop<S> {
+pub struct StopProfile<S> {
     phases: [Phase<S>; PHASES],
     /// Where the rest is, from the branch, mm.
     pub at: S,
 }
 
-impl<S: Scalar> Stop<S> {
+impl<S: Scalar> StopProfile<S> {
     /// The stop from a station that is `way` mm from the branch, if there is one.
     pub fn new<const N: usize>(
         station: &Station<S, N>,

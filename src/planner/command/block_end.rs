@@ -1,0 +1,56 @@
+//! Coming to rest at the end of a block.
+
+use crate::number::Scalar;
+use crate::planner::horizon::{Horizon, Moment, Proposal};
+use crate::planner::phase::Halt;
+use crate::profile::law::PathState;
+use crate::profile::solver::{Aim, Stretch};
+use crate::servo::link::Branch;
+
+/// Nodes tried for a stop.
+const END_TRIES: u32 = 6;
+
+impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
+    /// A plan that rests at the end of the block under way, or of the first one that is possible.
+    pub(super) fn rest_at_block_end(&mut self, moment: Option<Moment<S>>) -> Option<Proposal> {
+        self.draft(|draft| {
+            let (stretch, branch) = draft.prepare(moment?)?;
+            if draft.is_stopping(stretch.first) {
+                return None;
+            }
+            draft.improve(stretch, Aim::Halt);
+            draft.rest_at(stretch, branch, Halt::Block, Self::ends_block)
+        })
+    }
+
+    /// A plan that rests at the first node that can be and that is fit for it.
+    pub(super) fn rest_at(
+        &mut self,
+        stretch: Stretch,
+        branch: Branch,
+        halt: Halt,
+        fits: impl Fn(&Self, usize) -> bool,
+    ) -> Option<Proposal> {
+        let mut tries = 0;
+        for end in stretch.first + 1..=stretch.last {
+            if !fits(self, end) {
+                continue;
+            }
+            let state = self.window.get(end).map_or(PathState::REST, |station| station.state);
+            self.window.set_state(end, PathState::REST);
+            let held = Stretch { last: end, ..stretch };
+            // With no node between there is nothing that could be improved.
+            let crawls = end == stretch.first + 1 && self.crawl_in(held).is_some();
+            if !crawls && self.holds(held) {
+                self.improve(held, Aim::Time);
+                return Some(Proposal { stretch: held, branch, halt: Some(halt) });
+            }
+            self.window.set_state(end, state);
+            tries += 1;
+            if tries >= END_TRIES {
+                break;
+            }
+        }
+        None
+    }
+}

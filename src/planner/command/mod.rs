@@ -1,0 +1,151 @@
+//! Answers to an operator's commands.
+//!
+//! What a command means to a user, when it ends and which one wins is in the table of [`Controls`](crate::Controls). This is
+//! what the planner does about each, in the order in which [`obey`](Planner::obey) looks at them: the first that
+//! has something to do wins.
+//!
+//! | asked for | at rest | in motion | with a plan on offer |
+//! |---|---|---|---|
+//! | abort | everything is dropped (`drop_all`), [`Progress::Aborted`] until acknowledged | as a hold | as a hold |
+//! | hold, or an override of 0 | [`Progress::Held`] | [`brake`]: a plan that rests as soon as the limits allow; none if the plan under way already does | a plan from a node is withdrawn first, one from a servo cycle waited for |
+//! | a halt no longer wanted | - | the plan is taken further at once | - |
+//! | other overrides | in effect at once | [`retune`]: a plan at the new pace from the next servo cycle on, or from a node that is near | as for a hold |
+//! | stop, single block | held; in single block mode after every block, until a resume | [`block_end`]: a plan that rests at the end of a block, looked for once in every plan | waits |
+//! | resume | ends the rest at a pause or in single block mode; a hold or a stop it has ended at the source | - | - |
+//!
+//! # How an answer takes effect
+//!
+//! By a plan that branches off where the motion will be at the end of a
+//! servo cycle, so the answer shows in the cycle after it. The cell under way is cut there: what is
+//! left of it starts at the very position, velocity and acceleration that the piece under way has
+//! at that moment, so the motion as planned before is a valid start for the solver, and the new
+//! plan joins without a step in any derivative up to the second. The cells within the distance
+//! that it takes to stop are cut finer, the solver finds the states ([`Aim::Halt`], [`Aim::Slow`]
+//! or, when an override is raised, [`Aim::Time`]), and the plan is offered. If the interrupt
+//! has passed that cycle meanwhile, it refuses; then everything is as it was before and the
+//! next attempt allows more cycles.
+//!
+//! [`Aim::Halt`]: crate::profile::solver::Aim::Halt
+//! [`Aim::Slow`]: crate::profile::solver::Aim::Slow
+//! [`Aim::Time`]: crate::profile::solver::Aim::Time
+
+mod block_end;
+mod brake;
+mod retune;
+
+use super::phase::{Following, Halt, Phase, Rest};
+use super::{Planner, Progress};
+use crate::number::Scalar;
+use crate::number::serial::NodeSerial;
+use crate::servo::control::Wish;
+
+/// Numbers of the commands that have been answered.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Answered {
+    /// The last resume seen.
+    pub resumes: u32,
+    /// The last abort that has been acknowledged.
+    pub aborts: u32,
+}
+
+impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
+    Planner<'_, S, N, BLOCKS, NODES>
+{
+    /// Does what is asked for, with the motion at node `at`. `Some` if there is nothing else to do in this call.
+    pub(super) fn obey(&mut self, wish: &Wish, at: NodeSerial) -> Option<Progress> {
+        let resumed = wish.resumes != self.answered.resumes;
+        self.answered.resumes = wish.resumes;
+        let brakes = wish.holds() || wish.aborts != self.answered.aborts;
+        let rests = at == self.horizon.end();
+        if rests && (brakes || wish.stop || wish.overrides != self.horizon.overrides()) {
+            // A start that has not been taken up.
+            self.revoke();
+        }
+        if self.phase.offer().is_none() && at == self.horizon.end() {
+            return self.obey_at_rest(wish, resumed);
+        }
+        if brakes {
+            if self.phase.halt() == Some(Halt::Hold) {
+                return Some(Progress::Waiting);
+            }
+            let planned = self.revoke() && self.brake();
+            // If it could not be done at once: the plan is not taken further, and ends at rest.
+            return Some(if planned { Progress::Planned } else { Progress::Waiting });
+        }
+        if let Phase::Following(now) = &mut self.phase
+            && now.halt.is_some_and(|halt| !halt.is_wanted(wish))
+        {
+            now.go_on(at);
+        }
+        if wish.overrides != self.horizon.overrides()
+            && self.revoke()
+            && self.retune(wish.overrides, at)
+        {
+            return Some(Progress::Planned);
+        }
+        if wish.stop || wish.single { self.obey_stop(at) } else { None }
+    }
+
+    /// In motion: rests at the end of a block, as a stop or single block mode asks for.
+    fn obey_stop(&mut self, at: NodeSerial) -> Option<Progress> {
+        let Phase::Following(now) = &mut self.phase else { return None };
+        if now.halt == Some(Halt::Block) {
+            return Some(Progress::Waiting);
+        }
+        let planned = if self.horizon.stands(at) {
+            self.rest_next(Halt::Block)
+        } else if now.tried_block_end {
+            false
+        } else {
+            now.tried_block_end = true;
+            let moment = self.moment();
+            let made = self.horizon.rest_at_block_end(moment);
+            self.offer(made)
+        };
+        planned.then_some(Progress::Planned)
+    }
+
+    /// At rest: whether to go on.
+    fn obey_at_rest(&mut self, wish: &Wish, resumed: bool) -> Option<Progress> {
+        let (mut rest, halted) = match self.phase {
+            Phase::Following(Following { halt, .. }) => (Rest::IDLE, halt),
+            Phase::Resting(rest) => (rest, None),
+            Phase::Offered(_) => {
+                debug_assert!(false, "a start is on offer");
+                return None;
+            }
+        };
+        if wish.aborts != self.answered.aborts {
+            if rest != (Rest::Dropped { abort: wish.aborts }) {
+                self.drop_all();
+            }
+            self.phase = Phase::Resting(Rest::Dropped { abort: wish.aborts });
+            return Some(Progress::Aborted);
+        }
+        if wish.overrides != self.horizon.overrides() {
+            self.horizon.set_overrides(wish.overrides);
+        }
+        let end = self.horizon.end_index();
+        let end = self.horizon.window.get_mut(end);
+        let pauses = end.is_some_and(|end| core::mem::take(&mut end.pause));
+        if pauses || (wish.single && halted == Some(Halt::Block)) {
+            // A resume that was pressed before this was known was not meant for it.
+            rest = Rest::AwaitsResume;
+        } else if resumed && rest == Rest::AwaitsResume {
+            rest = Rest::IDLE;
+        }
+        self.phase = Phase::Resting(rest);
+        let held = wish.holds() || wish.stop || rest == Rest::AwaitsResume;
+        held.then_some(Progress::Held)
+    }
+
+    /// At rest: forgets everything that has not been run.
+    fn drop_all(&mut self) {
+        let end = self.horizon.end_index();
+        self.horizon.window.truncate(end);
+        if let Some(station) = self.horizon.window.last() {
+            self.builder.restart(station.node.at);
+        }
+        self.finished = false;
+    }
+}

@@ -1,0 +1,131 @@
+//! A plan in the making: what it has changed in the horizon, kept as a whole or taken back as a whole.
+//!
+//! ```text
+//!             draft(make)                    mark_offered          commit
+//!   (none) ───────────────▶ Stage::Making ───────────────▶ Stage::Offered ──────▶ (none), agreed
+//!      ▲                         │ make found nothing             │ refused, withdrawn
+//!      └─────────────────────────┴──────── drop_draft ◀───────────┘
+//! ```
+//!
+//! [`Horizon::draft`] is the only way to begin one and [`Horizon::drop_draft`] the only way back, so nothing that makes a plan
+//! has to clean up after itself. A draft changes the states of stations, puts stations in, cuts the cell under
+//! way and may change the overrides. Its stage and all that it has changed lie in the horizon, not on the stack: it outlasts
+//! a call.
+//!
+//! What is not part of a draft: cells split because a motion could not start or end in them
+//! ([`parting`](super::parting)), which serve every plan, and the speed bounds of planned cells, which every draft
+//! sets for itself ([`Horizon::loosen`]).
+
+use super::Horizon;
+use crate::number::Scalar;
+use crate::number::serial::NodeSerial;
+use crate::path::node::Cell;
+use crate::profile::law::PathState;
+use crate::profile::window::Station;
+use crate::servo::control::Overrides;
+
+/// Most stations that one draft adds to the window.
+pub const ADDED: usize = 12;
+
+/// How far a draft has got.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// States are being looked for.
+    Making,
+    /// It is finished, and the interrupt has yet to decide on it.
+    Offered,
+}
+
+/// What a plan in the making has changed.
+#[derive(Clone, Debug)]
+pub struct Draft<S, const N: usize> {
+    stage: Stage,
+    /// Overrides that were in effect before.
+    overrides: Overrides,
+    /// The station whose cell was under way, as it was, with its running number.
+    pub replaced: Option<(NodeSerial, Station<S, N>)>,
+    /// Stations put in, in order: running number, and the cell that each was put into.
+    pub added: heapless::Vec<(NodeSerial, Cell<S, N>), ADDED>,
+}
+
+impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
+    /// Makes a plan. What `make` changes is the draft of it; if it comes to nothing, everything is as it was.
+    pub fn draft<T>(&mut self, make: impl FnOnce(&mut Self) -> Option<T>) -> Option<T> {
+        debug_assert!(!self.has_draft(), "one plan at a time");
+        debug_assert!(self.is_as_agreed());
+        self.draft = Some(Draft {
+            stage: Stage::Making,
+            overrides: self.overrides,
+            replaced: None,
+            added: heapless::Vec::new(),
+        });
+        let made = make(self);
+        if made.is_none() {
+            self.drop_draft();
+        }
+        made
+    }
+
+    /// Whether a plan is being made or is on offer.
+    pub fn has_draft(&self) -> bool {
+        self.draft.is_some()
+    }
+
+    /// The draft is finished, and out of hand.
+    pub fn mark_offered(&mut self) {
+        debug_assert!(self.has_draft());
+        if let Some(draft) = &mut self.draft {
+            draft.stage = Stage::Offered;
+        }
+    }
+
+    /// Makes the draft, which starts at node `first` and ends at node `end`, the agreed plan.
+    pub fn commit(&mut self, first: NodeSerial, end: NodeSerial) {
+        debug_assert!(self.draft.as_ref().is_some_and(|draft| draft.stage == Stage::Offered));
+        self.draft = None;
+        self.end = end;
+        // The part of the window before is the same in both plans.
+        for i in self.window.clamped_index(first)..self.window.len() {
+            if let Some(station) = self.window.get_mut(i) {
+                station.agreed = station.state;
+            }
+        }
+        debug_assert!(self.is_as_agreed());
+    }
+
+    /// Takes back all that the draft has changed: window and overrides are those of the agreed plan.
+    pub fn drop_draft(&mut self) {
+        debug_assert!(self.has_draft());
+        self.take_back(0);
+        let Some(Draft { overrides, replaced, .. }) = &self.draft else { return };
+        let paced = self.overrides == *overrides;
+        self.overrides = *overrides;
+        if let Some((serial, original)) = replaced {
+            let i = self.window.clamped_index(*serial);
+            if let Some(station) = self.window.get_mut(i) {
+                *station = *original;
+            }
+        }
+        self.draft = None;
+        self.window.measure(0);
+        let last = self.end_index();
+        for i in 0..self.window.len() {
+            if let Some(station) = self.window.get_mut(i) {
+                station.state = if i <= last { station.agreed } else { PathState::REST };
+            }
+        }
+        if !paced {
+            self.bound_from(0);
+        }
+    }
+
+    /// Whether the states are those of the agreed plan, with a rest behind its end.
+    fn is_as_agreed(&self) -> bool {
+        let last = self.end_index();
+        (0..self.window.len()).all(|i| {
+            self.window.get(i).is_some_and(|station| {
+                station.state == if i <= last { station.agreed } else { PathState::REST }
+            })
+        })
+    }
+}

@@ -1,0 +1,160 @@
+//! Times and distances in the horizon: what the agreed plan takes, and what a change of speed would.
+
+use super::Horizon;
+use crate::number::Scalar;
+use crate::number::serial::NodeSerial;
+use crate::path::node::Cell;
+use crate::profile::law::{Law, PathState};
+use crate::profile::rows::Bounds;
+use crate::profile::solver::Stretch;
+
+/// A cell that takes so many times as long as with stops at both ends is a crawl.
+const CRAWL: f64 = 10.0;
+/// Share of its speed that a motion must have left after letting go of the brake, to be taken on.
+const LEAST_LEFT: f64 = 0.3;
+/// Nodes of the path lie at least as far apart as jerk takes a motion from rest in this many servo cycles:
+/// nearer ones would be passed no faster than they lie apart.
+const APART_CYCLES: f64 = 2.0;
+
+impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
+    pub fn agreed_time(&self, i: usize) -> S {
+        match self.window.get(i) {
+            Some(station) if !(station.cell.length > S::ZERO) => station.cell.dwell,
+            Some(_) => self.window.agreed_law(i).map_or(S::ZERO, |law| law.time),
+            None => S::ZERO,
+        }
+    }
+
+    /// Whether less than this time, s, is left from the end of the piece under way to the end of
+    /// the plan. Looks no further than it must.
+    pub fn ends_within(&self, limit: S, at: NodeSerial) -> bool {
+        let mut time = S::ZERO;
+        for i in self.window.clamped_index(at) + 1..self.end_index() {
+            time += self.agreed_time(i);
+            if time >= limit {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// The node from which a new plan can branch off: a lead ahead of the motion, or half of what is left
+    /// of the plan if that is less. At its end the motion would rest.
+    pub fn branch(&self, at: NodeSerial) -> Option<NodeSerial> {
+        let end = self.end_index();
+        let first = self.window.clamped_index(at) + 1;
+        let mut left = S::ZERO;
+        for i in first..end {
+            left += self.agreed_time(i);
+        }
+        let lead = self.config.lead.least(left * S::of(0.5));
+        let mut time = S::ZERO;
+        for i in first..=end {
+            if time >= lead || i == end {
+                return Some(if self.is_stopping(i) { self.end } else { self.window.serial(i) });
+            }
+            time += self.agreed_time(i);
+        }
+        None
+    }
+
+    /// The stretch from a branch to the end of the plan, or to the first rest in it.
+    pub fn stretch_from(&self, first: usize) -> Stretch {
+        let end = self.end_index();
+        let rests = |i: &usize| self.window.get(*i).is_some_and(|station| station.rest);
+        let last = (first + 1..end).find(rests).unwrap_or(end);
+        Stretch { first, last, open: false }
+    }
+
+    /// Whether the node under way, and the motion with it, stands still.
+    pub fn stands(&self, at: NodeSerial) -> bool {
+        let cell =
+            self.window.get(self.window.clamped_index(at)).map(|station| station.cell.length);
+        at != self.end && cell.is_some_and(|length| !(length > S::ZERO))
+    }
+
+    /// The first node behind station `first` at which a block ends.
+    pub fn block_end(&self, first: usize) -> Option<usize> {
+        (first + 1..self.window.len()).find(|&i| self.ends_block(i))
+    }
+
+    /// Whether a block ends at station `i`.
+    pub fn ends_block(&self, i: usize) -> bool {
+        let Some((before, here)) = i.checked_sub(1).and_then(|i| self.window.pair(i)) else {
+            return false;
+        };
+        let last = i + 1 == self.window.len();
+        let (before, after) = (&before.cell, &here.cell);
+        let differs = !last && before.programmed.tag != after.programmed.tag;
+        // A long dwell is many cells.
+        let dwells = |cell: &Cell<S, N>| !(cell.length > S::ZERO) && cell.event.is_none();
+        differs || (here.rest && (last || !(dwells(before) && dwells(after))))
+    }
+
+    /// Whether from station `first` on the plan does nothing but come to rest where it ends: even if it let
+    /// go of the brake as fast as the limits allow, hardly any speed would be left. To go on from there without
+    /// that rest would save nothing, and a motion that all but rests in the middle of its way is one that
+    /// no solver gets going again.
+    pub fn is_stopping(&self, first: usize) -> bool {
+        let end = self.end_index();
+        first < end
+            && (first..end).all(|i| {
+                let Some(from) = self.window.get(i) else { return false };
+                let PathState { b, a } = from.agreed;
+                let least = S::of(2.0 * (1.0 - LEAST_LEFT)) * from.bounds.jerk * b.sqrt();
+                from.cell.length > S::ZERO && a < S::ZERO && a * a > least
+            })
+    }
+
+    /// The first cell in a stretch that the motion crawls through: it takes many times as long as stopping
+    /// at both its ends would, and longer than the feed asks for.
+    pub fn crawl_in(&self, stretch: Stretch) -> Option<usize> {
+        let most = S::of(CRAWL);
+        (stretch.first..stretch.last).find(|&i| {
+            let Some((station, after)) = self.window.pair(i) else { return false };
+            let (length, bounds) = (station.cell.length, &station.bounds);
+            let to = if i + 1 == stretch.last { PathState::REST } else { after.state };
+            let Some(law) = Law::new(length, station.state, to) else { return false };
+            // From rest to rest: (32 h / J)^(1/3) by jerk alone, 2 (h / A)^(1/2) by acceleration alone.
+            let t = law.time / most;
+            t > self.config.cycle
+                && t * bounds.goal > length
+                && t * t * bounds.acceleration > S::of(4.0) * length
+                && t * t * t * bounds.jerk > S::of(32.0) * length
+        })
+    }
+
+    /// About what braking takes from a station, mm: v (v / A + A / J) / 2 and a fifth more.
+    pub fn braking_distance(&self, i: usize) -> S {
+        let Some(station) = self.window.get(i) else { return S::ZERO };
+        let PathState { b, a } = station.state;
+        // What the acceleration adds until it is gone.
+        let more = a.greatest(S::ZERO) * a / (station.bounds.jerk + station.bounds.jerk);
+        let speed = b.sqrt() + more;
+        let limits = &self.config.limits;
+        let mut time = S::ZERO;
+        for axis in limits.axes() {
+            time = time.greatest(speed / axis.acceleration);
+        }
+        speed * (time + limits.time_scale()) * S::of(0.6)
+    }
+
+    /// What it takes from a speed, mm/s, to the one that the cell of station `i` is asked for, mm.
+    pub fn ramp(&self, i: usize, speed: S) -> S {
+        let Some(station) = self.window.get(i) else { return S::ZERO };
+        let Bounds { goal, acceleration, jerk, .. } = station.bounds;
+        let gain = (goal - speed).greatest(S::ZERO);
+        let time = if gain * jerk < acceleration * acceleration {
+            S::of(2.0) * (gain / jerk).sqrt()
+        } else {
+            gain / acceleration + acceleration / jerk
+        };
+        (speed + goal) * time * S::of(0.5)
+    }
+
+    /// Least distance of two nodes in a cell, mm.
+    pub fn apart(&self, jerk: S) -> S {
+        let time = self.config.cycle * S::of(APART_CYCLES);
+        jerk * time * time * time * S::of(1.0 / 6.0)
+    }
+}

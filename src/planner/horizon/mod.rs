@@ -1,0 +1,175 @@
+//! The planning horizon: the window of path ahead of the motion, with the plan agreed on it and, while one is being
+//! made or is on offer, the draft of the next.
+//!
+//! Nothing in here knows of the interrupt: what has been agreed is told by [`Horizon::commit`] and [`Horizon::drop_draft`],
+//! and when it will be where by a [`Moment`].
+//!
+//! - [`draft`]: what a plan in the making has changed, kept or taken back.
+//! - [`measure`]: times and distances.
+//! - [`solve`]: states for a stretch.
+//! - [`cutting`]: stations put in where the agreed motion will be.
+//! - [`parting`]: stations put in anywhere, and taken out.
+//! - [`stop_profile`]: how a motion stops on a straight.
+
+mod cutting;
+mod draft;
+mod measure;
+mod parting;
+mod solve;
+pub mod stop_profile;
+
+pub use self::draft::ADDED;
+use self::draft::Draft;
+
+use super::phase::Halt;
+use crate::machine::Config;
+use crate::number::Scalar;
+use crate::number::serial::{CycleSerial, NodeSerial};
+use crate::path::node::Node;
+use crate::profile::compile::{self, Placement};
+use crate::profile::law::{Law, PathState};
+use crate::profile::rows::Pace;
+use crate::profile::solver::{Solver, Stretch};
+use crate::profile::window::Window;
+use crate::servo::control::Overrides;
+use crate::servo::link::{Branch, Timeline};
+use crate::servo::piece::{Piece, Sequel};
+
+/// Where the motion is, and when an answer to a command can take effect.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment<S> {
+    /// The piece under way.
+    pub timeline: Timeline<S>,
+    /// Servo cycle at whose end the answer branches off.
+    pub when: CycleSerial,
+}
+
+/// A draft that is ready to be offered.
+#[derive(Clone, Copy, Debug)]
+pub struct Proposal {
+    /// What it runs through.
+    pub stretch: Stretch,
+    /// Where it leaves the agreed plan.
+    pub branch: Branch,
+    /// Why it ends where it does, if an operator has asked for it.
+    pub halt: Option<Halt>,
+}
+
+/// The window, and what is planned on it.
+///
+/// While there is no draft, every station up to the end of the agreed plan has the state of that plan, and every one
+/// behind it rests.
+pub struct Horizon<S: Scalar, const N: usize, const NODES: usize> {
+    pub config: Config<S, N>,
+    pub window: Window<S, N, NODES>,
+    solver: Solver<S, NODES>,
+    /// Node at which the agreed plan ends.
+    end: NodeSerial,
+    /// Overrides in effect.
+    overrides: Overrides,
+    draft: Option<Draft<S, N>>,
+    /// Improvement steps so far.
+    pub steps: u32,
+}
+
+impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
+    /// A horizon that rests at a node, whose running number is `first`.
+    // Built where it is kept: it is large.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
+    pub fn new(config: Config<S, N>, node: Node<S, N>, first: NodeSerial) -> Self {
+        Self {
+            config,
+            window: Window::new(node, first),
+            solver: Solver::new(),
+            end: first,
+            overrides: Overrides::PROGRAMMED,
+            draft: None,
+            steps: 0,
+        }
+    }
+
+    /// Node at which the agreed plan ends.
+    pub fn end(&self) -> NodeSerial {
+        self.end
+    }
+
+    /// Index of the station there: it is not released before the motion has passed it.
+    pub fn end_index(&self) -> usize {
+        debug_assert!(self.window.find(self.end).is_some());
+        self.window.clamped_index(self.end)
+    }
+
+    /// Overrides in effect.
+    pub fn overrides(&self) -> Overrides {
+        self.overrides
+    }
+
+    /// Puts other overrides into effect, on all cells.
+    pub fn set_overrides(&mut self, overrides: Overrides) {
+        self.overrides = overrides;
+        self.bound_from(0);
+    }
+
+    /// Puts other overrides into effect in the draft, on no cell yet.
+    pub fn try_overrides(&mut self, overrides: Overrides) {
+        debug_assert!(self.has_draft());
+        self.overrides = overrides;
+    }
+
+    /// How fast the machine may go, and is asked to.
+    pub fn pace(&self) -> Pace<S, N> {
+        let factor = |percent: u16| S::from_u32(u32::from(percent.max(1))) * S::of(0.01);
+        Pace {
+            limits: self.config.limits,
+            cycle: self.config.cycle,
+            feed: factor(self.overrides.feed),
+            rapid: factor(self.overrides.rapid),
+        }
+    }
+
+    /// Bounds of all cells from station `first` on anew, at the pace that is set.
+    pub fn bound_from(&mut self, first: usize) {
+        let pace = self.pace();
+        for i in first..self.window.len() {
+            self.window.bound(i, &pace);
+        }
+    }
+
+    /// The pieces of a proposal, in order. Behind its end every station rests in the draft.
+    pub fn compile(&mut self, stretch: Stretch, mut hand_over: impl FnMut(&Piece<S, N>)) {
+        debug_assert!(self.has_draft());
+        self.window.measure(stretch.first);
+        for i in stretch.first..stretch.last {
+            let Some(after) = self.window.get(i + 1) else { break };
+            let at_end = i + 1 == stretch.last;
+            let sequel = if after.rest || (at_end && !stretch.open) {
+                Sequel::Stop
+            } else if at_end {
+                Sequel::Starved
+            } else {
+                Sequel::Motion
+            };
+            let to = if at_end { PathState::REST } else { after.state };
+            let piece = self.piece(i, to, sequel);
+            debug_assert!(piece.is_some(), "a plan without motion over cell {i}");
+            let Some(piece) = piece else { break };
+            hand_over(&piece);
+        }
+        for i in stretch.last..self.window.len() {
+            self.window.set_state(i, PathState::REST);
+        }
+    }
+
+    /// The motion over a cell as it stands in the draft.
+    fn piece(&self, i: usize, to: PathState<S>, sequel: Sequel) -> Option<Piece<S, N>> {
+        let (station, after) = self.window.pair(i)?;
+        let view = station.view(after, &self.config.limits);
+        let placement = Placement { serial: self.window.serial(i), way: station.way, sequel };
+        if !(station.cell.length > S::ZERO) {
+            return Some(compile::standstill(&view, placement));
+        }
+        let law = Law::new(station.cell.length, station.state, to)?;
+        Some(compile::piece(&view, &law, placement))
+    }
+}

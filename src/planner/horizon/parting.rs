@@ -1,0 +1,190 @@
+//! Stations put into cells, and taken out again.
+
+use super::Horizon;
+use super::draft::ADDED;
+use crate::number::Scalar;
+use crate::number::serial::NodeSerial;
+use crate::path::hermite;
+use crate::path::node::Cell;
+use crate::profile::law::PathState;
+use crate::profile::solver::Stretch;
+use crate::profile::window::Station;
+
+/// Where the way from rest to a speed is cut, as shares of it: constant jerk covers the last in a quarter of the
+/// time in which acceleration builds up.
+const RAMP: [f64; 3] = [0.75, 0.125, 0.02];
+/// A cell at a rest is cut only if the part there is at most this share of it.
+const MOST_PART: f64 = 0.4;
+
+impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
+    /// Puts a station behind the one at `i`, as a part of the draft; whether there was room.
+    ///
+    /// The cell of station `i` is still the whole one: it is to be shortened afterwards.
+    pub(super) fn add(&mut self, i: usize, station: Station<S, N>) -> bool {
+        let Some(whole) = self.window.get(i).map(|station| station.cell) else { return false };
+        if self.room_to_add() == 0 || !self.put_behind(i, station) {
+            return false;
+        }
+        let serial = self.window.serial(i + 1);
+        let noted =
+            self.draft.as_mut().is_some_and(|draft| draft.added.push((serial, whole)).is_ok());
+        debug_assert!(noted, "there was room to note it");
+        noted
+    }
+
+    /// Keeps a station, which is about to be cut, for the case that the draft is dropped.
+    pub(super) fn keep(&mut self, serial: NodeSerial, original: Station<S, N>) {
+        debug_assert!(self.draft.as_ref().is_some_and(|draft| draft.replaced.is_none()));
+        if let Some(draft) = &mut self.draft {
+            draft.replaced = Some((serial, original));
+        }
+    }
+
+    /// Takes out again the stations that the draft has put in since there were `count` of them.
+    pub fn take_back(&mut self, count: usize) {
+        while let Some(draft) = self.draft.as_mut().filter(|draft| draft.added.len() > count)
+            && let Some((serial, cell)) = draft.added.pop()
+        {
+            self.take_out(self.window.clamped_index(serial), cell);
+        }
+    }
+
+    /// Stations that the draft has put in.
+    pub fn count_added(&self) -> usize {
+        self.draft.as_ref().map_or(0, |draft| draft.added.len())
+    }
+
+    /// Puts a station behind the one at `i`, for good; whether there was room.
+    fn put_behind(&mut self, i: usize, station: Station<S, N>) -> bool {
+        if !self.window.insert_after(i, station) {
+            return false;
+        }
+        if !self.end.is_before(self.window.serial(i + 1)) {
+            self.end = self.end.next();
+        }
+        true
+    }
+
+    /// The cell of station `i` cut at a share of its length: its first part, and a station with the
+    /// other.
+    fn parted(&self, i: usize, share: S) -> Option<(Cell<S, N>, Station<S, N>)> {
+        let (station, after) = self.window.pair(i)?;
+        let (first, node, cell) =
+            hermite::split_at(&station.node, &station.cell, &station.arrival(after), share);
+        let way = station.way.plus(first.length);
+        Some((first, Station { node, cell, way, rest: false, pause: false, ..*station }))
+    }
+
+    /// Makes `first` the cell of station `i`; it and the one behind are bounded anew.
+    fn part(&mut self, i: usize, first: Cell<S, N>) {
+        if let Some(station) = self.window.get_mut(i) {
+            station.cell = first;
+        }
+        self.bound_halves(i);
+    }
+
+    /// Bounds the cell of station `i` and the next anew.
+    pub(super) fn bound_halves(&mut self, i: usize) {
+        let pace = self.pace();
+        self.window.bound(i, &pace);
+        self.window.bound(i + 1, &pace);
+    }
+
+    /// Puts a station with a state within the cell of station `i`, at a share of its length.
+    pub fn insert(&mut self, i: usize, share: S, state: PathState<S>) -> Option<()> {
+        let bound = self.window.get(i)?.bounds.speed;
+        let (first, cut) = self.parted(i, share)?;
+        if !self.add(i, Station { state, ..cut }) {
+            return None;
+        }
+        self.part(i, first);
+        for k in [i, i + 1] {
+            let station = self.window.get_mut(k)?;
+            station.bounds.speed = station.bounds.goal.greatest(bound);
+        }
+        Some(())
+    }
+
+    /// Splits the cell of station `i` at a share of its length; nothing is known of the motion there.
+    pub fn split_cell(&mut self, i: usize, share: S) -> bool {
+        let Some((first, cut)) = self.parted(i, share) else { return false };
+        let done =
+            self.put_behind(i, Station { state: PathState::REST, agreed: PathState::REST, ..cut });
+        if done {
+            self.part(i, first);
+        }
+        done
+    }
+
+    /// A cell from a rest inside a block to the next rest needs a node between.
+    pub fn split_lone(&mut self, stretch: &mut Stretch) {
+        let Some((station, after)) = self.window.pair(stretch.first) else { return };
+        let starts = station.rest || self.window.serial(stretch.first) == self.end;
+        let ends = after.rest || (!stretch.open && stretch.first + 1 == stretch.last);
+        if starts
+            && ends
+            && station.cell.length > S::ZERO
+            && self.split_cell(stretch.first, S::of(0.5))
+        {
+            stretch.last += 1;
+        }
+    }
+
+    /// Splits cells at rests, from station `new` on, that are much longer than the way to the speed that is
+    /// asked for now: over the whole of one the motion would gather speed, or lose it.
+    pub fn split_ramps(&mut self, stretch: &mut Stretch, new: usize) {
+        let mut i = new;
+        for _ in 0..NODES {
+            let Some((station, after)) = self.window.pair(i).filter(|_| i < stretch.last) else {
+                return;
+            };
+            let starts = station.rest || i == stretch.first;
+            let ends = after.rest || (!stretch.open && i + 1 == stretch.last);
+            if (starts || ends) && station.cell.length > S::ZERO {
+                let (ramp, apart) = (self.ramp(i, S::ZERO), self.apart(station.bounds.jerk));
+                for share in RAMP {
+                    let Some(length) = self.window.get(i).map(|station| station.cell.length) else {
+                        return;
+                    };
+                    let part = (ramp * S::of(share)).greatest(apart) / length;
+                    if part > S::of(MOST_PART) {
+                        continue;
+                    }
+                    let place = if starts { part } else { S::ONE - part };
+                    if self.window.room() + RAMP.len() <= ADDED || !self.split_cell(i, place) {
+                        return;
+                    }
+                    stretch.last += 1;
+                    i += usize::from(!starts);
+                }
+            }
+            i += 1;
+        }
+    }
+
+    /// Whether the last cell starts at rest and ends where the window does: from rest to rest in a
+    /// single cell there is no motion, so it must wait for the next.
+    pub fn is_lone_start(&self, Stretch { first, last, .. }: Stretch) -> bool {
+        let Some((station, after)) = last.checked_sub(1).and_then(|i| self.window.pair(i)) else {
+            return false;
+        };
+        (station.rest || first + 1 == last) && !after.rest && station.cell.length > S::ZERO
+    }
+
+    /// Takes out the station at `i`, which was put into `cell`.
+    pub fn take_out(&mut self, i: usize, cell: Cell<S, N>) {
+        let Some(before) = i.checked_sub(1) else { return };
+        if let Some(station) = self.window.get_mut(before) {
+            station.cell = cell;
+        }
+        self.window.remove(i);
+        self.end = self.end.previous();
+        self.window.bound(before, &self.pace());
+    }
+
+    /// Stations that one answer may still add.
+    pub(super) fn room_to_add(&self) -> usize {
+        let added = self.draft.as_ref().map_or(ADDED, |draft| draft.added.len());
+        (ADDED - added).min(self.window.room())
+    }
+}

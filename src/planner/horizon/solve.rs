@@ -1,0 +1,78 @@
+//! States for a stretch of the horizon.
+
+use super::Horizon;
+use crate::machine::Config;
+use crate::number::Scalar;
+use crate::profile::law::Law;
+use crate::profile::solver::{Aim, Stretch};
+use core::ops::Range;
+
+/// Share by which a bound lies above a speed that exceeds what is asked for; the limits of the axes
+/// have as much in reserve.
+const EXCESS: f64 = 1.0001;
+
+impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
+    /// Whether the states of a stretch keep all limits, with a rest at its end.
+    pub fn holds(&mut self, stretch: Stretch) -> bool {
+        self.solver.on(&mut self.window, &self.config.limits, stretch).holds()
+    }
+
+    /// Improves the states of a stretch for an aim, and counts the steps.
+    pub fn improve(&mut self, stretch: Stretch, aim: Aim) {
+        let Config { limits, iterations, .. } = self.config;
+        let steps = self.solver.on(&mut self.window, &limits, stretch).improve(iterations, aim);
+        self.steps += u32::from(steps);
+    }
+
+    /// Gives the stations of a stretch from index `new` on states, and improves those before.
+    /// Returns whether there is a motion.
+    pub fn find(&mut self, stretch: Stretch, new: usize) -> bool {
+        if self.find_from_guess(stretch, new) {
+            return true;
+        }
+        // From the plan as it stands, and slow speeds behind it.
+        self.take_agreed(stretch.first..new);
+        let limits = self.config.limits;
+        let found = self.solver.on(&mut self.window, &limits, stretch).seed(new);
+        if found {
+            self.improve(stretch, Aim::Time);
+        }
+        found
+    }
+
+    /// The same by a guess at the stations from index `new` on, which need not lead to a motion.
+    pub fn find_from_guess(&mut self, stretch: Stretch, new: usize) -> bool {
+        let Config { limits, iterations, .. } = self.config;
+        let mut problem = self.solver.on(&mut self.window, &limits, stretch);
+        problem.guess(new);
+        let (steps, found) = problem.find(iterations);
+        self.steps += u32::from(steps);
+        found
+    }
+
+    /// Gives stations the states of the plan that is being executed.
+    pub fn take_agreed(&mut self, stations: Range<usize>) {
+        for i in stations {
+            if let Some(station) = self.window.get_mut(i) {
+                station.state = station.agreed;
+            }
+        }
+    }
+
+    /// Lets the speed bounds of planned cells be no less than the speeds of the plan: an override
+    /// may have been lowered since.
+    pub fn loosen(&mut self, first: usize, last: usize) {
+        for i in first..last {
+            let Some((station, after)) = self.window.pair(i) else { return };
+            let Some(law) = Law::new(station.cell.length, station.state, after.state) else {
+                continue;
+            };
+            let [early, late] = law.inner_speeds();
+            let most = law.v0.greatest(law.v1).greatest(early.greatest(late));
+            if let Some(station) = self.window.get_mut(i) {
+                let goal = station.bounds.goal;
+                station.bounds.speed = if most < goal { goal } else { most * S::of(EXCESS) };
+            }
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! Plans handed over to the interrupt, and its word on them.
+
+use super::Planner;
+use super::horizon::{Moment, Proposal};
+use super::phase::{Following, Offer, Phase};
+use crate::number::Scalar;
+use crate::servo::link::Branch;
+
+/// New plans are asked for when this part of the present one has been run, and no more than this
+/// many cells of it are left: enough that its stop at the end does not show in what is run.
+const PLAN_PART: u32 = 2;
+const CELLS_LEFT: u32 = 64;
+
+impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
+    Planner<'_, S, N, BLOCKS, NODES>
+{
+    /// Where the motion is, and when an answer can take effect; `None` if the interrupt is changing over.
+    pub(super) fn moment(&self) -> Option<Moment<S>> {
+        let timeline = self.side.timeline()?;
+        Some(Moment { timeline, when: self.side.cycles().plus(self.reaction) })
+    }
+
+    /// Offers a draft to the interrupt. Whether there was one.
+    pub(super) fn offer(&mut self, proposal: Option<Proposal>) -> bool {
+        let Some(Proposal { stretch, branch, halt }) = proposal else { return false };
+        let before = match self.phase {
+            Phase::Resting(_) => None,
+            Phase::Following(now) => Some(now),
+            Phase::Offered(_) => {
+                debug_assert!(false, "one offer at a time");
+                return false;
+            }
+        };
+        self.horizon.compile(stretch, |piece| self.side.write(piece));
+        self.horizon.mark_offered();
+        self.side.offer(branch);
+        let window = &self.horizon.window;
+        let (first, end) = (window.serial(stretch.first), window.serial(stretch.last));
+        let cells = end.since(first).unwrap_or(0);
+        let run = (cells / PLAN_PART).max(cells.saturating_sub(CELLS_LEFT)).max(1);
+        let by_cycle = matches!(branch, Branch::Cycle(_));
+        let taken = Following { halt, checkpoint: first.plus(run), tried_block_end: false };
+        self.phase = Phase::Offered(Offer { first, end, by_cycle, taken, before });
+        self.counters.plans += 1;
+        #[cfg(feature = "defmt")]
+        defmt::debug!(
+            "plan {}: nodes {} to {}, {} steps so far",
+            self.counters.plans,
+            first.raw(),
+            end.raw(),
+            self.horizon.steps
+        );
+        true
+    }
+
+    /// The interrupt's word on the plan on offer.
+    pub(super) fn hear(&mut self) {
+        let Phase::Offered(offer) = self.phase else { return };
+        if self.decided(&offer) == Some(false) {
+            self.counters.late += 1;
+            #[cfg(feature = "defmt")]
+            defmt::warn!("the plan from node {} came too late", offer.first.raw());
+            if offer.by_cycle {
+                // Allow more time for the next attempt.
+                self.reaction = (2 * self.reaction + 1).min(self.most_reaction());
+            }
+        }
+    }
+
+    /// Takes back a plan that has not been decided on. Whether there is none any more.
+    pub(super) fn revoke(&mut self) -> bool {
+        let Phase::Offered(offer) = self.phase else { return true };
+        // One that branches off at a servo cycle will be decided on within a few.
+        if offer.by_cycle {
+            return false;
+        }
+        self.side.withdraw();
+        self.decided(&offer).is_some()
+    }
+
+    /// Commits or drops the draft on offer, as it was decided; `None` if it has not been.
+    fn decided(&mut self, offer: &Offer) -> Option<bool> {
+        let taken = self.side.verdict()?;
+        if taken {
+            self.horizon.commit(offer.first, offer.end);
+            self.phase = Phase::Following(offer.taken);
+        } else {
+            self.horizon.drop_draft();
+            self.phase = offer.refused();
+        }
+        Some(taken)
+    }
+
+    /// Servo cycles in a lead.
+    fn most_reaction(&self) -> u32 {
+        let config = &self.horizon.config;
+        (config.lead / config.cycle).to_i64().clamp(1, 1_000_000) as u32
+    }
+}
