@@ -12,7 +12,7 @@
 //! - sweeps after moves.
 //!
 //! Against the thesis:
-//! - the tube is never left: between the places of comparison the difference spline is bounded by
+//! - the tube is never left: between the check points the difference spline is bounded by
 //!   its second derivative;
 //! - the known weaknesses of the thesis (section 5.1: a "U" that becomes a "V", curvature that rises in
 //!   places) are looked for: sweeps that make a span's curvature exceed what the spline as given had in
@@ -32,11 +32,11 @@ use heapless::Vec;
 use splineway::number::Scalar;
 use splineway::number::list::{part, part_mut};
 use splineway::number::vector::{sub, zero};
-use splineway::spline::sweep::{Order, Reference, System, Tube, price};
-use splineway::spline::tube::{Place, Pole, Span, edges};
+use splineway::spline::sweep::{Derivative, Reference, System, Tube, price};
+use splineway::spline::tube::{CheckPoint, Pole, Span, edges};
 
-/// Places of comparison in a span.
-pub const SPAN_PLACES: usize = 4;
+/// Check points in a span.
+pub const SPAN_CHECKS: usize = 4;
 /// Most iterations of the moves.
 pub const MOVES: u32 = 40;
 /// Share of the radius that is used; the rest is for rounding.
@@ -84,34 +84,34 @@ impl<S: Scalar> Options<S> {
     }
 }
 
-/// Work space for splines of at most `SIZE` - 3 control points and `PLACES` = 4 `SIZE` places of
-/// comparison.
-pub struct Smoother<S, const N: usize, const SIZE: usize, const PLACES: usize> {
+/// Work space for splines of at most `SIZE` - 3 control points and `CHECKS` = 4 `SIZE` check
+/// points.
+pub struct Smoother<S, const N: usize, const SIZE: usize, const CHECKS: usize> {
     poles: Vec<Pole<S, N>, SIZE>,
     spans: Vec<Span<S>, SIZE>,
-    places: Vec<Place<S, N>, PLACES>,
+    checks: Vec<CheckPoint<S, N>, CHECKS>,
     system: System<S, N, SIZE>,
-    lows: Vec<Low<S>, PLACES>,
+    lows: Vec<Low<S>, CHECKS>,
 }
 
-impl<S: Scalar, const N: usize, const SIZE: usize, const PLACES: usize> Default
-    for Smoother<S, N, SIZE, PLACES>
+impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize> Default
+    for Smoother<S, N, SIZE, CHECKS>
 {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<S: Scalar, const N: usize, const SIZE: usize, const PLACES: usize>
-    Smoother<S, N, SIZE, PLACES>
+impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
+    Smoother<S, N, SIZE, CHECKS>
 {
     /// An empty work space.
     pub const fn new() -> Self {
-        const { assert!(PLACES >= SPAN_PLACES * SIZE, "four places per control point") };
+        const { assert!(CHECKS >= SPAN_CHECKS * SIZE, "four places per control point") };
         Self {
             poles: Vec::new(),
             spans: Vec::new(),
-            places: Vec::new(),
+            checks: Vec::new(),
             system: System::new(),
             lows: Vec::new(),
         }
@@ -152,9 +152,9 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const PLACES: usize>
             }
         };
         let mut swept = given.clone();
-        for order in [Order::Second, Order::Third] {
+        for derivative in [Derivative::Second, Derivative::Third] {
             swept.move_to(given.controls());
-            self.sweep(&mut swept, &given, options, order);
+            self.sweep(&mut swept, &given, options, derivative);
             consider(self, &swept, CURL_SHARE);
         }
         let mut moved = given.clone();
@@ -180,7 +180,7 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const PLACES: usize>
         }
         consider(self, &moved, MOVED_CURL_SHARE);
         swept.move_to(moved.controls());
-        self.sweep(&mut swept, &given, options, Order::Second);
+        self.sweep(&mut swept, &given, options, Derivative::Second);
         consider(self, &swept, MOVED_CURL_SHARE);
         Ok(())
     }
@@ -191,20 +191,20 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const PLACES: usize>
         spline: &mut Spline<S, N, CAP>,
         given: &Spline<S, N, CAP>,
         options: &Options<S>,
-        order: Order,
+        derivative: Derivative,
     ) {
         let m = given.controls().len();
         for pass in 0..options.passes {
             let first = if given.is_closed() { usize::from(pass) * m / 2 % m.max(1) } else { 0 };
             self.load(spline, given, first);
-            self.prepare(given, first, options, order);
+            self.prepare(given, first, options, derivative);
             let free = if given.is_closed() { (HELD, m) } else { (1, m - 1) };
             Tube {
                 poles: &mut self.poles,
                 spans: &self.spans,
-                places: &mut self.places,
+                checks: &mut self.checks,
                 reference: Reference::Itself,
-                order,
+                derivative,
             }
             .improve(options.sweeps, free, &mut self.system);
             for (k, pole) in self.poles.iter().take(m).enumerate() {
@@ -237,10 +237,10 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const PLACES: usize>
         }
         for k in 0..spans {
             let local = given.local((first + k) % m);
-            let gap = local.step() * S::of(1.0 / SPAN_PLACES as f64);
+            let gap = local.step() * S::of(1.0 / SPAN_CHECKS as f64);
             let mut span = Span::new(&local, gap * gap * S::of(0.125));
-            span.first_place = (k * SPAN_PLACES) as u16;
-            span.places = SPAN_PLACES as u16;
+            span.first_check = (k * SPAN_CHECKS) as u16;
+            span.checks = SPAN_CHECKS as u16;
             let _ = self.spans.push(span);
         }
     }
@@ -251,17 +251,17 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const PLACES: usize>
         given: &Spline<S, N, CAP>,
         first: usize,
         options: &Options<S>,
-        order: Order,
+        derivative: Derivative,
     ) {
         let m = given.controls().len().max(1);
-        self.places.clear();
+        self.checks.clear();
         for k in 0..self.spans.len() {
             let local = given.local((first + k) % m);
-            let gap = local.step() * S::of(1.0 / SPAN_PLACES as f64);
-            for j in 0..SPAN_PLACES {
+            let gap = local.step() * S::of(1.0 / SPAN_CHECKS as f64);
+            for j in 0..SPAN_CHECKS {
                 let at = gap * S::from_u32(j as u32);
                 let radius = options.radius * S::of(SHARE);
-                let _ = self.places.push(Place::still(local.values(at), radius));
+                let _ = self.checks.push(CheckPoint::still(local.values(at), radius));
             }
         }
         self.set_most_curls(CURL_SHARE);
@@ -270,17 +270,17 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const PLACES: usize>
             let edges = edges(&self.poles, k, |pole| pole.shift);
             let (r, speed) = (span.reach, span.slowest(&edges).greatest(S::of(1.0e-9)));
             let cube = speed * speed * speed;
-            span.price = match order {
+            span.price = match derivative {
                 // v^4 by the integral of k^2 over the length.
-                Order::Second => {
+                Derivative::Second => {
                     let root = r.cbrt();
                     r * r * root * root / cube
                 }
-                Order::Third => price(r) / (cube * speed * speed),
+                Derivative::Third => price(r) / (cube * speed * speed),
             };
-            let weight = order.first_weight(span);
-            for place in part_mut(&mut self.places, span.range()) {
-                place.weight = weight;
+            let weight = derivative.first_weight(span);
+            for check in part_mut(&mut self.checks, span.range()) {
+                check.weight = weight;
             }
         }
     }

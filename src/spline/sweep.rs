@@ -1,6 +1,6 @@
 //! Smoothing a spline inside its tube, in a fixed number of sweeps.
 //!
-//! What is minimised for runs ([`Order::Third`]): the integral of w |c'''|^2 over the window, c''' being
+//! What is minimised for runs ([`Derivative::Third`]): the integral of w |c'''|^2 over the window, c''' being
 //! the third derivative by arc length (of the poly-line that the spline follows). On a jerk-limited
 //! machine it is what costs time: at a speed v it needs the jerk |c'''| v^3, so a path is run at (J / |c'''|)^(1/3); curvature alone, which the
 //! thesis (Naseath 2007, section 3.1) lowers, limits it only where acceleration does. The price w is
@@ -9,7 +9,7 @@
 //! with the same power of that length, and a c''' where the motion is fast costs more than where it is slow anyway. It
 //! is what makes the path swing out before a corner and bend most at its apex.
 //!
-//! One sweep, against the thesis's iteration (chapter 3): *categorisation*: a place of comparison
+//! One sweep, against the thesis's iteration (chapter 3): *categorisation*: a check point
 //! whose distance nears the band gets a greater weight, one that is well inside a lesser one (its
 //! distance over the radius, to the power 1.5), so the weights tend to the multipliers of the
 //! band; *direction and sensitivity*: the exact minimiser of the price plus the weighted squares of
@@ -18,7 +18,7 @@
 //! all of the way where the bound of [`super::tube`] allows it, else half of it, or none, for the control
 //! points around the place. So the path is inside the band after any number of sweeps, also none.
 
-use super::tube::{Place, Pole, Span, edges};
+use super::tube::{CheckPoint, Pole, Span, edges};
 use crate::number::Scalar;
 use crate::number::cube_root;
 use crate::number::list::{part, part_mut, some, some_mut};
@@ -61,7 +61,7 @@ pub struct System<S, const N: usize, const SIZE: usize> {
 /// What a tube is around.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reference {
-    /// Lines, straight between the places: all of the spline's second derivative bends away from
+    /// Lines, straight between the check points: all of the spline's second derivative bends away from
     /// them.
     Lines,
     /// The spline as it was given: only what has been moved counts.
@@ -70,14 +70,14 @@ pub enum Reference {
 
 /// What is minimised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Order {
+pub enum Derivative {
     /// The second derivative across the path, at the span's price.
     Second,
     /// The third derivative, at the span's price.
     Third,
 }
 
-impl Order {
+impl Derivative {
     /// What holds a spline against being moved, by the square of a displacement.
     fn stiffness<S: Scalar>(self, span: &Span<S>) -> S {
         match self {
@@ -98,12 +98,12 @@ pub struct Tube<'a, S, const N: usize> {
     pub poles: &'a mut [Pole<S, N>],
     /// The spans: three fewer.
     pub spans: &'a [Span<S>],
-    /// The places of comparison, span by span.
-    pub places: &'a mut [Place<S, N>],
+    /// The check points, span by span.
+    pub checks: &'a mut [CheckPoint<S, N>],
     /// What the tube is around.
     pub reference: Reference,
     /// What is minimised.
-    pub order: Order,
+    pub derivative: Derivative,
 }
 
 impl<S: Scalar, const N: usize> Tube<'_, S, N> {
@@ -185,7 +185,7 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
         edges(self.poles, span, |pole| pole.trial)
     }
 
-    /// What is kept free of the tube between the places of a span, as tried.
+    /// What is kept free of the tube between the check points of a span, as tried.
     fn slack(&self, k: usize, span: &Span<S>) -> S {
         let edges = match self.reference {
             Reference::Lines => self.trial_edges(k),
@@ -199,13 +199,13 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
         span.slack(&edges)
     }
 
-    /// Distances at all places, as tried.
+    /// Distances at all check points, as tried.
     fn measure(&mut self) {
         for (k, span) in self.spans.iter().enumerate() {
             let Some(poles) = some::<_, 4>(self.poles, k) else { return };
             let shifts = poles.each_ref().map(|pole| pole.trial);
-            for place in part_mut(self.places, span.range()) {
-                place.measure(&shifts);
+            for check in part_mut(self.checks, span.range()) {
+                check.measure(&shifts);
             }
         }
     }
@@ -214,12 +214,12 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
     fn weigh(&mut self, change: impl Fn(S) -> S) {
         for (k, span) in self.spans.iter().enumerate() {
             let sag = self.slack(k, span);
-            let stiffness = self.order.stiffness(span);
+            let stiffness = self.derivative.stiffness(span);
             let (least, most) = (stiffness * S::of(WEIGHTS.0), stiffness * S::of(WEIGHTS.1));
-            for place in part_mut(self.places, span.range()) {
-                let ratio = (norm(&place.miss) + sag) / (place.radius * S::of(TARGET));
-                let weight = place.weight * change(ratio);
-                place.weight = weight.greatest(least).least(most);
+            for check in part_mut(self.checks, span.range()) {
+                let ratio = (norm(&check.miss) + sag) / (check.radius * S::of(TARGET));
+                let weight = check.weight * change(ratio);
+                check.weight = weight.greatest(least).least(most);
             }
         }
     }
@@ -234,20 +234,20 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
         part_mut(&mut system.right, first..last).fill([S::ZERO; N]);
         for (k, span) in self.spans.iter().enumerate().take(last).skip(first.saturating_sub(3)) {
             let edges = self.trial_edges(k);
-            match self.order {
-                Order::Third => {
+            match self.derivative {
+                Derivative::Third => {
                     let third = span.third(&edges);
                     system.add(k, (first, last), span.weight(), &span.thirds, &third);
                 }
-                Order::Second => {
+                Derivative::Second => {
                     // Only what bends the path is to vanish, not what changes the parameter's speed.
                     for (row, value) in span.second_rows().iter().zip(span.across(&edges)) {
                         system.add(k, (first, last), span.second_weight(), row, &value);
                     }
                 }
             }
-            for place in part(self.places, span.range()) {
-                system.add(k, (first, last), place.weight, &place.basis, &place.miss);
+            for check in part(self.checks, span.range()) {
+                system.add(k, (first, last), check.weight, &check.basis, &check.miss);
             }
         }
     }
@@ -263,10 +263,10 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
             return false;
         }
         let sag = self.slack(k, span);
-        let own = part(self.places, span.range());
+        let own = part(self.checks, span.range());
         // The end of the span is the first place of the next one.
-        let next = self.spans.get(k + 1).and_then(|s| self.places.get(usize::from(s.first_place)));
-        own.iter().chain(next).all(|place| norm(&place.miss) + sag <= place.radius)
+        let next = self.spans.get(k + 1).and_then(|s| self.checks.get(usize::from(s.first_check)));
+        own.iter().chain(next).all(|check| norm(&check.miss) + sag <= check.radius)
     }
 
     /// Takes on what was tried, as far as it is inside the tube.

@@ -1,6 +1,6 @@
 //! A spline and the tube it has to stay in, for smoothing.
 //!
-//! The spline is compared with a reference - a poly-line, or the spline as it was - at *places*; what
+//! The spline is compared with a reference - a poly-line, or the spline as it was - at *check points*; what
 //! it moves by between two of them is bounded by its second derivative.
 
 use super::basis::Local;
@@ -42,8 +42,8 @@ pub struct Span<S> {
     pub ends: [[S; 2]; 2],
     /// Length by the knots, mm.
     pub step: S,
-    /// Factor of the second derivative in what is kept free of the band, mm2: for the gaps between places
-    /// of comparison, and for rests.
+    /// Factor of the second derivative in what is kept free of the band, mm2: for the gaps between check points,
+    /// and for rests.
     pub sag: S,
     /// How soon the motion has to be slow from here, mm: see [`super::sweep`].
     pub reach: S,
@@ -52,15 +52,15 @@ pub struct Span<S> {
     /// Greatest [`curl`](Self::curl) that it may have, 1/mm; looked at only where the reference is
     /// the spline itself.
     pub most_curl: S,
-    /// Its first place of comparison.
-    pub first_place: u16,
+    /// Its first check point.
+    pub first_check: u16,
     /// How many it has.
-    pub places: u16,
+    pub checks: u16,
 }
 
-/// A place of comparison.
+/// A check point.
 #[derive(Clone, Copy, Debug)]
-pub struct Place<S, const N: usize> {
+pub struct CheckPoint<S, const N: usize> {
     /// Factors of the span's four control points.
     pub basis: [S; 4],
     /// Base spline minus poly-line, mm.
@@ -72,9 +72,23 @@ pub struct Place<S, const N: usize> {
     /// Direction of the poly-line.
     pub along: Vector<S, N>,
     /// From where to where along it the point to compare with may lie, mm.
-    pub slip: (S, S),
+    pub slip: Slip<S>,
     /// From the nearest of those points to the spline, as measured last, mm.
     pub miss: Vector<S, N>,
+}
+
+/// How far along the poly-line the point that is compared with may lie.
+#[derive(Clone, Copy, Debug)]
+pub struct Slip<S> {
+    /// Back from the check point, mm: negative or zero.
+    pub back: S,
+    /// Ahead of it, mm.
+    pub ahead: S,
+}
+
+impl<S: Scalar> Slip<S> {
+    /// At the check point itself.
+    pub const NONE: Self = Self { back: S::ZERO, ahead: S::ZERO };
 }
 
 impl<S: Scalar, const N: usize> Pole<S, N> {
@@ -84,7 +98,7 @@ impl<S: Scalar, const N: usize> Pole<S, N> {
     }
 }
 
-impl<S: Scalar, const N: usize> Place<S, N> {
+impl<S: Scalar, const N: usize> CheckPoint<S, N> {
     /// A place on a spline that has not moved.
     pub fn still(basis: [S; 4], radius: S) -> Self {
         Self {
@@ -93,7 +107,7 @@ impl<S: Scalar, const N: usize> Place<S, N> {
             radius,
             weight: S::ZERO,
             along: [S::ZERO; N],
-            slip: (S::ZERO, S::ZERO),
+            slip: Slip::NONE,
             miss: [S::ZERO; N],
         }
     }
@@ -107,13 +121,13 @@ impl<S: Scalar, const N: usize> Place<S, N> {
                 *sum += *part * *x;
             }
         }
-        let slip = dot(&off, &self.along).least(self.slip.1).greatest(self.slip.0);
+        let slip = dot(&off, &self.along).least(self.slip.ahead).greatest(self.slip.back);
         self.miss = from_fn(|i| off[i] - slip * self.along[i]);
     }
 }
 
 impl<S: Scalar> Span<S> {
-    /// A span without places; `sag` is the factor of the second derivative in what is kept free of
+    /// A span without check points; `sag` is the factor of the second derivative in what is kept free of
     /// the tube, mm2.
     pub fn new(local: &Local<S>, sag: S) -> Self {
         Self {
@@ -126,18 +140,18 @@ impl<S: Scalar> Span<S> {
             reach: S::ZERO,
             price: S::ONE,
             most_curl: S::ZERO,
-            first_place: 0,
-            places: 0,
+            first_check: 0,
+            checks: 0,
         }
     }
 
-    /// Its places.
+    /// Its check points.
     pub fn range(&self) -> Range<usize> {
-        let first = usize::from(self.first_place);
-        first..first + usize::from(self.places)
+        let first = usize::from(self.first_check);
+        first..first + usize::from(self.checks)
     }
 
-    /// What is kept free of the tube between the places, mm.
+    /// What is kept free of the tube between the check points, mm.
     pub fn slack<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> S {
         self.sag * self.bend(edges)
     }
@@ -236,7 +250,7 @@ impl<S: Scalar> Span<S> {
         self.second_weight() * sum
     }
 
-    /// Weight of the squares of the second derivative at the two places of
+    /// Weight of the squares of the second derivative at the two points of
     /// [`second_rows`](Self::second_rows): their sum is the integral.
     pub fn second_weight(&self) -> S {
         self.step * self.price * S::of(0.5)

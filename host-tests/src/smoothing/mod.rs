@@ -22,7 +22,7 @@ use std::time::{Duration, Instant};
 /// Control points there is room for.
 pub const ROOM: usize = 1024;
 const SIZE: usize = ROOM + 3;
-const PLACES: usize = SIZE * bounded::SPAN_PLACES;
+const PLACES: usize = SIZE * bounded::SPAN_CHECKS;
 
 /// A spline tool path, mm.
 pub type Path = Spline<f64, 3, ROOM>;

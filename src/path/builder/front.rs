@@ -6,7 +6,7 @@ use crate::number::{Interval, Length, Scalar};
 use crate::path::cut::{EndSizes, rest_cell};
 use crate::path::joint::{Taken, bent_lengths, corner_mode, reach};
 use crate::path::queued::Joint;
-use crate::path::run::Tie;
+use crate::path::run::{Start, Tie};
 use crate::path::segment::Segment;
 
 /// Share of a line next to a joint that is simply passed which a run leaves alone.
@@ -99,7 +99,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let tie = if self.rested { Tie::Rest } else { Tie::Smooth };
         let ramp = Ramp::new(&config.limits, &segment.start_frame().tangent);
         let beside = beside(block.entered, block.taken, segment);
-        self.run.begin(segment.node(s).at, tie, block.leg(), (ramp, beside));
+        self.run.begin(Start { at: segment.node(s).at, tie, ramp, beside }, block.leg());
         self.run_from = s;
         self.stage = Stage::Run { until: None };
     }

@@ -1,7 +1,8 @@
 //! The programmed poly-line of a run, thinned a little, by its arc length.
 
+use crate::number::serial::Serial;
 use crate::number::vector::{Vector, dot, norm, zero};
-use crate::number::{Coord, Length, Scalar};
+use crate::number::{Coord, Interval, Length, Scalar};
 use crate::path::budget;
 use crate::path::feed;
 use crate::path::node::Programmed;
@@ -16,6 +17,13 @@ const DROPPED: usize = 12;
 /// Lines shorter than this, are followed by their direction, in `f32` to a nanometre; on longer
 /// ones a point is found by a division of wide integers.
 const SHORT: Length = Length::from_raw(10 * Length::PER_MM);
+
+/// What is numbered: vertices of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Vertices {}
+
+/// Running number of a vertex of a run, from 0 at its start.
+pub type VertexSerial = Serial<Vertices>;
 
 /// What is asked for on a line of the polyline.
 #[derive(Clone, Copy, Debug)]
@@ -63,7 +71,7 @@ pub struct Vertex<S, const N: usize> {
 pub struct Polyline<S, const N: usize> {
     vertices: Deque<Vertex<S, N>, VERTICES>,
     /// Running number of the first vertex.
-    first: u32,
+    first: VertexSerial,
     /// End of the line that is still growing.
     growing: Option<Vertex<S, N>>,
     /// Vertices left out on it.
@@ -78,7 +86,7 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
     pub const fn new() -> Self {
         Self {
             vertices: Deque::new(),
-            first: 0,
+            first: VertexSerial::ZERO,
             growing: None,
             dropped: Vec::new(),
             forgotten: S::ZERO,
@@ -89,10 +97,17 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
     /// Starts anew at a point.
     pub fn begin(&mut self, at: [Coord; N], leg: Leg<S>) {
         self.vertices.clear();
-        self.first = 0;
+        self.first = VertexSerial::ZERO;
         self.growing = None;
         self.clear_dropped();
-        let _ = self.vertices.push_back(Vertex { at, s: Length::ZERO, direction: zero(), leg });
+        self.keep(Vertex { at, s: Length::ZERO, direction: zero(), leg });
+    }
+
+    /// Keeps a vertex, for which there is room: [`Polyline::has_room`] leaves it.
+    fn keep(&mut self, vertex: Vertex<S, N>) {
+        debug_assert!(vertex.s >= self.vertices.back().map_or(Length::ZERO, |last| last.s));
+        let kept = self.vertices.push_back(vertex);
+        debug_assert!(kept.is_ok(), "no room for a vertex");
     }
 
     /// Whether another line can be taken.
@@ -164,12 +179,14 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
                 let (on, off) = line.place(&pair[1]);
                 let beyond = (-on).greatest(on - line.length).greatest(S::ZERO);
                 lost = lost.greatest((off * off + beyond * beyond).sqrt());
-                let _ = kept.push(pair[0]);
+                let pushed = kept.push(pair[0]);
+                debug_assert!(pushed.is_ok(), "half of a list has room in one");
             }
             self.dropped = kept;
             self.forgotten = (self.forgotten + lost).least(leg.tolerance);
         }
-        let _ = self.dropped.push(at);
+        let pushed = self.dropped.push(at);
+        debug_assert!(pushed.is_ok(), "half of the vertices left out have been forgotten");
     }
 
     fn clear_dropped(&mut self) {
@@ -183,7 +200,7 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
         if let Some(vertex) = self.growing.take()
             && vertex.s > start
         {
-            let _ = self.vertices.push_back(vertex);
+            self.keep(vertex);
         }
         self.clear_dropped();
     }
@@ -200,13 +217,13 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
     }
 
     /// Running number of the vertex behind the last.
-    pub fn end(&self) -> u32 {
-        self.first.wrapping_add(self.vertices.len() as u32)
+    pub fn end(&self) -> VertexSerial {
+        self.first.plus(self.vertices.len() as u32)
     }
 
     /// A vertex by its running number.
-    pub fn vertex(&self, serial: u32) -> Option<&Vertex<S, N>> {
-        self.vertices.get(serial.wrapping_sub(self.first) as usize)
+    pub fn vertex(&self, serial: VertexSerial) -> Option<&Vertex<S, N>> {
+        self.vertices.get(serial.since(self.first)? as usize)
     }
 
     /// Forgets what lies before an arc length.
@@ -217,7 +234,7 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
                 return;
             }
             self.vertices.pop_front();
-            self.first = self.first.wrapping_add(1);
+            self.first = self.first.next();
         }
     }
 
@@ -279,12 +296,11 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
         from_fn(|k| a.at[k].towards(b.at[k], fraction))
     }
 
-    /// The lines that hold the stretch between two arc lengths, each by the vertices at its start
+    /// The lines that hold what lies between two arc lengths, each by the vertices at its start
     /// and its end.
     pub fn lines(
         &self,
-        from: Length,
-        to: Length,
+        Interval { from, to }: Interval,
     ) -> impl Iterator<Item = (&Vertex<S, N>, &Vertex<S, N>)> {
         let first = self.index(from + Length::UNIT);
         let ends = self.vertices.iter().skip(first);

@@ -5,37 +5,27 @@
 //! t[j]) / 3. The *base* spline has its control points on the poly-line, at these arc lengths
 //! (Schoenberg's operator): it reproduces straight lines, needs no system to be solved, and every
 //! span is checked against the band before its knots are taken. Smoothing ([`crate::spline::sweep`]) moves
-//! control points away from there; what is moved is checked by the same bound.
-//!
-//! The bound: spline and poly-line are compared at equal arc length of the poly-line, so the
-//! Frechet distance is bounded, not only the distance. Between two neighbouring places of comparison
-//! the poly-line is straight, so the difference e has the spline's own second derivative, which is
-//! linear on a span: |e| <= max(|e_a|, |e_b|) + gap^2 / 8 max |c''|.
+//! control points away from there; what is moved is checked by the same bound ([`super::draft`]).
 
-use super::polyline::{Leg, Polyline, Vertex};
+use super::draft::Draft;
+use super::polyline::{Leg, Polyline};
 use super::span::SpanCurve;
 use crate::number::list::some;
-use crate::number::vector::{Vector, dot, norm, sub, zero};
-use crate::number::{Coord, Length, Scalar};
-use crate::path::budget;
+use crate::number::vector::zero;
+use crate::number::{Coord, Interval, Length, Scalar};
 use crate::spline::basis::Local;
-use crate::spline::sweep::{Order, Reference, System, Tube, price};
-use crate::spline::tube::{Place, Pole, Span, edges};
+use crate::spline::sweep::{Derivative, Reference, System, Tube, price};
+use crate::spline::tube::{CheckPoint, Pole, Span, edges};
 use core::array::from_fn;
 use heapless::Vec;
 
 /// Control points held.
 pub const CONTROLS: usize = 48;
-/// Places of comparison held.
-pub const PLACES: usize = 128;
-/// Places of comparison in one span: its start, the vertices of the poly-line in it, and more if
+/// Check points held.
+pub const CHECKS: usize = 128;
+/// Check points in one span: its start, the vertices of the poly-line in it, and more if
 /// they are far apart.
-pub const SPAN_PLACES: usize = 10;
-/// Turn, rad, from which on a vertex of the poly-line is compared with either of its lines instead of
-/// by arc length: the inside of a corner is farther from its vertex than from its lines.
-const SHARP: f64 = 0.15;
-/// How far along its line the point that a place is compared with may lie, as a share of the tolerance.
-const SLIP: f64 = 2.0;
+pub const SPAN_CHECKS: usize = 10;
 /// Places to be slow at that are remembered for the spans behind them.
 const SLOW_POINTS: usize = 8;
 
@@ -57,6 +47,14 @@ pub enum Tie {
     Smooth,
 }
 
+/// A place at which the motion has to be slow.
+#[derive(Clone, Copy, Debug)]
+struct SlowPoint<S> {
+    s: Length,
+    /// See [`crate::spline::sweep`], mm.
+    reach: S,
+}
+
 /// The stretch.
 pub struct SlidingSpline<S, const N: usize> {
     /// The two knots before that of the first control point.
@@ -67,22 +65,15 @@ pub struct SlidingSpline<S, const N: usize> {
     pub spans: Vec<Span<S>, CONTROLS>,
     /// The lines beside them.
     pub legs: Vec<Leg<S>, CONTROLS>,
-    pub places: Vec<Place<S, N>, PLACES>,
+    pub checks: Vec<CheckPoint<S, N>, CHECKS>,
     /// Control points at the front that no longer move.
     pub frozen: usize,
     /// Control points at the back that do not move yet, or at all.
     pub tied: usize,
-    /// Arc length and reach of places to be slow at ahead of the last span.
-    slow_points: Vec<(Length, S), SLOW_POINTS>,
+    /// Places to be slow at ahead of the last span.
+    slow_points: Vec<SlowPoint<S>, SLOW_POINTS>,
     /// Reach at the end of the last span.
     reach: S,
-}
-
-/// A span that may be taken on.
-struct Draft<S, const N: usize> {
-    span: Span<S>,
-    leg: Leg<S>,
-    places: Vec<Place<S, N>, SPAN_PLACES>,
 }
 
 /// Reach where no such place is known.
@@ -96,7 +87,7 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
             poles: Vec::new(),
             spans: Vec::new(),
             legs: Vec::new(),
-            places: Vec::new(),
+            checks: Vec::new(),
             frozen: 0,
             tied: 0,
             slow_points: Vec::new(),
@@ -116,7 +107,7 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         self.poles.clear();
         self.spans.clear();
         self.legs.clear();
-        self.places.clear();
+        self.checks.clear();
     }
 
     /// Starts anew at an arc length; for a smooth start the first span is `step` long.
@@ -124,8 +115,8 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         self.forget();
         let step = if tie == Tie::Smooth { step } else { Length::ZERO };
         self.before = [s - step * 2, s - step];
-        let here = self.slow_points.iter().find(|(at, _)| *at == s);
-        self.reach = here.map_or(S::of(FAR), |(_, reach)| *reach);
+        let here = self.slow_points.iter().find(|slow| slow.s == s);
+        self.reach = here.map_or(S::of(FAR), |slow| slow.reach);
         self.frozen = if tie == Tie::Smooth { 3 } else { 1 };
         self.tied = 3;
         self.push(polyline, s);
@@ -147,7 +138,7 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
 
     /// Whether a knot and what comes with it can be taken.
     pub fn has_room(&self) -> bool {
-        self.controls.len() + 3 <= CONTROLS && self.places.len() + 3 * SPAN_PLACES <= PLACES
+        self.controls.len() + 3 <= CONTROLS && self.checks.len() + 3 * SPAN_CHECKS <= CHECKS
     }
 
     /// The six knots of a span.
@@ -155,10 +146,10 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         from_fn(|i| self.knot(span - 2 + i.cast_signed()))
     }
 
-    /// Arc lengths at which a span starts and ends.
-    pub fn stretch(&self, span: usize) -> (Length, Length) {
+    /// The arc lengths over which a span lies.
+    pub fn interval(&self, span: usize) -> Interval {
         let span = span.cast_signed();
-        (self.knot(span), self.knot(span + 1))
+        Interval { from: self.knot(span), to: self.knot(span + 1) }
     }
 
     /// Length between the last two knots.
@@ -172,8 +163,14 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         self.knot((self.controls.len().cast_signed() - 6).max(-2))
     }
 
-    /// Whether the base spline keeps to the band in the spans that these knots would make.
+    /// Whether the base spline keeps to the band in the spans that these knots would make, and there is room for them
+    /// with all their check points: a span that lacks one would not be held to the band there.
     pub fn allows(&self, polyline: &Polyline<S, N>, more: &[Length]) -> bool {
+        if self.controls.len() + more.len() > CONTROLS
+            || self.checks.len() + more.len() * SPAN_CHECKS > CHECKS
+        {
+            return false;
+        }
         let known = self.controls.len().cast_signed();
         let first = (known - 3).max(0);
         (first..known + more.len().cast_signed() - 3).all(|span| {
@@ -182,22 +179,25 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
                 let new = || more.get((j - known) as usize).copied().unwrap_or(Length::ZERO);
                 if j < known { self.knot(j) } else { new() }
             });
-            knots[3] <= knots[2] || Self::draft(polyline, &knots).is_some()
+            knots[3] <= knots[2] || Draft::new(polyline, &knots).is_some()
         })
     }
 
-    /// Takes a knot.
+    /// Takes a knot that is allowed.
     pub fn push(&mut self, polyline: &Polyline<S, N>, s: Length) {
         let n = self.controls.len().cast_signed();
         let base = polyline.point(Length::mean(self.knot(n - 2), self.knot(n - 1), s));
         if let (Some(last), Some(pole)) = (self.controls.last(), self.poles.last_mut()) {
             pole.edge = from_fn(|i| base[i].minus(last.base[i]));
         }
-        let _ = self.controls.push(Control { knot: s, base });
-        let _ = self.poles.push(Pole::new(zero()));
+        let kept = self.controls.push(Control { knot: s, base }).is_ok()
+            & self.poles.push(Pole::new(zero())).is_ok();
+        debug_assert!(kept, "no room for a control point");
         if n >= 3 {
             let knots = self.knots_of(n - 3);
-            if let Some(draft) = Self::draft(polyline, &knots) {
+            let draft = Draft::new(polyline, &knots);
+            debug_assert!(draft.is_some() || knots[3] <= knots[2], "a knot that was not allowed");
+            if let Some(draft) = draft {
                 self.take(draft, knots[3]);
             }
         }
@@ -207,25 +207,26 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         let mut span = draft.span;
         let start = self.reach;
         self.reach += span.step;
-        self.slow_points.retain(|(s, _)| *s >= end);
-        for (s, reach) in &self.slow_points {
-            self.reach = self.reach.least(*reach + (*s - end).to_mm());
+        self.slow_points.retain(|slow| slow.s >= end);
+        for slow in &self.slow_points {
+            self.reach = self.reach.least(slow.reach + (slow.s - end).to_mm());
         }
         span.reach = start.least(self.reach);
         span.price = price(span.reach);
-        span.first_place = self.places.len() as u16;
-        span.places = draft.places.len() as u16;
+        span.first_check = self.checks.len() as u16;
+        span.checks = draft.checks.len() as u16;
         // The place where two spans meet is held against the narrower band of the two.
-        let mut narrower = self.places.last().map(|place| place.radius);
-        for mut place in draft.places {
-            place.weight = Order::Third.first_weight(&span);
+        let mut narrower = self.checks.last().map(|check| check.radius);
+        for mut check in draft.checks {
+            check.weight = Derivative::Third.first_weight(&span);
             if let Some(radius) = narrower.take() {
-                place.radius = place.radius.least(radius);
+                check.radius = check.radius.least(radius);
             }
-            let _ = self.places.push(place);
+            let kept = self.checks.push(check);
+            debug_assert!(kept.is_ok(), "no room for a check point");
         }
-        let _ = self.spans.push(span);
-        let _ = self.legs.push(draft.leg);
+        let kept = self.spans.push(span).is_ok() & self.legs.push(draft.leg).is_ok();
+        debug_assert!(kept, "no room for a span");
     }
 
     /// A place at which the motion has to be slow, and the reach there.
@@ -233,7 +234,8 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         if self.slow_points.is_full() {
             self.slow_points.remove(0);
         }
-        let _ = self.slow_points.push((s, reach));
+        let kept = self.slow_points.push(SlowPoint { s, reach });
+        debug_assert!(kept.is_ok(), "the oldest has been dropped");
         // What it means for the spans before it.
         let end = self.knot(self.spans.len().cast_signed());
         let mut there = reach + (s - end).max(Length::ZERO).to_mm();
@@ -248,102 +250,21 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         }
     }
 
-    /// A span over six knots with its places of comparison; `None` if the base spline leaves the band
-    /// there, or has more vertices beside it than there is room for.
-    fn draft(polyline: &Polyline<S, N>, knots: &[Length; 6]) -> Option<Draft<S, N>> {
-        let local = Local::new(knots);
-        let (from, to) = (knots[2], knots[3]);
-        let leg = polyline.lines(from, to).map(|(_, end)| end.leg).reduce(|a, b| a.with(&b))?;
-        let radius = budget::run_radius(leg.tolerance, leg.error);
-        let [origin, others @ ..]: [[Coord; N]; 4] =
-            from_fn(|j| polyline.point(Length::mean(knots[j], knots[j + 1], knots[j + 2])));
-        let from_origin = |at: &[Coord; N]| -> Vector<S, N> { from_fn(|i| at[i].minus(origin[i])) };
-        let [b, c, d] = others.each_ref().map(from_origin);
-        let place = |s: Length, at: &[Coord; N], line: Option<(&Vertex<S, N>, &Vertex<S, N>)>| {
-            let basis = local.values((s - from).to_mm());
-            let there = from_origin(at);
-            let off = from_fn(|i| basis[1] * b[i] + basis[2] * c[i] + basis[3] * d[i] - there[i]);
-            let mut place = Place {
-                basis,
-                off,
-                radius,
-                weight: S::ZERO,
-                along: zero(),
-                slip: (S::ZERO, S::ZERO),
-                miss: off,
-            };
-            if let Some((start, end)) = line {
-                let most = leg.tolerance * S::of(SLIP);
-                place.along = end.direction;
-                place.slip = (-most.least((s - start.s).to_mm()), most.least((end.s - s).to_mm()));
-                place.measure(&[[S::ZERO; N]; 4]);
-            }
-            place
-        };
-        let mut places: Vec<Place<S, N>, SPAN_PLACES> = Vec::new();
-        let mut at_end = S::ZERO;
-        let mut widest = Length::ZERO;
-        for line in polyline.lines(from, to) {
-            let (start, end) = line;
-            let (first, last) = (start.s.max(from), end.s.min(to));
-            // The start: a vertex, or a place on the line.
-            let at = polyline.point(first);
-            if start.s < first {
-                places.push(place(first, &at, Some(line))).ok()?;
-            } else if is_sharp(start, end) {
-                if first > from {
-                    // Both lines must be near where they meet.
-                    let before = polyline.lines(first - Length::UNIT, first).next();
-                    places.push(place(first, &at, before)).ok()?;
-                }
-                places.push(place(first, &at, Some(line))).ok()?;
-            } else {
-                places.push(place(first, &at, None)).ok()?;
-            }
-            let mut gap = last - first;
-            // Gaps of little more than half a span.
-            if gap > (to - from) / 8 * 5 {
-                gap = gap / 2 + Length::UNIT;
-                let middle = first + gap;
-                places.push(place(middle, &polyline.point(middle), Some(line))).ok()?;
-            }
-            widest = widest.max(gap);
-            if last == to {
-                let sharp = polyline.leaving(to).is_some_and(|next| is_sharp(end, next));
-                let end = place(to, &polyline.point(to), (sharp || end.s > to).then_some(line));
-                if sharp {
-                    places.push(end).ok()?;
-                } else {
-                    // The first place of the next span.
-                    at_end = norm(&end.miss);
-                }
-            }
-        }
-        let gap: S = widest.to_mm();
-        let edges = [b, sub(&c, &b), sub(&d, &c)];
-        let rest = local.step() * local.step() * S::of(budget::RUN_REST);
-        let span = Span::new(&local, gap * gap * S::of(0.125) + rest);
-        let sag = span.slack(&edges);
-        let inside =
-            at_end + sag <= radius && places.iter().all(|place| norm(&place.miss) + sag <= radius);
-        (inside && span.goes_on(&edges)).then_some(Draft { span, leg, places })
-    }
-
     /// Forgets the first `count` spans, which have been handed on.
     pub fn release(&mut self, count: usize) {
         if count == 0 {
             return;
         }
         let places =
-            self.spans.get(count).map_or(self.places.len(), |s| usize::from(s.first_place));
+            self.spans.get(count).map_or(self.checks.len(), |s| usize::from(s.first_check));
         self.before = [self.knot(count.cast_signed() - 2), self.knot(count.cast_signed() - 1)];
         drop_front(&mut self.controls, count);
         drop_front(&mut self.poles, count);
         drop_front(&mut self.spans, count);
         drop_front(&mut self.legs, count);
-        drop_front(&mut self.places, places);
+        drop_front(&mut self.checks, places);
         for span in &mut self.spans {
-            span.first_place -= places as u16;
+            span.first_check -= places as u16;
         }
         self.frozen = self.frozen.saturating_sub(count);
     }
@@ -403,18 +324,12 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         Tube {
             poles: &mut self.poles,
             spans: &self.spans,
-            places: &mut self.places,
+            checks: &mut self.checks,
             reference: Reference::Lines,
-            order: Order::Third,
+            derivative: Derivative::Third,
         }
         .improve(sweeps, (self.frozen, last), &mut system);
     }
-}
-
-/// Whether two lines meet at more than a slight turn.
-fn is_sharp<S: Scalar, const N: usize>(before: &Vertex<S, N>, after: &Vertex<S, N>) -> bool {
-    let turn = sub(&after.direction, &before.direction);
-    dot(&turn, &turn) > S::of(SHARP * SHARP)
 }
 
 fn drop_front<T: Copy, const M: usize>(list: &mut Vec<T, M>, count: usize) {

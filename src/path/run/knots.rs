@@ -1,0 +1,137 @@
+//! Laying the knots of a run: where the next one lies, and how the spline ends.
+
+use super::{Run, Tie};
+use crate::number::{Interval, Length, Scalar};
+use crate::path::cut::{EndSizes, LONGEST_CELL_TIME, NextPiece, next_piece};
+
+/// How far the spline has come.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum KnotState {
+    /// Not begun.
+    New,
+    /// Taking knots.
+    Open,
+    /// It has its last knots.
+    Tied,
+    /// It has its last knots, but the run goes on behind them from rest: the band allowed no other.
+    Broken,
+}
+
+impl<S: Scalar, const N: usize> Run<S, N> {
+    /// Lays the next knot, if enough is known and there is room.
+    pub(super) fn extend(&mut self) -> bool {
+        let known = self.dominant.len() >= if self.end.is_some() { 2 } else { 3 };
+        let (from, to) = (self.dominant.front().copied(), self.dominant.get(1).copied());
+        let (KnotState::New | KnotState::Open, Some(from)) = (self.knots, from) else {
+            return false;
+        };
+        if self.knots == KnotState::Open && !self.spline.has_room() {
+            return false;
+        }
+        let (Some(to), true) = (to, known) else {
+            // All knots are laid, or the run has come to nothing: it ends where it started.
+            if self.end.is_some() && self.knots == KnotState::New {
+                self.knots = KnotState::Tied;
+                return true;
+            }
+            return self.end.is_some() && self.tie(from.s);
+        };
+        let here = if self.knots == KnotState::New { from.s } else { self.spline.end() };
+        let (done, left) = ((here - from.s).to_mm(), (to.s - here).to_mm());
+        let ends = EndSizes { first: from.size, last: to.size };
+        let s = match next_piece(done, left, ends, to.feed * S::of(LONGEST_CELL_TIME)) {
+            NextPiece::Rest => to.s,
+            NextPiece::Half => here + (to.s - here) / 2,
+            NextPiece::Length(step) => here + Length::from_mm(step).max(Length::UNIT),
+        };
+        if self.knots == KnotState::New {
+            self.spline.begin(&self.polyline, here, self.start, s - here);
+            self.knots = KnotState::Open;
+        }
+        let Some(s) = self.allowed(here, s) else {
+            self.tie_at_rest();
+            self.knots = KnotState::Broken;
+            return true;
+        };
+        self.lay(s);
+        if s == to.s {
+            self.dominant.pop_front();
+            if to.stop {
+                self.tie_at_rest();
+                self.knots = KnotState::Broken;
+            }
+        }
+        self.polyline.release_before(self.spline.oldest_needed());
+        true
+    }
+
+    /// Lays a knot. The span that it completes shows the tag of what it ends on.
+    fn lay(&mut self, s: Length) {
+        let before = self.spline.spans.len();
+        self.spline.push(&self.polyline, s);
+        if self.spline.spans.len() == before {
+            return;
+        }
+        let Interval { from, to } = self.spline.interval(before);
+        if let Some(tag) = self.pieces.tag_at(to - Length::UNIT)
+            && let Some(leg) = self.spline.legs.last_mut()
+        {
+            leg.programmed.tag = tag;
+        }
+        self.pieces.release_before(from);
+    }
+
+    /// The knot that was asked for, or one nearer at which the band is kept.
+    fn allowed(&self, here: Length, s: Length) -> Option<Length> {
+        let line = self.polyline.line_end(here);
+        let tries = [s, here + (s - here) / 2, line.min(s), here + (line.min(s) - here) / 4];
+        // With room for the two that would end the spline there.
+        tries.into_iter().find(|&w| w > here && self.spline.allows(&self.polyline, &[w, w, w]))
+    }
+
+    /// Ends the spline at its last knot.
+    fn tie(&mut self, end: Length) -> bool {
+        if self.end == Some(Tie::Smooth) {
+            let step = self.spline.last_step();
+            let more = [end + step, end + step * 2];
+            if self.spline.allows(&self.polyline, &more) {
+                for s in more {
+                    self.lay(s);
+                }
+                self.spline.tied = 3;
+                self.knots = KnotState::Tied;
+                return true;
+            }
+            self.end = Some(Tie::Rest);
+        }
+        self.tie_at_rest();
+        self.knots = KnotState::Tied;
+        true
+    }
+
+    fn tie_at_rest(&mut self) {
+        let end = self.spline.end();
+        for _ in 0..2 {
+            self.lay(end);
+        }
+        self.spline.tied = 1;
+    }
+
+    /// Goes on from rest behind a broken stretch.
+    pub(super) fn reopen(&mut self) {
+        let s = self.spline.end();
+        let ahead = self.dominant.get(1).map(|point| point.feed);
+        let mut rest_size = S::ZERO;
+        if let Some(point) = self.dominant.front_mut() {
+            let feed = ahead.map_or(point.feed, |ahead| ahead.least(point.feed));
+            rest_size = self.ramp.first_cell(feed);
+            point.s = s;
+            point.at = self.polyline.point(s);
+            point.size = rest_size;
+        }
+        self.spline.begin(&self.polyline, s, Tie::Rest, Length::ZERO);
+        self.spline.slow_at(s, rest_size);
+        self.knots = KnotState::Open;
+        (self.handed, self.ready) = (0, 0);
+    }
+}

@@ -1,0 +1,87 @@
+//! The pieces of the lines of a run that have tags of their own.
+
+use crate::number::{Interval, Length, Scalar};
+use heapless::Deque;
+
+/// Pieces that are remembered; of more, the tag of the next is shown.
+const PIECES: usize = 10;
+
+/// A piece of a line with a tag of its own.
+#[derive(Clone, Copy)]
+struct TaggedPiece<S> {
+    /// Where it ends.
+    to: Length,
+    /// mm.
+    length: S,
+    tag: u32,
+}
+
+impl<S: Scalar> TaggedPiece<S> {
+    fn from(&self) -> Length {
+        self.to - Length::from_mm(self.length)
+    }
+}
+
+/// The pieces that no span has shown, in order.
+pub struct Pieces<S> {
+    list: Deque<TaggedPiece<S>, PIECES>,
+}
+
+impl<S: Scalar> Pieces<S> {
+    pub const fn new() -> Self {
+        Self { list: Deque::new() }
+    }
+
+    pub fn clear(&mut self) {
+        self.list.clear();
+    }
+
+    /// Takes note of a piece and its tag. Where there is no room its tag is not shown.
+    pub fn note(&mut self, Interval { from, to }: Interval, tag: u32) {
+        let _ = self.list.push_back(TaggedPiece { to, length: (to - from).to_mm(), tag });
+    }
+
+    /// Where the last piece ends.
+    pub fn end(&self) -> Option<Length> {
+        self.list.back().map(|piece| piece.to)
+    }
+
+    /// The tag of what lies around an arc length, if it is not that of its line.
+    pub fn tag_at(&self, s: Length) -> Option<u32> {
+        let piece = self.list.iter().find(|piece| piece.from() <= s && s < piece.to)?;
+        Some(piece.tag)
+    }
+
+    /// Forgets what lies before an arc length.
+    pub fn release_before(&mut self, s: Length) {
+        // At most all of them.
+        while self.list.front().is_some_and(|piece| piece.to <= s) {
+            self.list.pop_front();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tags_are_found_where_their_pieces_lie() {
+        let at = |mm: f64| Length::from_mm(mm);
+        let piece = |from: f64, to: f64| Interval { from: at(from), to: at(to) };
+        let mut pieces = Pieces::<f64>::new();
+        pieces.note(piece(1.0, 2.0), 7);
+        pieces.note(piece(2.0, 2.5), 8);
+        assert_eq!(pieces.end(), Some(at(2.5)));
+        let tags = [0.5, 1.0, 1.9, 2.0, 2.5].map(|s| pieces.tag_at(at(s)));
+        assert_eq!(tags, [None, Some(7), Some(7), Some(8), None]);
+        pieces.release_before(at(2.0));
+        assert_eq!((pieces.tag_at(at(1.5)), pieces.tag_at(at(2.2))), (None, Some(8)));
+        // Of more than there is room for, the first are kept.
+        for k in 0..20 {
+            pieces.note(piece(3.0 + f64::from(k), 4.0 + f64::from(k)), k);
+        }
+        assert_eq!(pieces.tag_at(at(3.5)), Some(0));
+        assert_eq!(pieces.tag_at(at(22.5)), None);
+    }
+}
