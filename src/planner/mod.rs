@@ -12,6 +12,8 @@ mod command;
 mod horizon;
 mod offer;
 mod phase;
+#[cfg(test)]
+mod tests;
 
 use self::command::Answered;
 use self::horizon::Horizon;
@@ -20,13 +22,12 @@ use self::phase::{Phase, Rest};
 use crate::block::range::check_coordinates;
 use crate::block::{Block, BlockError, PushError};
 use crate::machine::{Config, ConfigError};
-use crate::number::serial::NodeSerial;
 use crate::number::vector::zero;
 use crate::number::{Coord, Scalar};
 use crate::path::builder::Builder;
 use crate::path::node::Node;
 use crate::servo::control::Requests;
-use crate::servo::link::PlanSide;
+use crate::servo::link::{Origin, PlanSide};
 use crate::servo::{Controls, Interpolator, Link};
 
 /// What a call of [`Planner::poll`] came to.
@@ -111,12 +112,24 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Link<S,
         config: Config<S, N>,
         start: [Coord; N],
     ) -> Result<(Planner<'_, S, N, BLOCKS, NODES>, Interpolator<'_, S, N>), ConfigError> {
+        self.split_from(config, start, Origin::ZERO)
+    }
+
+    /// The same with numbers that count on from others than 0.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
+    fn split_from(
+        &mut self,
+        config: Config<S, N>,
+        start: [Coord; N],
+        origin: Origin,
+    ) -> Result<(Planner<'_, S, N, BLOCKS, NODES>, Interpolator<'_, S, N>), ConfigError> {
         const { assert!(N >= 1 && N <= 9, "1 to 9 axes") };
         config.check()?;
         if let Err(BlockError::Coordinate { axis, error }) = check_coordinates(&start) {
             return Err(ConfigError::Start { axis, error });
         }
-        let (plan, servo, requests) = self.ends();
+        let (plan, servo, requests) = self.ends(origin);
         let node = Node { at: start, tangent: zero(), curvature: zero() };
         // Built where it is returned to: it is large.
         Ok((
@@ -124,14 +137,14 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Link<S,
                 side: plan,
                 requests,
                 builder: Builder::new(start),
-                horizon: Horizon::new(config, node, NodeSerial::ZERO),
+                horizon: Horizon::new(config, node, origin.node),
                 phase: Phase::Resting(Rest::IDLE),
                 answered: Answered::default(),
                 finished: false,
                 reaction: 0,
                 counters: Counters::default(),
             },
-            Interpolator::new(servo, start, config.cycle),
+            Interpolator::new(servo, (origin.node, start), config.cycle),
         ))
     }
 }

@@ -33,7 +33,11 @@ pub struct Interpolator<'a, S: Scalar, const N: usize> {
 }
 
 impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
-    pub(crate) fn new(side: ServoSide<'a, S, N>, start: [Coord; N], cycle: S) -> Self {
+    pub(crate) fn new(
+        side: ServoSide<'a, S, N>,
+        (node, start): (NodeSerial, [Coord; N]),
+        cycle: S,
+    ) -> Self {
         Self {
             side,
             cycle,
@@ -42,7 +46,7 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
             lag: S::ZERO,
             count: 0,
             event: false,
-            serial: NodeSerial::ZERO,
+            serial: node,
             rest: Setpoint { origin: start, ..Setpoint::REST },
         }
     }

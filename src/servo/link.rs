@@ -67,19 +67,35 @@ pub struct Flags<S: Scalar> {
     starved: AtomicU32,
 }
 
+/// The numbers that are counted on from.
+#[derive(Clone, Copy, Debug)]
+pub struct Origin {
+    /// Node at which the motion rests.
+    pub node: NodeSerial,
+    /// Servo cycles so far.
+    pub cycle: CycleSerial,
+    /// Plans so far, less than 2^30.
+    pub plan: u32,
+}
+
+impl Origin {
+    /// From nothing.
+    pub const ZERO: Self = Self { node: NodeSerial::ZERO, cycle: CycleSerial::ZERO, plan: 0 };
+}
+
 impl<S: Scalar> Flags<S> {
-    const fn new() -> Self {
+    const fn new(origin: Origin) -> Self {
         Self {
-            offer: AtomicU32::new(0),
+            offer: AtomicU32::new(origin.plan << 2 | TAKEN),
             branch: AtomicU32::new(0),
             by_cycle: AtomicU32::new(0),
             lengths: [AtomicU32::new(0), AtomicU32::new(0)],
-            progress: AtomicU32::new(0),
+            progress: AtomicU32::new(origin.node.raw()),
             version: AtomicU32::new(0),
-            plan: AtomicU32::new(0),
-            began: AtomicU32::new(0),
+            plan: AtomicU32::new(origin.plan),
+            began: AtomicU32::new(origin.cycle.raw()),
             lag: S::Shared::ZERO,
-            cycles: AtomicU32::new(0),
+            cycles: AtomicU32::new(origin.cycle.raw()),
             starved: AtomicU32::new(0),
         }
     }
@@ -115,21 +131,24 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Link<S,
     pub const fn new() -> Self {
         Self {
             plans: [const { [const { Slot::EMPTY }; NODES] }; 2],
-            flags: Flags::new(),
+            flags: Flags::new(Origin::ZERO),
             requests: Requests::new(),
         }
     }
 
     /// Forgets everything and gives both ends.
-    pub(crate) fn ends(&mut self) -> (PlanSide<'_, S, N>, ServoSide<'_, S, N>, &Requests) {
+    pub(crate) fn ends(
+        &mut self,
+        origin: Origin,
+    ) -> (PlanSide<'_, S, N>, ServoSide<'_, S, N>, &Requests) {
         // What is left in the plan buffers is never read: their lengths are 0.
-        self.flags = Flags::new();
+        self.flags = Flags::new(origin);
         self.requests = Requests::new();
         let plans = [&self.plans[0][..], &self.plans[1][..]];
-        let flags = &self.flags;
+        let (flags, plan) = (&self.flags, origin.plan);
         (
-            PlanSide { plans, shared: flags, offered: 0, taken: 0, spare: 1, written: 0 },
-            ServoSide { plans, flags, plan: 0, active: 0, next: 0 },
+            PlanSide { plans, shared: flags, offered: plan, taken: plan, spare: 1, written: 0 },
+            ServoSide { plans, flags, plan, active: 0, next: 0 },
             &self.requests,
         )
     }

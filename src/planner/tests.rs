@@ -1,0 +1,380 @@
+//! What the planner does, phase by phase; that a draft which is dropped leaves no trace; and numbers that wrap around.
+
+use super::horizon::{Horizon, Proposal};
+use super::phase::{Following, Halt, Phase, Rest};
+use super::{Planner, Progress};
+use crate::block::Block;
+use crate::machine::{AxisLimits, Config, Limits};
+use crate::number::Coord;
+use crate::number::serial::{CycleSerial, NodeSerial};
+use crate::profile::solver::Aim;
+use crate::servo::control::Overrides;
+use crate::servo::link::Origin;
+use crate::servo::{Activity, Interpolator, Link};
+use std::boxed::Box;
+use std::format;
+use std::string::String;
+use std::vec::Vec;
+
+const AXES: usize = 2;
+const BLOCKS: usize = 16;
+const NODES: usize = 64;
+type TestLink = Link<f64, AXES, BLOCKS, NODES>;
+type TestPlanner<'a> = Planner<'a, f64, AXES, BLOCKS, NODES>;
+type Handles<'a> = (TestPlanner<'a>, Interpolator<'a, f64, AXES>);
+
+fn config() -> Config<f64, AXES> {
+    let mut config =
+        Config::new(Limits::new([AxisLimits::linear(200.0, 2000.0, 50_000.0); AXES]).unwrap());
+    config.tolerance = 0.05;
+    config
+}
+
+fn link() -> Box<TestLink> {
+    Box::new(Link::new())
+}
+
+fn handles(link: &mut TestLink) -> Handles<'_> {
+    link.split(config(), [Coord::ZERO; AXES]).unwrap()
+}
+
+fn line(x: f64, y: f64, tag: u32) -> Block<f64, AXES> {
+    Block::line([x, y].map(|mm| Coord::from_mm(mm).unwrap()), 150.0, tag)
+}
+
+/// Corners, a run of short lines, a dwell and a stop.
+fn program() -> Vec<Block<f64, AXES>> {
+    let mut blocks = Vec::new();
+    for k in 0..30u32 {
+        let (x, y) = (f64::from(k) * 3.0, f64::from(k % 3) * 7.0);
+        blocks.push(line(x, y, k + 1));
+    }
+    for k in 1..60u32 {
+        let angle = f64::from(k) * 0.1;
+        blocks.push(line(87.0 + 8.0 * angle.sin(), 14.0 + 8.0 * (1.0 - angle.cos()), 100 + k));
+    }
+    blocks.push(Block::dwell(0.05, 200));
+    blocks.push(line(0.0, 0.0, 201));
+    blocks
+}
+
+/// A long straight, on which any answer is found at once, and a corner.
+fn straight() -> [Block<f64, AXES>; 2] {
+    [line(100.0, 0.0, 1), line(100.0, 20.0, 2)]
+}
+
+/// Pushes what there is room for.
+fn feed(planner: &mut TestPlanner<'_>, blocks: &mut &[Block<f64, AXES>]) {
+    while let [block, rest @ ..] = *blocks
+        && planner.push(block).is_ok()
+    {
+        *blocks = rest;
+    }
+    if blocks.is_empty() {
+        planner.finish();
+    }
+}
+
+/// Polls and ticks until a condition holds.
+fn run_until(
+    (planner, interpolator): &mut Handles<'_>,
+    mut done: impl FnMut(&TestPlanner<'_>, Progress) -> bool,
+) {
+    for _ in 0..20_000 {
+        let progress = planner.poll();
+        if done(planner, progress) {
+            return;
+        }
+        interpolator.tick();
+    }
+    panic!("not in {:?}", planner.phase);
+}
+
+fn follows(planner: &TestPlanner<'_>) -> Option<Following> {
+    if let Phase::Following(now) = planner.phase { Some(now) } else { None }
+}
+
+/// Moves for some servo cycles, with the plan under way decided on.
+fn in_motion(core: &mut Handles<'_>, cycles: u32) {
+    let mut count = 0;
+    run_until(core, |planner, _| {
+        count += 1;
+        count > cycles && follows(planner).is_some()
+    });
+}
+
+#[test]
+fn a_start_waits_for_blocks_and_a_program_comes_to_its_end() {
+    let mut link = link();
+    let (mut planner, mut interpolator) = handles(&mut link);
+    assert_eq!(planner.phase, Phase::Resting(Rest::IDLE));
+    assert_eq!(planner.poll(), Progress::NeedsBlocks);
+    planner.push(&line(10.0, 0.0, 1)).unwrap();
+    planner.push(&line(10.0, 10.0, 2)).unwrap();
+    assert_eq!(planner.poll(), Progress::NeedsBlocks);
+    let since = Some(CycleSerial::ZERO);
+    assert_eq!(planner.phase, Phase::Resting(Rest::Ready { since }));
+    // The delay of a start: 50 cycles.
+    let mut cycles = 0;
+    while planner.poll() != Progress::Planned {
+        interpolator.tick();
+        cycles += 1;
+    }
+    assert!((50..=51).contains(&cycles), "{cycles}");
+    let offer = *planner.phase.offer().unwrap();
+    assert_eq!((offer.first, offer.before), (NodeSerial::ZERO, None));
+    assert!(!offer.by_cycle && planner.horizon.has_draft());
+    assert_eq!(planner.poll(), Progress::Waiting);
+    interpolator.tick();
+    planner.finish();
+    planner.poll();
+    let now = follows(&planner).unwrap_or_else(|| planner.phase.offer().unwrap().before.unwrap());
+    assert_eq!(now.halt, None);
+    run_until(&mut (planner, interpolator), |planner, progress| {
+        let done = progress == Progress::Done;
+        assert!(!done || planner.phase == Phase::Resting(Rest::IDLE));
+        done
+    });
+}
+
+#[test]
+fn a_start_that_is_not_taken_up_is_withdrawn_by_a_hold() {
+    let mut link = link();
+    let mut core = handles(&mut link);
+    core.0.push(&line(10.0, 0.0, 1)).unwrap();
+    core.0.finish();
+    assert_eq!(core.0.poll(), Progress::Planned);
+    core.0.controls().hold();
+    assert_eq!(core.0.poll(), Progress::Held);
+    assert_eq!(core.0.phase, Phase::Resting(Rest::IDLE));
+    assert_eq!(core.0.counters().late, 0, "that was no fault of the planner's");
+    assert_eq!(core.1.tick().activity, Activity::Idle);
+    core.0.controls().resume();
+    assert_eq!(core.0.poll(), Progress::Planned);
+    run_until(&mut core, |_, progress| progress == Progress::Done);
+}
+
+#[test]
+fn a_hold_is_answered_by_a_plan_that_rests_and_a_resume_goes_on() {
+    let mut link = link();
+    let mut core = handles(&mut link);
+    feed(&mut core.0, &mut &straight()[..]);
+    in_motion(&mut core, 100);
+    core.0.controls().hold();
+    assert_eq!(core.0.poll(), Progress::Planned);
+    let offer = *core.0.phase.offer().unwrap();
+    assert!(offer.by_cycle && offer.before.is_some());
+    assert_eq!(offer.taken.halt, Some(Halt::Hold));
+    core.1.tick();
+    assert_eq!(core.0.poll(), Progress::Waiting);
+    assert_eq!(core.0.phase, Phase::Following(offer.taken));
+    run_until(&mut core, |_, progress| progress == Progress::Held);
+    assert_eq!(core.0.phase, Phase::Resting(Rest::IDLE));
+    core.0.controls().resume();
+    run_until(&mut core, |_, progress| progress == Progress::Done);
+}
+
+#[test]
+fn a_hold_that_is_called_off_while_it_brakes_is_taken_further_at_once() {
+    let mut link = link();
+    let mut core = handles(&mut link);
+    feed(&mut core.0, &mut &straight()[..]);
+    in_motion(&mut core, 100);
+    core.0.controls().hold();
+    assert_eq!(core.0.poll(), Progress::Planned);
+    core.1.tick();
+    core.0.poll();
+    core.0.controls().resume();
+    assert_eq!(follows(&core.0).unwrap().halt, Some(Halt::Hold));
+    assert_eq!(core.0.poll(), Progress::Planned);
+    assert_eq!(core.0.phase.halt(), None);
+    run_until(&mut core, |_, progress| progress == Progress::Done);
+}
+
+#[test]
+fn a_stop_is_looked_for_once_in_every_plan_and_single_block_mode_awaits_a_resume() {
+    let (mut link, blocks) = (link(), program());
+    let mut core = handles(&mut link);
+    feed(&mut core.0, &mut &blocks[..14]);
+    in_motion(&mut core, 60);
+    core.0.controls().single_block(true);
+    run_until(&mut core, |planner, progress| {
+        let tried = follows(planner).is_some_and(|now| now.tried_block_end || now.halt.is_some());
+        assert!(tried || planner.phase.offer().is_some() || progress == Progress::Held);
+        progress == Progress::Held
+    });
+    assert_eq!(core.0.phase, Phase::Resting(Rest::AwaitsResume));
+    core.1.tick();
+    assert_eq!(core.0.poll(), Progress::Held);
+    core.0.controls().resume();
+    assert_eq!(core.0.poll(), Progress::Planned);
+    assert_eq!(core.0.phase.halt(), Some(Halt::Block));
+    run_until(&mut core, |_, progress| progress == Progress::Held);
+    assert_eq!(core.0.phase, Phase::Resting(Rest::AwaitsResume));
+}
+
+#[test]
+fn a_pause_awaits_a_resume_that_is_pressed_after_it() {
+    let mut link = link();
+    let mut core = handles(&mut link);
+    core.0.push(&line(10.0, 0.0, 1)).unwrap();
+    core.0.push(&Block::pause(2)).unwrap();
+    core.0.push(&line(10.0, 10.0, 3)).unwrap();
+    core.0.finish();
+    in_motion(&mut core, 10);
+    core.0.controls().resume();
+    run_until(&mut core, |_, progress| progress == Progress::Held);
+    assert_eq!(core.0.phase, Phase::Resting(Rest::AwaitsResume));
+    core.0.controls().resume();
+    assert_eq!(core.0.poll(), Progress::Planned);
+    run_until(&mut core, |_, progress| progress == Progress::Done);
+}
+
+#[test]
+fn an_abort_drops_everything_until_it_is_acknowledged() {
+    let (mut link, blocks) = (link(), program());
+    let mut core = handles(&mut link);
+    feed(&mut core.0, &mut &blocks[..12]);
+    in_motion(&mut core, 150);
+    core.0.controls().abort();
+    assert!(core.0.push(&blocks[12]).is_err());
+    assert!(!core.0.acknowledge_abort(), "it is not complete");
+    run_until(&mut core, |_, progress| progress == Progress::Aborted);
+    assert_eq!(core.0.phase, Phase::Resting(Rest::Dropped { abort: 1 }));
+    // Another one, pressed after the first is complete, is complete at the next poll.
+    core.0.controls().abort();
+    assert!(!core.0.acknowledge_abort());
+    assert_eq!(core.0.poll(), Progress::Aborted);
+    assert_eq!(core.0.phase, Phase::Resting(Rest::Dropped { abort: 2 }));
+    assert!(core.0.acknowledge_abort());
+    assert_eq!(core.0.phase, Phase::Resting(Rest::IDLE));
+    assert_eq!(core.0.poll(), Progress::NeedsBlocks);
+    let end = core.1.tick();
+    for (i, at) in core.0.end().iter().enumerate() {
+        assert_eq!(end.position(i), *at);
+    }
+}
+
+#[test]
+fn a_plan_that_comes_too_late_leaves_everything_as_it_was() {
+    let mut link = link();
+    let mut core = handles(&mut link);
+    feed(&mut core.0, &mut &straight()[..]);
+    in_motion(&mut core, 120);
+    let (planner, interpolator) = &mut core;
+    let (before, phase, reaction) = (picture(&planner.horizon), planner.phase, planner.reaction);
+    let moment = planner.moment().unwrap();
+    interpolator.tick();
+    let made = planner.horizon.draft(|draft| {
+        draft.try_overrides(Overrides { feed: 60, rapid: 100 });
+        let (stretch, branch) = draft.prepare(moment)?;
+        draft.improve(stretch, Aim::Slow);
+        Some(Proposal { stretch, branch, halt: Some(Halt::Hold) })
+    });
+    assert!(planner.offer(made));
+    assert_eq!(planner.phase.halt(), Some(Halt::Hold));
+    assert_ne!(picture(&planner.horizon), before);
+    interpolator.tick();
+    planner.hear();
+    assert_eq!(planner.counters().late, 1);
+    assert_eq!(picture(&planner.horizon), before);
+    assert!(planner.reaction > reaction, "the next answer is given more time");
+    assert_eq!(follows(planner).unwrap().halt, phase.halt());
+    run_until(&mut core, |_, progress| progress == Progress::Done);
+}
+
+/// Everything that a draft may change, to the last bit: a number is written so that it is read as the same.
+fn picture(horizon: &Horizon<f64, AXES, NODES>) -> String {
+    let stations: Vec<_> = (0..horizon.window.len()).map(|i| horizon.window.get(i)).collect();
+    let (end, overrides) = (horizon.end(), horizon.overrides());
+    format!("{end:?} {overrides:?} {:?} {stations:?}", horizon.window.serial(0))
+}
+
+/// All that a command may do to the window, at many places of a program, and dropped.
+#[test]
+fn a_draft_that_is_dropped_leaves_no_trace() {
+    let (mut link, blocks) = (link(), program());
+    let mut core = handles(&mut link);
+    let mut left = &blocks[..];
+    let (mut dropped, mut changed) = (0, 0);
+    for cycle in 0.. {
+        feed(&mut core.0, &mut left);
+        let progress = core.0.poll();
+        if progress == Progress::Done {
+            break;
+        }
+        if cycle % 37 == 0 && follows(&core.0).is_some() {
+            let before = picture(&core.0.horizon);
+            let moment = core.0.moment();
+            for which in 0..5 {
+                let horizon = &mut core.0.horizon;
+                let made: Option<()> = horizon.draft(|draft| {
+                    if which == 4 {
+                        draft.try_overrides(Overrides { feed: 30, rapid: 50 });
+                        draft.bound_from(0);
+                    }
+                    let (stretch, _) = draft.prepare(moment?)?;
+                    match which {
+                        0 => {}
+                        1 => draft.improve(stretch, Aim::Halt),
+                        2 => drop(draft.find_from_guess(stretch, stretch.first + 1)),
+                        _ => draft.improve(stretch, Aim::Slow),
+                    }
+                    changed += u32::from(picture(draft) != before);
+                    None
+                });
+                assert!(made.is_none() && !horizon.has_draft());
+                assert_eq!(picture(horizon), before, "cycle {cycle}, {which}");
+                dropped += 1;
+            }
+        }
+        core.1.tick();
+    }
+    assert!(dropped > 100 && changed > 100, "{dropped} {changed}");
+}
+
+/// A program under commands, with numbers that count on from an origin: bits of all positions, and what every poll
+/// came to.
+fn run_from(origin: Origin) -> (Vec<[Coord; AXES]>, Vec<Progress>) {
+    let (mut link, blocks) = (link(), program());
+    let (mut planner, mut interpolator) =
+        link.split_from(config(), [Coord::ZERO; AXES], origin).unwrap();
+    let controls = planner.controls();
+    let mut left = &blocks[..];
+    let (mut positions, mut answers) = (Vec::new(), Vec::new());
+    for cycle in 0..40_000u32 {
+        feed(&mut planner, &mut left);
+        let progress = planner.poll();
+        answers.push(progress);
+        match cycle % 400 {
+            90 => controls.hold(),
+            170 | 395 => controls.resume(),
+            220 => controls.feed_override(if cycle % 800 < 400 { 60 } else { 140 }),
+            300 => controls.stop(),
+            _ => {}
+        }
+        let setpoint = interpolator.tick();
+        positions.push([setpoint.position(0), setpoint.position(1)]);
+        if progress == Progress::Done && setpoint.activity == Activity::Idle {
+            return (positions, answers);
+        }
+    }
+    panic!("the program does not end");
+}
+
+/// Nodes, servo cycles and plans, each of which wraps around in the middle of the program.
+#[test]
+fn numbers_that_wrap_around_make_no_difference() {
+    let (positions, answers) = run_from(Origin::ZERO);
+    let cycles = positions.len() as u32;
+    for part in [2, 3, 5] {
+        let origin = Origin {
+            node: NodeSerial::ZERO.plus(0u32.wrapping_sub(100 / part)),
+            cycle: CycleSerial::ZERO.plus(0u32.wrapping_sub(cycles / part)),
+            plan: (1 << 30) - 10 / part,
+        };
+        let wrapped = run_from(origin);
+        assert!(positions == wrapped.0, "{origin:?}");
+        assert!(answers == wrapped.1, "{origin:?}");
+    }
+}
