@@ -6,7 +6,8 @@
 
 mod common;
 
-use splineway_host::figures::{Figures, print_head, print_memory, print_row};
+use splineway_host::view::table::{print_head, print_memory, print_row};
+use splineway_studies::figures::Figures;
 
 fn main() -> anyhow::Result<()> {
     print_memory();

@@ -3,15 +3,16 @@
 //! `cargo bench -p splineway-host --bench reference [-- FOLDER]`. The geometry is taken from the
 //! setpoints of the run itself, at several times the servo rate: position, velocity and acceleration
 //! of every servo cycle give tangent and curvature by arc length. The least time along it is that of
-//! `splineway_host::reference`.
+//! `splineway_studies::reference`.
 
 mod common;
 
 use anyhow::{Result, anyhow};
-use splineway_host::machine::Machine;
-use splineway_host::program::{self, ReadOptions};
-use splineway_host::reference::{Ends, Place, least_time, time};
-use splineway_host::run::{Geometry, Precision, run};
+use splineway_simulator::machine::Machine;
+use splineway_simulator::program::{self, ReadOptions};
+use splineway_simulator::run::{Precision, run};
+use splineway_studies::geometry::Geometry;
+use splineway_studies::reference::{Ends, Place, least_time, time};
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -3,11 +3,12 @@
 //! `cargo run --release --example compare_plot -- speeds.html`
 
 use anyhow::Result;
-use splineway_host::baseline::{self, Law};
-use splineway_host::machine::Machine;
-use splineway_host::program::{self, ReadOptions};
-use splineway_host::run::{Precision, run};
-use splineway_host::view::{Curve, Trace, plot_speeds};
+use splineway_host::view::{Curve, plot_speeds};
+use splineway_simulator::machine::Machine;
+use splineway_simulator::program::{self, ReadOptions};
+use splineway_simulator::record::Trace;
+use splineway_simulator::run::{Precision, run};
+use splineway_studies::baseline::{self, Law};
 use std::path::{Path, PathBuf};
 
 fn main() -> Result<()> {

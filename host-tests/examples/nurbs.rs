@@ -5,7 +5,7 @@
 use splineway::{
     Activity, AxisLimits, Block, Config, Coord, Limits, Link, Progress, PushError, RangeError,
 };
-use splineway_host::program::{self, Course, ReadOptions};
+use splineway_simulator::program::{self, Course, ReadOptions};
 use std::path::Path;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -1,4 +1,9 @@
-//! The host side of splineway: reading tool paths, simulating servo cycles, judging and showing.
+//! The command line, and what only it and the tests need: [`lint`] (a program before it is run), [`stream`] (the
+//! host's end of the line, and a controller without a machine), [`trial`] (random programs and the soak), and
+//! [`view`] (plots, tables, progress).
+//!
+//! What does not belong here: reading, running and judging programs (`splineway-simulator`), and what the core is
+//! compared with (`splineway-studies`).
 
 /// Prints a line as the standard macro of this name, but for [`out`]: it never panics.
 macro_rules! println {
@@ -6,17 +11,9 @@ macro_rules! println {
     ($($argument:tt)*) => { $crate::out::line(format_args!($($argument)*)) };
 }
 
-pub mod baseline;
 pub mod commands;
-pub mod corners;
-pub mod figures;
 pub mod lint;
-pub mod machine;
 pub mod out;
-pub mod program;
-pub mod reference;
-pub mod run;
-pub mod smoothing;
 pub mod stream;
 pub mod trial;
 pub mod view;

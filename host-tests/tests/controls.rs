@@ -2,16 +2,17 @@
 
 mod common;
 
-use common::{Draw, broken, config, dense, draws, judged, machine, program, stretches};
+use common::{Draw, config, dense, draws, judged, machine, program, stretches};
 use proptest::prelude::*;
 use splineway::{
     Activity, AxisLimits, Block, Config, Controls, Coord, Feed, Limits, Link, Progress, PushError,
     Setpoint,
 };
-use splineway_host::machine::Machine;
-use splineway_host::program::Program;
-use splineway_host::run::{Action, Event, Events, Precision, run_with};
 use splineway_host::trial::events;
+use splineway_simulator::judge::violations;
+use splineway_simulator::machine::Machine;
+use splineway_simulator::program::Program;
+use splineway_simulator::run::{Action, Event, Events, Precision, run_with};
 
 /// One random command: when (as a share of the time), which, how much.
 fn commands() -> impl Strategy<Value = Vec<(f64, u8, u16)>> {
@@ -39,7 +40,7 @@ fn check_program(
     if stats.aborted {
         verdict.end_error = 0.0;
     }
-    let broken = broken(&verdict, program, machine, precision);
+    let broken = violations(&verdict);
     prop_assert!(broken.is_empty(), "{broken:?} {:?}", events.list());
     Ok(())
 }
@@ -329,8 +330,8 @@ fn late_answers_are_refused_and_repeated() {
 #[derive(Default)]
 struct Speeds(Vec<f64>);
 
-impl splineway_host::run::Observer for Speeds {
-    fn setpoint(&mut self, sample: &splineway_host::run::Sample<'_>) -> anyhow::Result<()> {
+impl splineway_simulator::run::Observer for Speeds {
+    fn setpoint(&mut self, sample: &splineway_simulator::run::Sample<'_>) -> anyhow::Result<()> {
         self.0.push(sample.velocity.iter().map(|v| v * v).sum::<f64>().sqrt());
         Ok(())
     }
@@ -360,7 +361,7 @@ proptest! {
         let mut held = Speeds::default();
         run_with(&program, &machine, Precision::F64, &events, &mut [&mut held]).unwrap();
         let limits = machine.axes_of(&program).unwrap();
-        let least = |of: fn(&splineway_host::machine::Axis) -> f64| {
+        let least = |of: fn(&splineway_simulator::machine::Axis) -> f64| {
             limits.iter().map(of).fold(f64::INFINITY, f64::min)
         };
         let (acceleration, jerk) = (least(|a| a.acceleration), least(|a| a.jerk));

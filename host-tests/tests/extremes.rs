@@ -3,10 +3,11 @@
 
 mod common;
 
-use common::{broken, judged, machine};
-use splineway_host::machine::{Axis, Machine};
-use splineway_host::program::{Course, Move, Point, Program, Speed};
-use splineway_host::run::{Events, Precision};
+use common::{judged, machine};
+use splineway_simulator::judge::violations;
+use splineway_simulator::machine::{Axis, Machine};
+use splineway_simulator::program::{Course, Move, Point, Program, Speed};
+use splineway_simulator::run::{Events, Precision};
 
 /// A zigzag of `count` legs of `size` mm in as many axes, around a place.
 fn zigzag(axes: usize, count: usize, size: f64, feed: f64, place: f64) -> Program {
@@ -30,7 +31,7 @@ fn zigzag(axes: usize, count: usize, size: f64, feed: f64, place: f64) -> Progra
 fn check(program: &Program, machine: &Machine, what: &str) {
     for precision in [Precision::F64, Precision::F32] {
         let (verdict, stats) = judged(program, machine, precision, &Events::default());
-        let broken = broken(&verdict, program, machine, precision);
+        let broken = violations(&verdict);
         assert!(broken.is_empty(), "{what}, {precision:?}: {broken:?}");
         assert_eq!(stats.blocks, program.moves.len() as u64, "{what}");
     }
@@ -97,7 +98,7 @@ fn bands_may_be_fine_and_wide() {
         machine.tolerance = tolerance;
         let program = zigzag(3, 20, 4.0, 150.0, 0.0);
         let (verdict, _) = judged(&program, &machine, Precision::F64, &Events::default());
-        let broken = broken(&verdict, &program, &machine, Precision::F64);
+        let broken = violations(&verdict);
         assert!(broken.is_empty(), "tolerance {tolerance}: {broken:?}");
     }
 }

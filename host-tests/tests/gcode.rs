@@ -1,12 +1,11 @@
 //! G-code files: what is read, and as what; what is refused, and where.
 
 use splineway::gcode::{Code, Dialect};
-use splineway_host::machine::Machine;
-use splineway_host::program::{
+use splineway_simulator::machine::Machine;
+use splineway_simulator::program::{
     AXES, Course, Finding, Move, Point, Program, ReadOptions, Setup, Speed, gcode, inspect_bytes,
-    validate,
 };
-use splineway_host::run::{Precision, run};
+use splineway_simulator::run::{Precision, run, validate};
 use std::fmt::Write;
 use std::path::Path;
 

@@ -2,12 +2,10 @@
 //! where nothing is broken.
 
 use splineway::Activity;
-use splineway_host::machine::Axis;
-use splineway_host::program::{Course, Move, Program, Speed};
-use splineway_host::run::judge::{Judge, Verdict};
-use splineway_host::run::track::Follower;
-use splineway_host::run::{Observer, Pace, Sample, Track};
-use splineway_host::view::violations;
+use splineway_simulator::judge::{Follower, Judge, Track, Verdict, violations};
+use splineway_simulator::machine::Axis;
+use splineway_simulator::program::{Course, Move, Program, Speed};
+use splineway_simulator::run::{Observer, Pace, Sample};
 
 const CYCLES: [f64; 8] = [1e-6, 5e-6, 2e-5, 2.2e-5, 1e-4, 1e-3, 4e-3, 1e-2];
 const LIMIT: Axis = Axis { velocity: 200.0, acceleration: 2000.0, jerk: 50_000.0 };

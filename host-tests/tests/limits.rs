@@ -4,8 +4,8 @@ mod common;
 
 use common::{Draw, check, config, draws, judged, machine, program};
 use proptest::prelude::*;
-use splineway_host::machine::Mode;
-use splineway_host::run::{Events, Precision};
+use splineway_simulator::machine::Mode;
+use splineway_simulator::run::{Events, Precision};
 
 proptest! {
     #![proptest_config(config(1500))]

@@ -4,9 +4,9 @@ mod common;
 
 use common::{check, config, dense, judged, machine, poly_line, stretches};
 use proptest::prelude::*;
-use splineway_host::machine::{Axis, Machine};
-use splineway_host::program::Program;
-use splineway_host::run::{Events, Observer, Precision, Sample, run};
+use splineway_simulator::machine::{Axis, Machine};
+use splineway_simulator::program::Program;
+use splineway_simulator::run::{Events, Observer, Precision, Sample, run};
 use std::f64::consts::TAU;
 
 /// Time of a program, of which nothing may be broken or lost.

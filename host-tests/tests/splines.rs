@@ -4,9 +4,10 @@ mod common;
 
 use common::config;
 use proptest::prelude::*;
-use splineway_host::smoothing::cases::{RADII, all, noisy_line, ripple, ripple_peaks};
-use splineway_host::smoothing::{Method, Path, Request, measure, smooth};
+use splineway_simulator::spline::Path;
 use splineway_splines::{Spline, Trajectory, bounded, thesis};
+use splineway_studies::smoothing::cases::{RADII, all, noisy_line, ripple, ripple_peaks};
+use splineway_studies::smoothing::{Method, Request, measure, smooth};
 
 type Random = Spline<f64, 3, 61>;
 type Narrow = Spline<f32, 3, 61>;

@@ -5,9 +5,9 @@ mod common;
 
 use common::{Draw, config, dense, draws, machine, poly_line, program, stretches, watched};
 use proptest::prelude::*;
-use splineway_host::machine::Machine;
-use splineway_host::program::{Course, Move, Program};
-use splineway_host::run::Precision;
+use splineway_simulator::machine::Machine;
+use splineway_simulator::program::{Course, Move, Program};
+use splineway_simulator::run::Precision;
 
 /// The program with its lines cut at shares of their lengths; lines are numbered anew.
 fn split(program: &Program, cuts: &[Vec<f64>], round: bool) -> Program {

@@ -4,9 +4,9 @@ mod common;
 
 use common::{Draw, Stretch, dense, machine, poly_line, program, soak, watched};
 use fastrand::Rng;
-use splineway_host::machine::Machine;
-use splineway_host::program::{Program, Speed};
-use splineway_host::run::Precision;
+use splineway_simulator::machine::Machine;
+use splineway_simulator::program::{Program, Speed};
+use splineway_simulator::run::Precision;
 
 fn time(program: &Program, machine: &Machine, precision: Precision) -> f64 {
     watched(program, machine, precision).time

@@ -4,12 +4,12 @@
 
 use serial2::SerialPort;
 use splineway::wire::State;
-use splineway_host::machine::Machine;
-use splineway_host::program::{self, Code, Course, Program, ReadOptions};
 use splineway_host::stream::{
     Command, Controlled, Controller, Faults, Happening, News, Order, Settings, Summary, items,
     open_port, placed, send,
 };
+use splineway_simulator::machine::Machine;
+use splineway_simulator::program::{self, Code, Course, Program, ReadOptions};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Stdio};

@@ -20,8 +20,8 @@ use image::Image;
 use splineway::Link;
 use splineway::wire::{self, FRAME, Inlet, Opening, Request, VERSION};
 use splineway_emulator::{Meter, Outcome, Part, Setup};
-use splineway_host::program::{self, Course, Point, Program, ReadOptions};
 use splineway_host::stream;
+use splineway_simulator::program::{self, Course, Point, Program, ReadOptions};
 use std::path::{Path, PathBuf};
 
 /// Goals, as the README states them.

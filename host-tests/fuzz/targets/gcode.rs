@@ -5,7 +5,7 @@
 use libfuzzer_sys::fuzz_target;
 use splineway::gcode::{Action, LETTERS, Place, Reader, Settings};
 use splineway::{Coord, Motion};
-use splineway_host::program::{Dialect, ReadOptions, gcode, poly};
+use splineway_simulator::program::{Dialect, ReadOptions, gcode, poly};
 
 const DIALECTS: [Dialect; 3] = [Dialect::LinuxCnc, Dialect::Grbl, Dialect::Marlin];
 

@@ -2,8 +2,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use splineway_host::program::{ReadOptions, curve};
-use splineway_host::smoothing::SplineFile;
+use splineway_simulator::program::{ReadOptions, curve};
+use splineway_simulator::spline::SplineFile;
 
 fuzz_target!(|data: &[u8]| {
     let text = String::from_utf8_lossy(data);

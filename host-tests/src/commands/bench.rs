@@ -1,7 +1,8 @@
 //! `splineway bench`: the figures of `docs/figures.md`.
 
-use crate::figures::{Figures, print_head, print_memory, print_row};
+use crate::view::table::{print_head, print_memory, print_row};
 use anyhow::{Context, Result, ensure};
+use splineway_studies::figures::Figures;
 use std::path::PathBuf;
 
 /// Runs tool paths through the core in both number types, judges them, and prints times beside those of

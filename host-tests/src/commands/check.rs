@@ -2,9 +2,9 @@
 
 use super::reading::{Reading, setup};
 use crate::lint::{Findings, look};
-use crate::machine::Machine;
-use crate::program::{self, ReadOptions};
 use anyhow::{Context, Result};
+use splineway_simulator::machine::Machine;
+use splineway_simulator::program::{self, ReadOptions};
 use std::io::IsTerminal;
 use std::path::PathBuf;
 
@@ -57,7 +57,7 @@ impl Check {
         }
         machine.tolerance = self.tolerance.unwrap_or(machine.tolerance);
         super::override_tolerance(&mut program, self.tolerance);
-        found.extend(program::validate(&program, &machine));
+        found.extend(splineway_simulator::run::validate(&program, &machine));
         program::refuse(&found).with_context(|| self.file.display().to_string())?;
         // As the file has them; of a curve there are none.
         let ending = self.file.extension().and_then(|ending| ending.to_str()).unwrap_or("");

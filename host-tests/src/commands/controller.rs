@@ -1,11 +1,11 @@
 //! `splineway controller`: a controller without a machine, for `splineway stream`.
 
-use crate::machine::Machine;
-use crate::program::LETTERS;
 use crate::stream::{
     Controller, Faults, Happening, describe_event, describe_place, describe_state,
 };
 use anyhow::{Result, ensure};
+use splineway_simulator::machine::Machine;
+use splineway_simulator::program::LETTERS;
 use std::io::Write;
 use std::path::PathBuf;
 

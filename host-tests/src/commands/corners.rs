@@ -1,8 +1,8 @@
 //! `splineway corners`: corner transitions of the literature beside this core's.
 
-use crate::corners::{Continuity, table};
-use crate::machine::Machine;
 use anyhow::{Result, bail};
+use splineway_simulator::machine::Machine;
+use splineway_studies::corners::{Continuity, table};
 use std::path::PathBuf;
 
 /// Compares corner transitions at equal deviation: smoothness, time, effort.

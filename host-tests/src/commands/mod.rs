@@ -13,7 +13,7 @@ pub mod soak;
 pub mod stream;
 pub mod thesis;
 
-use crate::program::Program;
+use splineway_simulator::program::Program;
 
 /// Puts a tolerance from the command line in the place of all that a program names (G64 P); says so if it
 /// names any. Exact stops (G61, G9) stay.

@@ -1,9 +1,9 @@
 //! Flags on how programs are read, of every command that reads one.
 
-use crate::machine::Machine;
-use crate::program::{Dialect, ReadOptions, Setup};
 use anyhow::Result;
 use clap::ValueEnum;
+use splineway_simulator::machine::Machine;
+use splineway_simulator::program::{Dialect, ReadOptions, Setup};
 use std::path::Path;
 
 /// Dialects by the names of the command line.

@@ -2,12 +2,14 @@
 
 use super::files::{self, named};
 use super::reading::{Reading, setup};
-use crate::baseline::{self, Law};
-use crate::machine::{Axis, Machine, Mode};
-use crate::program::{self, Finding, LETTERS, Program, ReadOptions, Speed};
-use crate::run::{Events, Happenings, Judge, Observer, Precision, Stops, Track, run_with};
-use crate::view::{CsvOut, Curve, Progress, Report, Scene, Trace, plot, plot_speeds, violations};
+use crate::view::{Curve, Progress, Scene, plot, plot_speeds};
 use anyhow::{Context, Result, bail};
+use splineway_simulator::judge::{Judge, Track, violations};
+use splineway_simulator::machine::{Axis, Machine, Mode};
+use splineway_simulator::program::{self, Finding, LETTERS, Program, ReadOptions, Speed};
+use splineway_simulator::record::{CsvOut, Report, Trace};
+use splineway_simulator::run::{Events, Happenings, Observer, Precision, Stops, run_with};
+use splineway_studies::baseline::{self, Law};
 use std::path::PathBuf;
 
 /// Feed of programs that name none, mm/s.
@@ -124,7 +126,7 @@ impl Simulate {
         self.check_files()?;
         let (program, mut found) = self.program()?;
         let machine = self.machine(&program)?;
-        found.extend(program::validate(&program, &machine));
+        found.extend(splineway_simulator::run::validate(&program, &machine));
         program::refuse(&found).with_context(|| self.file.display().to_string())?;
         let events = match &self.events {
             Some(path) => Events::read(path)?,

@@ -1,14 +1,14 @@
 //! `splineway smooth`: lowers the curvature of a spline file inside a tube.
 
 use super::files::{self, named};
-use crate::smoothing::{
-    Figures, Method, Path, Request, Smoothed, SplineFile, measure, profile, read, run, smooth,
-    write,
-};
 use crate::view::{TubeScene, plot_tube};
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
+use splineway_simulator::spline::{Path, SplineFile, read, write};
 use splineway_splines::Trajectory;
+use splineway_studies::smoothing::{
+    Figures, Method, Request, Smoothed, measure, profile, run, smooth,
+};
 use std::path::PathBuf;
 
 /// Greatest number of places of a profile in the report.

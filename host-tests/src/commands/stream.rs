@@ -1,7 +1,6 @@
 //! `splineway stream`: a program to a controller over a serial line.
 
 use super::reading::{Reading, setup};
-use crate::program::{self, AXES, Point, ReadOptions, STDIN, refuse};
 use crate::stream::{
     Controlled, News, Order, Settings, Summary, check, describe_place, describe_state, items,
     open_port, parse_command, placed, send,
@@ -9,6 +8,7 @@ use crate::stream::{
 use anyhow::{Context, Result, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use splineway::wire::{Item, Situation};
+use splineway_simulator::program::{self, AXES, Point, ReadOptions, STDIN, refuse};
 use std::io::{BufRead, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};

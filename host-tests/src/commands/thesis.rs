@@ -1,9 +1,10 @@
 //! `splineway thesis`: the tables of Naseath 2007 beside this program's.
 
-use crate::smoothing::cases::{Case, RADII, all, ripple, ripple_peaks};
-use crate::smoothing::{Figures, Method, Path, Request, Smoothed, measure, smooth};
 use anyhow::Result;
+use splineway_simulator::spline::Path;
 use splineway_splines::Trajectory;
+use splineway_studies::smoothing::cases::{Case, RADII, all, ripple, ripple_peaks};
+use splineway_studies::smoothing::{Figures, Method, Request, Smoothed, measure, smooth};
 
 /// Rebuilds the test cases of Naseath 2007, smooths them as printed and in bounded sweeps, and prints
 /// the figures beside those of the thesis's tables 4-1, 4-3, 4-4, 4-5 and 4-6

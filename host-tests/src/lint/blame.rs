@@ -1,12 +1,12 @@
 //! Whose fault a slow place is: time lost while braking and getting up to speed again counts for the line
 //! on which the motion was slowest between, with what held it back there.
 
-use crate::machine::Axis;
-use crate::program::arc::Spiral;
-use crate::program::{Course, LETTERS, Point, Program};
-use crate::run::{Observer, Sample};
 use anyhow::Result;
 use splineway::Activity;
+use splineway_simulator::machine::Axis;
+use splineway_simulator::program::arc::Spiral;
+use splineway_simulator::program::{Course, LETTERS, Point, Program};
+use splineway_simulator::run::{Observer, Sample};
 use std::collections::BTreeMap;
 
 /// A move counts as run at its feed from this share of it on.

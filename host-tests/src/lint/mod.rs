@@ -3,14 +3,15 @@
 mod blame;
 
 use self::blame::{AT_FEED, Blame};
-use crate::machine::Machine;
-use crate::program::arc::Spiral;
-use crate::program::{Course, Point, Program, Speed};
-use crate::run::{Observer, Precision, Sample, Track, run};
 use crate::view::Progress;
 use anyhow::Result;
 use serde::Serialize;
 use splineway::Activity;
+use splineway_simulator::judge::Track;
+use splineway_simulator::machine::Machine;
+use splineway_simulator::program::arc::Spiral;
+use splineway_simulator::program::{Course, Point, Program, Speed};
+use splineway_simulator::run::{Observer, Precision, Sample, run};
 use std::collections::BTreeMap;
 
 /// Lines shorter than this, mm, are left out by the core.
@@ -100,7 +101,12 @@ fn length(here: &Point, course: &Course, axes: &[usize]) -> f64 {
             let mut before = *here;
             (1..=16u32)
                 .map(|k| {
-                    let at = crate::program::on_cubic(here, controls, to, f64::from(k) / 16.0);
+                    let at = splineway_simulator::program::on_cubic(
+                        here,
+                        controls,
+                        to,
+                        f64::from(k) / 16.0,
+                    );
                     distance(&std::mem::replace(&mut before, at), &at, axes)
                 })
                 .sum()
@@ -207,7 +213,9 @@ pub fn look(
     findings.extent = axes
         .iter()
         .zip(extent(program, &track, &axes))
-        .map(|(&axis, (least, greatest))| (crate::program::LETTERS[axis], least, greatest))
+        .map(|(&axis, (least, greatest))| {
+            (splineway_simulator::program::LETTERS[axis], least, greatest)
+        })
         .collect();
     let feeds: BTreeMap<u32, f64> = lines.values().map(|place| (place.line, place.feed)).collect();
     let mut blame = Blame::new(program, &limits, machine.cycle, feeds.clone());

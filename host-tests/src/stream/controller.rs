@@ -1,12 +1,12 @@
 //! A controller without a machine: the background of the firmware ([`splineway_controller`]), on a
 //! pseudo-terminal.
 
-use crate::machine::Machine;
 use anyhow::{Context, Result, bail};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use splineway::wire::{Event, Events, State};
 use splineway::{Activity, BLOCKS, Coord, Link, NODES, Planner, Setpoint};
 use splineway_controller::{Background, Port};
+use splineway_simulator::machine::Machine;
 use std::collections::VecDeque;
 use std::fs::File;
 use std::io::{Read, Write};

@@ -1,10 +1,11 @@
 //! Programs as they are sent.
 
-use crate::machine::Machine;
-use crate::program::{self, Course, Finding, LETTERS, Point, Program, on_letters};
 use anyhow::{Context, Result, ensure};
 use splineway::wire::{Item, Move, Path, Speed, Target};
 use splineway::{Config, Coord, Motion};
+use splineway_simulator::machine::Machine;
+use splineway_simulator::program::{self, Course, Finding, LETTERS, Point, Program};
+use splineway_simulator::run::on_letters;
 
 /// The program as a controller with a number of axes takes it, from where the program starts. An axis
 /// whose place does not change, to the nanometre, is not named, and stays.
@@ -154,7 +155,7 @@ fn with_all_axes(step: &Move) -> Move {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::program::gcode;
+    use splineway_simulator::program::gcode;
 
     fn lines(program: &Program) -> Vec<Target> {
         let items = items(program, 3).unwrap();

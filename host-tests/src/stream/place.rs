@@ -1,10 +1,10 @@
 //! Where the machine stands, and the port it is on.
 
-use crate::program::{Course, LETTERS, Move, Point, Program, Speed};
 use anyhow::{Context, Result, ensure};
 use serial2::SerialPort;
 use splineway::gcode::{Code, Event};
 use splineway::wire::{self, State};
+use splineway_simulator::program::{Course, LETTERS, Move, Point, Program, Speed};
 use std::path::Path;
 
 /// Distance within which the machine counts as standing where a path begins, mm.
@@ -114,7 +114,7 @@ pub fn placed(program: &Program, here: &Point, approach: bool) -> Result<(Progra
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::program::{Dialect, ReadOptions, gcode, poly};
+    use splineway_simulator::program::{Dialect, ReadOptions, gcode, poly};
 
     #[test]
     fn a_path_begins_where_the_machine_stands_or_says_so() {

@@ -1,6 +1,6 @@
 //! An operator who presses anything at any time.
 
-use crate::run::{Action, Event, Events};
+use splineway_simulator::run::{Action, Event, Events};
 
 /// One command: when (as a share of the time), which, how much.
 pub type Press = (f64, u8, u16);

@@ -1,8 +1,8 @@
 //! Poly-lines as dense programs have them.
 
 use super::moves::between;
-use crate::program::{Course, Move, Point, Program, Speed};
 use fastrand::Rng;
+use splineway_simulator::program::{Course, Move, Point, Program, Speed};
 
 /// A stretch of a dense program: kind, number of lines, their length and turn, and noise.
 #[derive(Clone, Debug)]

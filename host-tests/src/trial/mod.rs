@@ -1,4 +1,4 @@
-//! Random programs, machines and operators, and what a run of them has broken: for the property tests and
+//! Random programs, machines and operators: for the property tests and
 //! for `splineway soak`.
 
 mod commands;
@@ -10,54 +10,8 @@ pub use commands::{Press, events};
 pub use dense::{Stretch, dense, poly_line};
 pub use moves::{Draw, program};
 
-use crate::machine::{Axis, Machine};
-use crate::program::Program;
-use crate::run::{Events, Judge, Observer, Precision, Sample, Stats, Track, Verdict, run_with};
-use crate::view::violations;
-use anyhow::Result;
+use splineway_simulator::machine::{Axis, Machine};
 use std::collections::BTreeMap;
-
-/// No trial takes that long.
-struct Patience;
-
-impl Observer for Patience {
-    fn setpoint(&mut self, sample: &Sample<'_>) -> Result<()> {
-        anyhow::ensure!(sample.time < 1000.0, "line {}: the run does not end", sample.tag);
-        Ok(())
-    }
-}
-
-/// Runs a program while an operator gives commands, and judges it.
-///
-/// # Errors
-/// The run does not end, or a block is refused.
-pub fn judged(
-    program: &Program,
-    machine: &Machine,
-    precision: Precision,
-    events: &Events,
-) -> Result<(Verdict, Stats)> {
-    let limits = machine.axes_of(program)?;
-    let track = Track::new(program);
-    let mut judge = Judge::new(&track, &limits, machine.cycle, machine.tolerance);
-    let observers: &mut [&mut dyn Observer] = &mut [&mut judge, &mut Patience];
-    let stats = run_with(program, machine, precision, events, observers)?;
-    Ok((judge.verdict(), stats))
-}
-
-/// What a run has broken.
-///
-/// # Errors
-/// The machine lacks an axis.
-pub fn broken(
-    verdict: &Verdict,
-    program: &Program,
-    machine: &Machine,
-    precision: Precision,
-) -> Result<Vec<String>> {
-    let _ = (program, machine, precision);
-    Ok(violations(verdict))
-}
 
 /// A machine whose axes differ; `scale` is for its acceleration and, on top, for its jerk.
 pub fn machine(tolerance: f64, scale: (f64, f64), axes: usize) -> Machine {

@@ -1,7 +1,7 @@
 //! Moves of all kinds, one after the other.
 
-use crate::program::{Course, Move, Point, Program, Speed};
 use fastrand::Rng;
+use splineway_simulator::program::{Course, Move, Point, Program, Speed};
 
 /// One random move: kind, direction and size, feed, stop.
 #[derive(Clone, Debug)]

@@ -17,7 +17,7 @@ fn binding(scene: &Scene<'_>, k: usize) -> u8 {
     let points = &scene.trace.points;
     let (before, point) = (&points[k.saturating_sub(1)], &points[k]);
     let gain = (point.speed - before.speed) / (point.time - before.time).max(1.0e-9);
-    let most = |values: &[f64], limit: fn(&crate::machine::Axis) -> f64| {
+    let most = |values: &[f64], limit: fn(&splineway_simulator::machine::Axis) -> f64| {
         let shares = values.iter().zip(scene.limits).map(|(x, axis)| x.abs() / limit(axis));
         shares.fold(0.0, f64::max)
     };
@@ -42,7 +42,7 @@ pub fn page(scene: &Scene<'_>) -> Result<String> {
         (x * scale).round() / scale
     };
     let points = &scene.trace.points;
-    let column = |value: &dyn Fn(&super::Point) -> f64, digits: i32| {
+    let column = |value: &dyn Fn(&splineway_simulator::record::Point) -> f64, digits: i32| {
         points.iter().map(|point| round(value(point), digits)).collect::<Vec<f64>>()
     };
     let axes = scene.limits.len();

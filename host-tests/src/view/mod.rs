@@ -1,21 +1,17 @@
-//! Showing a run: CSV, JSON report, and plots.
+//! Showing a run: plots, tables, progress. Nothing is judged here.
 
-mod csv_out;
 mod html;
 mod picture;
 mod progress;
-mod report;
-mod trace;
+pub mod table;
 mod tube;
 
-pub use csv_out::CsvOut;
 pub use progress::Progress;
-pub use report::{Report, violations};
-pub use trace::{Point, Trace};
 pub use tube::TubeScene;
 
-use crate::run::Track;
 use anyhow::{Context, Result, anyhow, bail};
+use splineway_simulator::judge::Track;
+use splineway_simulator::record::Trace;
 use std::path::Path;
 
 /// What a plot shows.
@@ -30,7 +26,7 @@ pub struct Scene<'a> {
     /// Letters of the axes in use.
     pub letters: &'a [char],
     /// Their limits.
-    pub limits: &'a [crate::machine::Axis],
+    pub limits: &'a [splineway_simulator::machine::Axis],
     /// What was run.
     pub trace: &'a Trace,
 }

@@ -1,9 +1,10 @@
 //! Plots as SVG and PNG.
 
-use super::{Curve, Point, Scene};
+use super::{Curve, Scene};
 use anyhow::{Result, anyhow};
 use plotters::coord::Shift;
 use plotters::prelude::*;
+use splineway_simulator::record::Point;
 
 const SIZE: (u32, u32) = (1400, 1500);
 const SPEEDS_SIZE: (u32, u32) = (1400, 1100);

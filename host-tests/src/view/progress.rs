@@ -1,8 +1,8 @@
 //! A progress bar on a terminal.
 
-use crate::run::{Observer, Sample};
 use anyhow::Result;
 use indicatif::{ProgressBar, ProgressStyle};
+use splineway_simulator::run::{Observer, Sample};
 use std::io::IsTerminal;
 
 /// Shows how much of the path has been run, if standard error is a terminal.

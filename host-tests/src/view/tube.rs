@@ -1,10 +1,11 @@
 //! A smoothed path in its tube, and curvature and feed along it, as in figures 4-8 to 4-27 of Naseath
 //! 2007.
 
-use crate::smoothing::{Path, Place, profile, run};
 use plotters::coord::Shift;
 use plotters::prelude::*;
+use splineway_simulator::spline::Path;
 use splineway_splines::Trajectory;
+use splineway_studies::smoothing::{Place, profile, run};
 
 const SIZE: (u32, u32) = (1400, 1700);
 const GIVEN: RGBColor = RGBColor(0, 92, 171);

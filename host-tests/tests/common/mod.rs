@@ -4,12 +4,12 @@
 
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use splineway_host::machine::Machine;
-use splineway_host::program::Program;
-use splineway_host::run::{Events, Observer, Precision, Sample, Stats, Verdict, run};
-use splineway_host::trial;
 #[allow(unused_imports)] // As above.
 pub use splineway_host::trial::{Draw, Stretch, dense, machine, poly_line, program};
+use splineway_simulator::judge::{self, Verdict, violations};
+use splineway_simulator::machine::Machine;
+use splineway_simulator::program::Program;
+use splineway_simulator::run::{Events, Observer, Precision, Sample, Stats, run};
 
 /// Runs a program while an operator gives commands, and judges it.
 pub fn judged(
@@ -18,17 +18,7 @@ pub fn judged(
     precision: Precision,
     events: &Events,
 ) -> (Verdict, Stats) {
-    trial::judged(program, machine, precision, events).unwrap()
-}
-
-/// What a run has broken.
-pub fn broken(
-    verdict: &Verdict,
-    program: &Program,
-    machine: &Machine,
-    precision: Precision,
-) -> Vec<String> {
-    trial::broken(verdict, program, machine, precision).unwrap()
+    judge::judged(program, machine, precision, events).unwrap()
 }
 
 /// Runs a program without commands; nothing may be broken.
@@ -38,7 +28,7 @@ pub fn check(
     precision: Precision,
 ) -> Result<(Verdict, Stats), TestCaseError> {
     let (verdict, stats) = judged(program, machine, precision, &Events::default());
-    let broken = broken(&verdict, program, machine, precision);
+    let broken = violations(&verdict);
     prop_assert!(broken.is_empty(), "{broken:?}");
     Ok((verdict, stats))
 }

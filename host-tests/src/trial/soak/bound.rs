@@ -2,8 +2,8 @@
 
 use super::case::Setting;
 use super::draw::{Pace, Place, Shape, Step};
-use crate::baseline::profile::{Leg, Limit};
-use crate::machine::Axis;
+use splineway_simulator::machine::Axis;
+use splineway_simulator::scurve::{Leg, Limit};
 
 /// Chords of a curve that might stop at each of them.
 const CURVE_STOPS: u32 = 8;

@@ -2,13 +2,13 @@
 
 use super::super::moves::between;
 use super::draw::{Place, Step, log, steps};
-use crate::machine::Axis;
-use crate::program::AXES;
 use fastrand::Rng;
 use splineway::machine::Quantity;
 use splineway::number::Range;
 use splineway::wire::Command;
 use splineway::{AxisLimits, Config, ConfigError, CornerMode, Limits, Scalar};
+use splineway_simulator::machine::Axis;
+use splineway_simulator::program::AXES;
 
 /// The cores that are soaked: scalar, axes, blocks, nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,8 +1,8 @@
 //! What a soak draws: blocks of every kind, and above all those that have led to trouble.
 
 use super::super::moves::between;
-use crate::program::{AXES, Point};
 use fastrand::Rng;
+use splineway_simulator::program::{AXES, Point};
 
 /// A point over all nine axes, mm or degrees.
 pub type Place = Point;

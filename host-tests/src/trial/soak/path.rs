@@ -3,8 +3,8 @@
 //! Curves are chords, made where they are looked at: an arc of a hundred turns takes no memory.
 
 use super::draw::{Place, Shape};
-use crate::run::Winding;
 use splineway::block::FINEST_BAND;
+use splineway_simulator::judge::Winding;
 
 /// How far chords may leave their curve, as a share of the tolerance and at least, mm.
 const SAGITTA: (f64, f64) = (1.0e-3, 1.0e-7);
@@ -58,7 +58,7 @@ impl Segment {
                 place[*q] = centre.1 + radius * sin;
             }
             Shape::Cubic { controls, to } => {
-                place = crate::program::on_cubic(from, controls, to, u);
+                place = splineway_simulator::program::on_cubic(from, controls, to, u);
             }
             Shape::Dwell { .. } | Shape::Event { .. } => {}
         }

@@ -4,9 +4,9 @@ use super::bound::{braking_time, stop_time};
 use super::case::Setting;
 use super::draw::{Pace, Place, Shape, Step};
 use super::path::Path;
-use crate::program::AXES;
 use splineway::wire::Command;
 use splineway::{Activity, Coord, Progress};
+use splineway_simulator::program::AXES;
 use std::collections::VecDeque;
 
 /// Which rule was broken.

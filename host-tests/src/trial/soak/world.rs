@@ -10,13 +10,13 @@ use super::case::{Case, Core, Moment, Press, Producer, Tempo};
 use super::draw::{Pace, Place, Shape, Step};
 use super::plant::{Plant, Shim};
 use super::referee::{Finding, Referee, Rule, Sample};
-use crate::program::AXES;
 use fastrand::Rng;
 use splineway::wire::Command;
 use splineway::{
     Activity, Block, Controls, Coord, Feed, Interpolator, Link, Motion, Planner, Progress,
     PushError, Scalar, Turn,
 };
+use splineway_simulator::program::AXES;
 use std::cell::{Cell, RefCell};
 
 /// What comes in at an access to shared state.

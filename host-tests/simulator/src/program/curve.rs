@@ -1,0 +1,245 @@
+//! Curves as cubic blocks: splines as they are, NURBS of any degree within [`ERROR`] of what they mean.
+
+use super::{AXES, Course, Move, Point, Program, ReadOptions, Speed};
+use crate::spline::{Nurbs, Rational, SplineFile};
+use anyhow::{Result, bail, ensure};
+
+/// Greatest distance between a NURBS curve and the cubic blocks that stand for it, mm: a hundredth of
+/// the least tolerance of a curve, and what the judge leaves to rounding.
+pub const ERROR: f64 = 1.0e-6;
+
+/// A span is halved at most so many times: by then its pieces are shorter than [`ERROR`] on any machine.
+const HALVINGS: u32 = 30;
+
+/// Reads a NURBS curve, as cubic blocks; as chords of equal parameter steps if the options ask for them.
+///
+/// # Errors
+/// Names the place in the file, or the member and what is wrong with it.
+pub fn parse_nurbs(text: &str, options: ReadOptions<'_>) -> Result<Program> {
+    of_nurbs(&Nurbs::read(text)?, options)
+}
+
+fn of_nurbs(curve: &Nurbs, options: ReadOptions<'_>) -> Result<Program> {
+    if let Some(segments) = options.segments {
+        return chords(curve, segments, options.feed);
+    }
+    let mut program = empty(curve);
+    for span in curve.pieces() {
+        let (here, from) = (program.end(), span.point(0.0));
+        ensure!(
+            (0..3).all(|axis| (here[axis] - from[axis]).abs() < ERROR),
+            "the curve is torn: it leaps from {:?} to {:?}",
+            &here[..3],
+            &from[..3]
+        );
+        add(&mut program, &span, options.feed, 0)?;
+    }
+    ensure!(!program.moves.is_empty(), "the curve has no length");
+    Ok(program)
+}
+
+/// A program that begins where the curve does, and names the axes that it names.
+fn empty(curve: &Nurbs) -> Program {
+    let mut program = Program { start: at(curve, curve.domain().0), ..Program::default() };
+    program.uses[..curve.axes().min(3)].fill(true);
+    program
+}
+
+fn at(curve: &Nurbs, u: f64) -> Point {
+    let mut point = [0.0; AXES];
+    point[..3].copy_from_slice(&curve.point(u));
+    point
+}
+
+/// Adds a piece of a curve: as a line, as a cubic, or as its halves.
+fn add(program: &mut Program, piece: &Rational, feed: f64, depth: u32) -> Result<()> {
+    let [_, first, second, to] = piece.cubic();
+    let path = if piece.is_straight(ERROR / 1e3) {
+        Course::Line { to }
+    } else if piece.is_point(ERROR / 1e3) {
+        return Ok(());
+    } else if depth == HALVINGS || piece.cubic_error() <= ERROR {
+        Course::Cubic { controls: [first, second], to }
+    } else {
+        return piece.halves().iter().try_for_each(|half| add(program, half, feed, depth + 1));
+    };
+    program.exact.push(piece.clone());
+    push(program, path, feed)
+}
+
+fn push(program: &mut Program, path: Course, feed: f64) -> Result<()> {
+    let line = u32::try_from(program.moves.len() + 1)?;
+    let speed = Speed::PerSecond(feed);
+    program.moves.push(Move { path, speed, tolerance: None, exact_stop: false, line });
+    Ok(())
+}
+
+/// A curve as chords: then they are the program, and it is said how far they lie off.
+fn chords(curve: &Nurbs, segments: usize, feed: f64) -> Result<Program> {
+    const PLACES: usize = 16;
+    if segments == 0 {
+        bail!("a curve cannot be cut into 0 segments");
+    }
+    let (begin, end) = curve.domain();
+    let parameter = |k: f64| begin + (end - begin) * k / segments as f64;
+    let mut program = empty(curve);
+    let (mut here, mut off) = (program.start, 0.0f64);
+    for k in 1..=segments {
+        let to = at(curve, parameter(k as f64));
+        for n in 1..PLACES {
+            let point = at(curve, parameter(k as f64 - n as f64 / PLACES as f64));
+            off = off.max(from_line(&point, &here, &to));
+        }
+        push(&mut program, Course::Line { to }, feed)?;
+        here = to;
+    }
+    program.warnings.push(format!(
+        "the curve is run as {segments} chords, which lie up to {off:.6} mm off it; the tolerance counts from them"
+    ));
+    Ok(program)
+}
+
+/// Distance of a point from a line between two others, mm.
+fn from_line(point: &Point, from: &Point, to: &Point) -> f64 {
+    let dot = |f: &dyn Fn(usize) -> (f64, f64)| (0..3).map(|i| f(i).0 * f(i).1).sum::<f64>();
+    let square = dot(&|i| (to[i] - from[i], to[i] - from[i]));
+    let along = dot(&|i| (to[i] - from[i], point[i] - from[i]));
+    let t = if square > 0.0 { (along / square).clamp(0.0, 1.0) } else { 0.0 };
+    let off = |i: usize| point[i] - from[i] - (to[i] - from[i]) * t;
+    dot(&|i| (off(i), off(i))).sqrt()
+}
+
+/// A spline file as cubic blocks, one per span. (The tolerance in it is that of smoothing; the run
+/// takes the machine's.)
+///
+/// # Errors
+/// Names what is wrong with the spline.
+pub fn parse_spline(file: &SplineFile, options: ReadOptions<'_>) -> Result<Program> {
+    let feed = file.feed.unwrap_or(options.feed);
+    if let Some(curve) = file.nurbs()? {
+        return of_nurbs(&curve, ReadOptions { feed, ..options });
+    }
+    let path = file.path()?;
+    let point = |[x, y, z]: [f64; 3]| {
+        let mut point = [0.0; AXES];
+        point[..3].copy_from_slice(&[x, y, z]);
+        point
+    };
+    let mut program = Program { start: point(path.point(0, 0.0)), ..Program::default() };
+    let named = file.control_points.iter().map(Vec::len).max().unwrap_or(0);
+    program.uses[..named.min(3)].fill(true);
+    for span in 0..path.spans() {
+        let [_, first, second, to] = path.bezier(span).map(point);
+        push(&mut program, Course::Cubic { controls: [first, second], to }, feed)?;
+    }
+    Ok(program)
+}
+
+/// JSON with a degree is a NURBS curve; without one it is a spline file.
+///
+/// # Errors
+/// Names the place in the text and what is wrong there.
+pub fn parse_json(text: &str, options: ReadOptions<'_>) -> Result<Program> {
+    match serde_json::from_str::<serde_json::Value>(text) {
+        Ok(value) if value.get("control_points").is_some() && value.get("degree").is_none() => {
+            parse_spline(&SplineFile::parse(text, "json")?, options)
+        }
+        _ => parse_nurbs(text, options),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const OPTIONS: ReadOptions<'static> = ReadOptions { feed: 10.0, ..ReadOptions::DEFAULT };
+    const QUARTER: &str = r#"{"degree": 2, "control_points": [[100, 0], [100, 100], [0, 100]],
+        "weights": [1, 0.7071067811865476, 1], "knots": [0, 0, 0, 1, 1, 1]}"#;
+
+    /// The quarter circle as a rational quadratic: every point of every block at its distance.
+    #[test]
+    fn a_curve_becomes_cubics_that_stay_on_it() {
+        let program = parse_nurbs(QUARTER, OPTIONS).unwrap();
+        assert!(program.moves.len() < 100 && program.moves.len() == program.exact.len());
+        let mut here = program.start;
+        for step in &program.moves {
+            let Course::Cubic { controls, to } = &step.path else { panic!("{step:?}") };
+            for k in 0..=20 {
+                let point = super::super::on_cubic(&here, controls, to, f64::from(k) / 20.0);
+                assert!((point[0].hypot(point[1]) - 100.0).abs() <= ERROR);
+            }
+            here = *to;
+        }
+        assert!(here[0].abs() < 1e-12 && (here[1] - 100.0).abs() < 1e-12);
+    }
+
+    /// Chords if they are asked for, and how far they are off.
+    #[test]
+    fn chords_say_how_far_they_lie_off() {
+        let program = parse_nurbs(QUARTER, ReadOptions { segments: Some(8), ..OPTIONS }).unwrap();
+        assert_eq!((program.moves.len(), program.exact.len()), (8, 0));
+        let sagitta = 100.0 * (1.0 - (std::f64::consts::PI / 32.0).cos());
+        let said = &program.warnings[0];
+        let off: f64 = said
+            .split_whitespace()
+            .find_map(|word| word.parse().ok().filter(|x: &f64| x.fract() != 0.0))
+            .unwrap();
+        assert!((off / sagitta - 1.0).abs() < 0.2, "{said}");
+    }
+
+    /// Poly-lines, a curve with a kink, and curves of all degrees.
+    #[test]
+    fn straight_pieces_are_lines_and_kinks_are_kept() {
+        let text = r#"{"degree": 1, "control_points": [[0, 0], [10, 0], [10, 10]], "knots": [0, 0, 1, 2, 2]}"#;
+        let program = parse_nurbs(text, OPTIONS).unwrap();
+        assert!(program.moves.iter().all(|step| matches!(step.path, Course::Line { .. })));
+        assert_eq!(program.moves.len(), 2);
+        let text = r#"{"degree": 2, "control_points": [[0, 0], [5, 5], [10, 0], [15, 5], [20, 0]],
+            "knots": [0, 0, 0, 1, 1, 2, 2, 2]}"#;
+        let program = parse_nurbs(text, OPTIONS).unwrap();
+        assert_eq!(program.moves.len(), 2, "parabolas are cubics");
+        for degree in 1..=9usize {
+            let points: Vec<String> =
+                (0..12).map(|k| format!("[{}, {}]", 3 * k, (k * k * 7) % 11)).collect();
+            let mut knots = vec![0.0; degree + 1];
+            knots.extend((1..12 - degree).map(|k| k as f64));
+            knots.extend(vec![(12 - degree) as f64; degree + 1]);
+            let text = format!(
+                r#"{{"degree": {degree}, "control_points": [{}], "knots": {knots:?}}}"#,
+                points.join(",")
+            );
+            let curve = Nurbs::read(&text).unwrap();
+            let program = parse_nurbs(&text, OPTIONS).unwrap();
+            let Some(Course::Cubic { to, .. } | Course::Line { to }) =
+                program.moves.last().map(|step| step.path.clone())
+            else {
+                panic!("no move")
+            };
+            let end = curve.point(curve.domain().1);
+            assert!((to[0] - end[0]).hypot(to[1] - end[1]) < 1e-9, "degree {degree}");
+        }
+    }
+
+    #[test]
+    fn wrong_curves_are_explained() {
+        for (text, part) in [
+            ("{", "not a NURBS curve"),
+            (r#"{"degree": 3, "control_points": [[0, 0]], "knots": []}"#, "too few"),
+            (
+                r#"{"degree": 1, "control_points": [[0], [1]], "knots": [0, 0, 1]}"#,
+                "4 are expected",
+            ),
+            (
+                r#"{"degree": 1, "control_points": [[0], [1]], "weights": [1, 0], "knots": [0, 0, 1, 1]}"#,
+                "weights[1]",
+            ),
+            (
+                r#"{"degree": 1, "control_points": [[1, 1], [1, 1]], "knots": [0, 0, 1, 1]}"#,
+                "no length",
+            ),
+        ] {
+            let error = format!("{:#}", parse_nurbs(text, OPTIONS).unwrap_err());
+            assert!(error.contains(part), "{error}");
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! The report of a run.
+
+use crate::judge::{Track, Verdict};
+use crate::machine::Machine;
+use crate::program::Program;
+use crate::run::{Happening, Precision, Stats, Timing};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Mean, 99th percentile and maximum, ns.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Nanoseconds {
+    /// Mean.
+    pub mean: f64,
+    /// 99th percentile.
+    pub p99: f64,
+    /// Maximum.
+    pub max: f64,
+}
+
+impl Nanoseconds {
+    fn new(timing: &Timing, per: f64) -> Self {
+        let (mean, p99, max) = timing.summary();
+        Self { mean: mean / per, p99: p99 / per, max: max / per }
+    }
+}
+
+/// A peak and its ratio to the limit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Peak {
+    /// mm and s.
+    pub peak: f64,
+    /// Over the limit.
+    pub ratio: f64,
+}
+
+/// Peaks of one axis, found by finite differences of the setpoints.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct AxisReport {
+    /// mm/s.
+    pub velocity: Peak,
+    /// mm/s2.
+    pub acceleration: Peak,
+    /// mm/s3, differences of consecutive cycles.
+    pub jerk: Peak,
+    /// mm/s3, over every fourth cycle.
+    pub jerk_every_fourth_cycle: Peak,
+}
+
+/// Speed along the path.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FeedReport {
+    /// Length over time, mm/s.
+    pub mean: f64,
+    /// mm/s.
+    pub max: f64,
+}
+
+/// Everything about a run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// Time from rest to rest, s.
+    pub time_s: f64,
+    /// Servo cycles.
+    pub cycles: u64,
+    /// Blocks.
+    pub blocks: u64,
+    /// Length of the programmed path, mm.
+    pub path_length_mm: f64,
+    /// Tolerance, mm (the machine's; blocks may bring their own).
+    pub tolerance_mm: f64,
+    /// Largest distance of a setpoint from the programmed path, mm.
+    pub max_deviation_mm: f64,
+    /// Distance of the last setpoint from the programmed end, mm.
+    pub end_error_mm: f64,
+    /// Scalar of the core.
+    pub scalar: &'static str,
+    /// Peaks by axis letter.
+    pub axes: BTreeMap<char, AxisReport>,
+    /// Speed along the path.
+    pub feed: FeedReport,
+    /// Planning, per block.
+    pub ns_per_block: Nanoseconds,
+    /// Planning, per planning step.
+    pub ns_per_planning_step: Nanoseconds,
+    /// Ticks.
+    pub ns_per_tick: Nanoseconds,
+    /// Least number of path nodes ahead of the motion at a planning step, while blocks were left.
+    pub least_look_ahead_nodes: usize,
+    /// Plans handed over.
+    pub plans: u32,
+    /// Plans that came too late.
+    pub late_plans: u32,
+    /// Stops for want of blocks.
+    pub starved: u32,
+    /// What was noticed.
+    pub warnings: Vec<String>,
+    /// What the program asked of the machine besides motion, in order.
+    pub events: Vec<Happening>,
+}
+
+impl Report {
+    /// Puts it together.
+    pub fn new(
+        program: &Program,
+        machine: &Machine,
+        precision: Precision,
+        track: &Track,
+        verdict: &Verdict,
+        stats: &Stats,
+    ) -> Self {
+        let letters = program.axes().into_iter().map(|axis| crate::program::LETTERS[axis]);
+        let axes = letters
+            .zip(verdict.peaks.iter().zip(&verdict.ratios))
+            .map(|(letter, (peak, ratio))| {
+                (
+                    letter,
+                    AxisReport {
+                        velocity: Peak { peak: peak.velocity, ratio: ratio.velocity },
+                        acceleration: Peak { peak: peak.acceleration, ratio: ratio.acceleration },
+                        jerk: Peak { peak: peak.jerk, ratio: ratio.jerk },
+                        jerk_every_fourth_cycle: Peak { peak: peak.jerk4, ratio: ratio.jerk4 },
+                    },
+                )
+            })
+            .collect();
+        let steps = f64::from(stats.counters.plans.max(1));
+        let blocks_per_step = (stats.blocks as f64 / steps).max(1e-9);
+        Self {
+            time_s: verdict.time,
+            cycles: verdict.cycles,
+            blocks: stats.blocks,
+            path_length_mm: track.length(),
+            tolerance_mm: machine.tolerance,
+            max_deviation_mm: verdict.deviation,
+            end_error_mm: verdict.end_error,
+            scalar: match precision {
+                Precision::F32 => "f32",
+                Precision::F64 => "f64",
+            },
+            axes,
+            feed: FeedReport {
+                mean: if verdict.time > 0.0 { track.length() / verdict.time } else { 0.0 },
+                max: verdict.path_speed,
+            },
+            ns_per_block: Nanoseconds::new(&stats.planning, blocks_per_step),
+            ns_per_planning_step: Nanoseconds::new(&stats.planning, 1.0),
+            ns_per_tick: Nanoseconds::new(&stats.ticks, 1.0),
+            least_look_ahead_nodes: stats.least_ahead,
+            plans: stats.counters.plans,
+            late_plans: stats.counters.late,
+            starved: stats.counters.starved,
+            warnings: program.warnings.clone(),
+            events: Vec::new(),
+        }
+    }
+}

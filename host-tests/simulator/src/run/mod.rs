@@ -1,0 +1,13 @@
+//! Running programs through the core, cycle by cycle.
+
+pub mod duration;
+pub mod events;
+pub mod happenings;
+pub mod runner;
+mod validate;
+
+pub use duration::{Overtime, Pace, Stops, Stopwatch};
+pub use events::{Action, Event, Events, FORMAT};
+pub use happenings::{Happening, Happenings};
+pub use runner::{Observer, Precision, Sample, Stats, Timing, block, run, run_with};
+pub use validate::{on_letters, validate};

@@ -1,0 +1,107 @@
+//! A program before it is run, by the core's own checks.
+
+use super::runner::block;
+use crate::machine::Machine;
+use crate::program::{AXES, Course, Finding, LETTERS, Program};
+use anyhow::Result;
+use splineway::block::BlockError;
+use splineway::{Config, Coord, RangeError};
+
+/// What the core says about a block, with the letters of the axes instead of their numbers.
+pub fn on_letters(error: &BlockError, axes: &[usize]) -> String {
+    match *error {
+        BlockError::Coordinate { axis, error } => {
+            let letter = axes.get(axis).map_or('?', |&axis| LETTERS[axis]);
+            format!("{letter} would go to {} mm; coordinates must be within +-1e6", error.value)
+        }
+        ref other => other.to_string(),
+    }
+}
+
+/// What the core has against a program on a machine: radii, feeds, tolerances, ranges, lengths, and axes without
+/// limits. All of it, in the order of the moves; nothing is planned, so it takes a fraction of a second for a
+/// million moves.
+pub fn validate(program: &Program, machine: &Machine) -> Vec<Finding> {
+    let axes = program.axes();
+    let config: Config<f64, AXES> = match machine.config(&axes) {
+        Ok(config) => config,
+        Err(error) => return vec![Finding::error(0, format!("{error:#}"))],
+    };
+    let coords = |point: &[f64; AXES]| -> Result<_, RangeError> {
+        let mut place = [Coord::ZERO; AXES];
+        for (slot, &axis) in place.iter_mut().zip(&axes) {
+            *slot = Coord::from_mm(point[axis])?;
+        }
+        Ok(place)
+    };
+    let mut findings = Vec::new();
+    // Where a place is out of range, what follows is checked from the last one that was not.
+    let mut here = coords(&program.start).unwrap_or_else(|error| {
+        findings.push(Finding::error(0, format!("the start, mm: {error}")));
+        [Coord::ZERO; AXES]
+    });
+    for step in &program.moves {
+        let complaint = match block::<f64, AXES>(step, &axes) {
+            Ok(block) => block.check(&here, &config).err().map(|error| on_letters(&error, &axes)),
+            Err(error) => Some(format!("{error:#}")),
+        };
+        if let Some(message) = complaint {
+            findings.push(Finding::error(step.line, message));
+        }
+        match &step.path {
+            Course::Line { to } | Course::Arc { to, .. } | Course::Cubic { to, .. } => {
+                here = coords(to).unwrap_or(here);
+            }
+            Course::Dwell { .. } | Course::Event { .. } => {}
+        }
+    }
+    findings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::program::{Move, Speed, refuse};
+
+    fn program(paths: &[Course]) -> Program {
+        let step = |(n, path): (usize, &Course)| Move {
+            path: path.clone(),
+            speed: Speed::PerSecond(10.0),
+            tolerance: None,
+            exact_stop: false,
+            line: n as u32 + 1,
+        };
+        Program { moves: paths.iter().enumerate().map(step).collect(), ..Program::default() }
+    }
+
+    fn point(x: f64, y: f64) -> [f64; AXES] {
+        let mut point = [0.0; AXES];
+        (point[0], point[1]) = (x, y);
+        point
+    }
+
+    #[test]
+    fn every_complaint_of_the_core_is_listed() {
+        let arc = Course::Arc {
+            to: point(2.0, 0.0),
+            plane: (0, 1),
+            centre: (1.0, 0.5),
+            clockwise: true,
+            extra_turns: 0,
+        };
+        let mut program = program(&[
+            Course::Line { to: point(1.0, 0.0) },
+            arc,
+            Course::Dwell { seconds: -1.0 },
+            Course::Line { to: point(2.0e6, 0.0) },
+            Course::Line { to: point(3.0, 0.0) },
+        ]);
+        program.moves[4].speed = Speed::PerSecond(1.0e7);
+        let findings = validate(&program, &Machine::default());
+        let lines: Vec<u32> = findings.iter().map(|finding| finding.line).collect();
+        assert_eq!(lines, [2, 3, 4, 5], "{findings:?}");
+        let error = refuse(&findings).unwrap_err().to_string();
+        assert!(error.starts_with("4 places are refused:\n  line 2: arc starts"), "{error}");
+        assert!(refuse(&validate(&Program::default(), &Machine::default())).is_ok());
+    }
+}

@@ -1,0 +1,150 @@
+//! NURBS curves of any degree.
+
+use super::rational::Rational;
+use anyhow::{Context, Result, ensure};
+use serde::Deserialize;
+
+/// A NURBS curve: `{degree, control_points, weights, knots}`.
+#[derive(Debug, Deserialize)]
+pub struct Nurbs {
+    degree: usize,
+    control_points: Vec<Vec<f64>>,
+    /// One per control point; all 1 if left out.
+    weights: Option<Vec<f64>>,
+    knots: Vec<f64>,
+}
+
+impl Nurbs {
+    /// A curve.
+    ///
+    /// # Errors
+    /// Names the member and what is wrong with it.
+    pub fn new(
+        degree: usize,
+        control_points: Vec<Vec<f64>>,
+        weights: Option<Vec<f64>>,
+        knots: Vec<f64>,
+    ) -> Result<Self> {
+        let curve = Self { degree, control_points, weights, knots };
+        curve.check()?;
+        Ok(curve)
+    }
+
+    /// A curve from JSON.
+    ///
+    /// # Errors
+    /// Names the place in the text, or the member and what is wrong with it.
+    pub fn read(text: &str) -> Result<Self> {
+        let curve: Self = serde_json::from_str(text).context("not a NURBS curve")?;
+        curve.check()?;
+        Ok(curve)
+    }
+
+    /// The knots inside its domain and at its ends, each once.
+    pub fn breaks(&self) -> Vec<f64> {
+        let (from, to) = self.domain();
+        let mut breaks: Vec<f64> =
+            self.knots.iter().copied().filter(|knot| (from..=to).contains(knot)).collect();
+        breaks.dedup();
+        breaks
+    }
+
+    fn check(&self) -> Result<()> {
+        let n = self.control_points.len();
+        ensure!((1..=9).contains(&self.degree), "degree is {}; it must be 1 to 9", self.degree);
+        ensure!(n > self.degree, "{n} control points are too few for degree {}", self.degree);
+        let wanted = n + self.degree + 1;
+        ensure!(
+            self.knots.len() == wanted,
+            "{} knots where {wanted} are expected ({n} control points + degree {} + 1)",
+            self.knots.len(),
+            self.degree
+        );
+        for (i, pair) in self.knots.windows(2).enumerate() {
+            ensure!(
+                pair[0] <= pair[1],
+                "knots[{}] = {} is less than the knot before it",
+                i + 1,
+                pair[1]
+            );
+        }
+        let (from, to) = self.domain();
+        ensure!(from < to, "the knots span no interval");
+        for (i, point) in self.control_points.iter().enumerate() {
+            ensure!(
+                (1..=3).contains(&point.len()) && point.iter().all(|x| x.is_finite()),
+                "control_points[{i}] must be one to three finite numbers"
+            );
+        }
+        if let Some(weights) = &self.weights {
+            ensure!(weights.len() == n, "{} weights for {n} control points", weights.len());
+            for (i, weight) in weights.iter().enumerate() {
+                ensure!(
+                    *weight > 0.0 && weight.is_finite(),
+                    "weights[{i}] is {weight}; it must be greater than 0"
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// Axes that its points name: one to three.
+    pub fn axes(&self) -> usize {
+        self.control_points.iter().map(Vec::len).max().unwrap_or(0)
+    }
+
+    /// First and last parameter.
+    pub fn domain(&self) -> (f64, f64) {
+        (self.knots[self.degree], self.knots[self.knots.len() - 1 - self.degree])
+    }
+
+    /// The curve between its knots, in order, by blossoms.
+    pub fn pieces(&self) -> Vec<Rational> {
+        let (p, n) = (self.degree, self.control_points.len());
+        let spans = (p..n).filter(|&span| self.knots[span] < self.knots[span + 1]);
+        spans
+            .map(|span| {
+                let (from, to) = (self.knots[span], self.knots[span + 1]);
+                let point =
+                    |k: usize| self.blossom(span, |level| if level > k { from } else { to });
+                Rational::new((0..=p).map(point).collect())
+            })
+            .collect()
+    }
+
+    /// The polar form of a span at parameters given for levels 1 to the degree, homogeneous.
+    fn blossom(&self, span: usize, parameter: impl Fn(usize) -> f64) -> [f64; 4] {
+        let (p, knots) = (self.degree, &self.knots);
+        let mut d: Vec<[f64; 4]> = (span - p..=span).map(|i| self.homogeneous(i)).collect();
+        for r in 1..=p {
+            let u = parameter(r);
+            for j in (r..=p).rev() {
+                let (a, b) = (knots[j + span - p], knots[j + 1 + span - r]);
+                let t = if b > a { (u - a) / (b - a) } else { 0.0 };
+                let before = d[j - 1];
+                for (x, y) in d[j].iter_mut().zip(before) {
+                    *x = (1.0 - t) * y + t * *x;
+                }
+            }
+        }
+        d[p]
+    }
+
+    fn homogeneous(&self, i: usize) -> [f64; 4] {
+        let w = self.weights.as_ref().map_or(1.0, |weights| weights[i]);
+        let mut h = [0.0, 0.0, 0.0, w];
+        for (slot, x) in h.iter_mut().zip(&self.control_points[i]) {
+            *slot = x * w;
+        }
+        h
+    }
+
+    /// The point at a parameter of the domain, by de Boor's algorithm on homogeneous points.
+    pub fn point(&self, u: f64) -> [f64; 3] {
+        let (p, knots) = (self.degree, &self.knots);
+        let n = self.control_points.len();
+        let span = knots[p + 1..n].partition_point(|&knot| knot <= u) + p;
+        let [x, y, z, w] = self.blossom(span, |_| u);
+        [x / w, y / w, z / w]
+    }
+}

@@ -1,0 +1,15 @@
+//! Studies: what the core is compared with, and the figures of its documents.
+//!
+//! [`baseline`]: other controllers' speed laws. [`reference`]: the least time along a fixed path, by another method;
+//! [`geometry`] records such a path. [`corners`]: the corner transitions of the literature. [`smoothing`]: the
+//! cases of Naseath (2007). [`figures`]: times, deviations and costs of paths, judged.
+//!
+//! What does not belong here: anything that a simulation needs (`splineway-simulator`), and how figures are shown
+//! (`splineway-host`).
+
+pub mod baseline;
+pub mod corners;
+pub mod figures;
+pub mod geometry;
+pub mod reference;
+pub mod smoothing;
