@@ -94,3 +94,41 @@ impl<S: Scalar, const N: usize> Config<S, N> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::AxisLimits;
+
+    fn config() -> Config<f32, 2> {
+        let axis = AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 5.0e4, rotary: false };
+        Config::new(Limits::new([axis; 2]).unwrap())
+    }
+
+    #[test]
+    fn defaults_are_accepted() {
+        assert_eq!(config().check(), Ok(()));
+    }
+
+    #[test]
+    fn a_setting_out_of_range_is_named() {
+        let named = |change: fn(&mut Config<f32, 2>)| {
+            let mut config = config();
+            change(&mut config);
+            match config.check() {
+                Err(ConfigError::Setting { quantity, .. }) => Some(quantity),
+                _ => None,
+            }
+        };
+        assert_eq!(named(|c| c.cycle = 0.0), Some(Quantity::Cycle));
+        assert_eq!(named(|c| c.tolerance = f32::NAN), Some(Quantity::Tolerance));
+        assert_eq!(named(|c| c.lead = 11.0), Some(Quantity::Lead));
+        assert_eq!(named(|c| c.start_delay = -1.0), Some(Quantity::StartDelay));
+        assert_eq!(named(|c| c.iterations = 14), Some(Quantity::Iterations));
+        assert_eq!(named(|c| c.sweeps = 101), Some(Quantity::Sweeps));
+        let lambda = |c: &mut Config<f32, 2>| c.corner = CornerMode::Paper { lambda: 1.0 };
+        assert_eq!(named(lambda), Some(Quantity::Lambda));
+        // The ends of a range are accepted as the type rounds them.
+        assert_eq!(named(|c| c.cycle = 0.01), None);
+    }
+}

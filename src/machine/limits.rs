@@ -72,3 +72,34 @@ impl<S: Scalar, const N: usize> Limits<S, N> {
         scale
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn axis(velocity: f64, acceleration: f64, jerk: f64) -> AxisLimits<f64> {
+        AxisLimits { velocity, acceleration, jerk, rotary: false }
+    }
+
+    #[test]
+    fn the_first_limit_that_is_wrong_is_named() {
+        let good = axis(200.0, 2000.0, 5.0e4);
+        assert!(Limits::new([good; 3]).is_ok());
+        for (bad, named) in [
+            (axis(0.0, 2000.0, 5.0e4), Quantity::Velocity),
+            (axis(200.0, f64::NAN, 5.0e4), Quantity::Acceleration),
+            (axis(200.0, 2000.0, f64::INFINITY), Quantity::Jerk),
+            (axis(-1.0, -1.0, -1.0), Quantity::Velocity),
+        ] {
+            let error = Limits::new([good, bad, bad]).unwrap_err();
+            let ConfigError::AxisLimit { axis, quantity, .. } = error else { panic!("{error}") };
+            assert_eq!((axis, quantity), (1, named));
+        }
+    }
+
+    #[test]
+    fn the_slowest_axis_sets_the_time_scale() {
+        let limits = Limits::new([axis(1.0, 2000.0, 5.0e4), axis(1.0, 10.0, 100.0)]).unwrap();
+        assert!((limits.time_scale() - 0.1).abs() < 1.0e-12);
+    }
+}

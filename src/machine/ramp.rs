@@ -47,3 +47,36 @@ impl<S: Scalar> Ramp<S> {
         (self.jerk * time * time * time / S::of(6.0)).greatest(S::of(LEAST_REST))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::AxisLimits;
+
+    fn limits() -> Limits<f64, 2> {
+        let axis = AxisLimits { velocity: 200.0, acceleration: 2000.0, jerk: 5.0e4, rotary: false };
+        Limits::new([axis; 2]).unwrap()
+    }
+
+    /// Constant jerk over half of the time in which acceleration builds up: s = J t^3 / 6.
+    #[test]
+    fn the_first_cell_is_what_jerk_covers() {
+        let ramp = Ramp::new(&limits(), &[1.0, 0.0]);
+        let time = 0.5 * 2000.0 / 5.0e4;
+        assert!((ramp.first_cell(200.0) / (5.0e4 * time * time * time / 6.0) - 1.0).abs() < 1e-12);
+        // A slow feed is reached sooner, and a standstill has a length all the same.
+        assert!(ramp.first_cell(0.1) < ramp.first_cell(200.0));
+        assert!((ramp.first_cell(0.0) - LEAST_REST).abs() < 1.0e-20);
+    }
+
+    /// Along a diagonal both axes give their jerk.
+    #[test]
+    fn jerk_is_that_along_the_direction() {
+        let half = core::f64::consts::FRAC_1_SQRT_2;
+        let (straight, diagonal) =
+            (Ramp::new(&limits(), &[1.0, 0.0]), Ramp::new(&limits(), &[half, half]));
+        assert!((diagonal.jerk / straight.jerk - core::f64::consts::SQRT_2).abs() < 1.0e-12);
+        assert!(diagonal.length(100.0) < straight.length(100.0));
+        assert!(straight.length(10.0) < straight.length(100.0));
+    }
+}

@@ -85,3 +85,51 @@ impl Coord {
         Self(self.0 + ((step * i128::from(fraction)) >> 62) as i64)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn millimetres_and_nanometres_are_rounded_to_the_nearest() {
+        assert_eq!(Coord::from_mm(1.0), Coord::from_nm(1_000_000));
+        assert_eq!(Coord::from_mm(-0.6e-12).unwrap().raw(), -1);
+        assert_eq!(Coord::from_mm(0.4e-12), Ok(Coord::ZERO));
+        for (raw, nm) in [(499_999, 0), (500_000, 1), (-499_999, 0), (-500_000, -1)] {
+            assert_eq!(Coord::from_raw(raw).to_nm(), nm, "{raw}");
+        }
+        assert_eq!(Coord::from_raw(i64::MAX).to_nm(), i64::MAX / 1_000_000);
+    }
+
+    #[test]
+    fn what_is_out_of_range_is_no_coordinate() {
+        for mm in [1.0e6, -1.0e6, 0.0] {
+            assert!((Coord::from_mm(mm).unwrap().to_mm() - mm).abs() < f64::EPSILON);
+        }
+        for mm in [1.000_000_1e6, -2.0e6, f64::INFINITY] {
+            assert_eq!(Coord::from_mm(mm), Err(Coord::RANGE.refused(mm)));
+        }
+        assert!(Coord::from_mm(f64::NAN).is_err());
+        assert!(Coord::from_nm(1_000_000_000_001).is_err());
+    }
+
+    /// Moves of an `f32` add up exactly: what was added is what is between.
+    #[test]
+    fn sums_do_not_drift() {
+        let mut at = Coord::from_mm(999.0).unwrap();
+        let start = at;
+        for _ in 0..100_000 {
+            at = at.plus(0.001f32);
+        }
+        let step = Coord::ZERO.plus(0.001f32).raw();
+        assert_eq!(at.raw() - start.raw(), 100_000 * step);
+        assert_eq!(Coord::from_raw(i64::MAX).plus(1.0f64), Coord::from_raw(i64::MAX));
+    }
+
+    #[test]
+    fn a_fraction_of_a_line_ends_exactly_at_its_end() {
+        let (a, b) = (Coord::from_raw(-1_000_000_007), Coord::from_raw(3_000_000_001));
+        assert_eq!((a.towards(b, 0), a.towards(b, 1 << 62)), (a, b));
+        assert_eq!(a.towards(b, 1 << 61).raw(), 999_999_997);
+    }
+}

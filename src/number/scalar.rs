@@ -146,3 +146,37 @@ macro_rules! scalar {
 
 scalar!(f32, AtomicU32, sqrtf, libm::cbrtf, libm::logf, libm::sincosf);
 scalar!(f64, [AtomicU32; 2], libm::sqrt, libm::cbrt, libm::log, libm::sincos);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn comparisons<S: Scalar>() {
+        let (one, two, nan) = (S::ONE, S::of(2.0), S::of(f64::NAN));
+        assert!(one.least(two) == one && two.least(one) == one);
+        assert!(one.greatest(two) == two && two.greatest(one) == two);
+        // What is no number loses as an argument, and stays where it was: the same on every target.
+        assert!(one.least(nan) == one && one.greatest(nan) == one);
+        assert!(!nan.least(one).is_finite() && !nan.greatest(one).is_finite());
+        assert!((-two).abs() == two && S::ZERO.abs() == S::ZERO);
+    }
+
+    fn conversions<S: Scalar>() {
+        assert_eq!(S::of(2.9).to_i64(), 2);
+        assert_eq!(S::of(-2.9).to_i64(), -2);
+        assert_eq!(S::of(1.0e30).to_i64(), i64::MAX);
+        assert_eq!(S::of(f64::NAN).to_i64(), 0);
+        assert!(S::from_u32(7) == S::from_i64(7) && S::from_u32(7) == S::of(7.0));
+        let (sin, cos) = S::of(0.3).sin_cos();
+        assert!((sin * sin + cos * cos - S::ONE).abs() <= S::EPSILON + S::EPSILON);
+    }
+
+    #[test]
+    fn both_scalars_compare_and_convert_alike() {
+        comparisons::<f32>();
+        comparisons::<f64>();
+        conversions::<f32>();
+        conversions::<f64>();
+        assert_eq!((f32::NAME, f64::NAME), ("f32", "f64"));
+    }
+}

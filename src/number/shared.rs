@@ -80,3 +80,28 @@ impl Shared<ArcLength> for Pair {
         store_pair(self, value.raw().cast_unsigned());
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_stored_is_loaded_to_the_bit() {
+        let word = <AtomicU32 as Shared<f32>>::ZERO;
+        for x in [0.0f32, -0.0, 1.5e-30, f32::INFINITY, f32::NAN] {
+            Shared::<f32>::store(&word, x);
+            assert_eq!(Shared::<f32>::load(&word).to_bits(), x.to_bits());
+        }
+        let pair = <Pair as Shared<f64>>::ZERO;
+        for x in [-0.0f64, 1.5e-300, -f64::MAX, f64::NAN] {
+            Shared::<f64>::store(&pair, x);
+            assert_eq!(Shared::<f64>::load(&pair).to_bits(), x.to_bits());
+        }
+        for raw in [0, -1, i64::MIN, i64::MAX, 1 << 32, -(1 << 32)] {
+            Shared::<Coord>::store(&pair, Coord::from_raw(raw));
+            assert_eq!(Shared::<Coord>::load(&pair), Coord::from_raw(raw));
+            Shared::<ArcLength>::store(&pair, ArcLength::from_raw(raw));
+            assert_eq!(Shared::<ArcLength>::load(&pair), ArcLength::from_raw(raw));
+        }
+    }
+}

@@ -44,3 +44,25 @@ pub fn mix<S: Scalar, const N: usize>(
 pub fn shifted<S: Scalar, const N: usize>(at: &[Coord; N], offset: &Vector<S, N>) -> [Coord; N] {
     from_fn(|i| at[i].plus(offset[i]))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_and_products() {
+        let (a, b) = ([3.0f64, 4.0, 0.0], [1.0, -1.0, 2.0]);
+        assert!((norm(&a) - 5.0).abs() < f64::EPSILON);
+        assert!((dot(&a, &b) + 1.0).abs() < f64::EPSILON);
+        assert_eq!(sub(&a, &b).map(f64::to_bits), [2.0, 5.0, -2.0].map(f64::to_bits));
+        assert_eq!(mix(2.0, &a, -1.0, &b).map(f64::to_bits), [5.0, 9.0, -2.0].map(f64::to_bits));
+        assert!(norm(&zero::<f64, 3>()) <= 0.0);
+    }
+
+    #[test]
+    fn a_point_is_moved_by_its_offset() {
+        let at = [Coord::from_mm(1.0).unwrap(), Coord::ZERO];
+        let moved = shifted(&at, &[0.25f32, -0.5]);
+        assert_eq!(moved.map(Coord::to_nm), [1_250_000, -500_000]);
+    }
+}

@@ -4,7 +4,7 @@ use super::node::{Cell, Node};
 use super::queued::{Joint, QueuedBlock};
 use super::segment::Segment;
 use crate::machine::{Limits, Ramp};
-use crate::number::vector::zero;
+use crate::number::vector::{norm, zero};
 use crate::number::{Interval, Length, Scalar};
 
 /// Longest time one cell may take at the programmed feed, s.
@@ -25,6 +25,22 @@ pub struct Emitted<S, const N: usize> {
     pub node: Node<S, N>,
     pub rest: bool,
 }
+
+impl<S: Scalar, const N: usize> Emitted<S, N> {
+    /// What every cell keeps to, whoever made it: it moves or stands still, and at both ends it has a direction of unit
+    /// length. Beyond the path a broken one would be a motion that nobody has asked for.
+    pub fn holds(&self) -> bool {
+        let unit = |node: &Node<S, N>| (norm(&node.tangent) - S::ONE).abs() <= S::of(UNIT_SLACK);
+        let Cell { length, dwell, .. } = self.cell;
+        if !(length > S::ZERO) {
+            return length == S::ZERO && dwell > S::ZERO && self.rest && self.cell.straight;
+        }
+        dwell == S::ZERO && length.is_finite() && unit(&self.from) && unit(&self.node)
+    }
+}
+
+/// What rounding may take of a unit vector.
+const UNIT_SLACK: f64 = 1.0e-5;
 
 /// Most servo cycles of a standstill in one cell: they are counted exactly, in `f32` too.
 const MOST_DWELL_CYCLES: f64 = 1_048_576.0;

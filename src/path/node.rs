@@ -115,3 +115,27 @@ const GAUSS: [(f64, f64); 3] = [
     (0.5, 8.0 / 18.0),
     (0.887_298_334_620_741_7, 5.0 / 18.0),
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn derivatives_by_arc_length_are_those_of_a_circle() {
+        // A circle of 5 mm, run at 3 mm and with 7 mm along it by the parameter.
+        let (d1, d2) = ([3.0f64, 0.0], [7.0, 9.0 / 5.0]);
+        let Frame { tangent, curvature } = by_arc_length(&d1, &d2);
+        assert!((tangent[0] - 1.0).abs() < 1e-15 && tangent[1].abs() < 1e-15);
+        assert!(curvature[0].abs() < 1e-15 && (curvature[1] - 0.2).abs() < 1e-15);
+    }
+
+    #[test]
+    fn the_tangent_offset_is_the_distance_from_the_tangent() {
+        let at = |x: f64, y: f64| [x, y].map(|x| Coord::from_mm(x).unwrap());
+        let node = Node { at: at(1.0, 1.0), tangent: [1.0f32, 0.0], curvature: [0.0; 2] };
+        let offset = node.tangent_offset_to(&at(2.999, 1.25), 2.0);
+        assert!((offset[0] + 0.001).abs() < 1e-9 && (offset[1] - 0.25).abs() < 1e-9);
+        let frame = Node::new(node.at, node.frame());
+        assert_eq!(frame.at, node.at);
+    }
+}

@@ -14,6 +14,12 @@ use crate::path::transition::Transition;
 impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// The next cell, if enough is known to cut it. `last` is the node the last one ended at.
     pub fn emit(&mut self, last: &Node<S, N>, config: &Config<S, N>) -> Option<Emitted<S, N>> {
+        let cut = self.cut(last, config);
+        debug_assert!(cut.as_ref().is_none_or(Emitted::holds), "a broken cell");
+        cut
+    }
+
+    fn cut(&mut self, last: &Node<S, N>, config: &Config<S, N>) -> Option<Emitted<S, N>> {
         self.take_chords(config);
         // A finished stage leads to the next: body, joint, next block. Each turn of this loop
         // moves on by one of these, and a block has a body or a joint with cells, or is dropped.
