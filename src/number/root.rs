@@ -60,7 +60,7 @@ mod tests {
 
     #[test]
     fn cube_roots_are_as_good_as_is_said() {
-        for k in -60..60 {
+        for k in -60i32..60 {
             let x = 10.0f64.powf(f64::from(k) * 0.2);
             let wanted = x.cbrt();
             let most = if k.abs() <= 50 { 2.0e-4 } else { 1.0e-3 };
