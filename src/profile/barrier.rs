@@ -282,7 +282,7 @@ pub fn by_square<S: Scalar>(
 }
 
 /// Damping, by relative changes of b and of a over the cell. It shortens a step along a curved
-/// limit and leaves the way off the limit as it is, which shortening the whole step would not.
+/// limit and leaves the part off the limit as it is, which shortening the whole step would not.
 #[inline]
 pub fn add_damping<S: Scalar>(
     hessian: &mut [S; 10],

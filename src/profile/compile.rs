@@ -11,7 +11,7 @@ use core::array::from_fn;
 #[derive(Clone, Copy, Debug)]
 pub struct Placement {
     pub serial: NodeSerial,
-    pub way: ArcLength,
+    pub arc_length: ArcLength,
     pub sequel: Sequel,
 }
 
@@ -19,7 +19,7 @@ pub struct Placement {
 pub fn piece<S: Scalar, const N: usize>(
     view: &View<'_, S, N>,
     law: &Law<S>,
-    place: Placement,
+    placement: Placement,
 ) -> Piece<S, N> {
     let rate = law.rate;
     let half = S::of(0.5);
@@ -39,19 +39,19 @@ pub fn piece<S: Scalar, const N: usize>(
         ]
     });
     let mut piece = Piece {
-        serial: place.serial,
+        serial: placement.serial,
         tag: view.cell.programmed.tag,
         time: law.time,
         origin: view.from.at,
         axes,
-        way: place.way,
+        arc_length: placement.arc_length,
         path: [
             law.v0,
             law.a0 * half,
             law.jerk[0] * S::of(1.0 / 6.0),
             (law.jerk[2] - law.jerk[0]) * rate * S::of(1.0 / 24.0),
         ],
-        sequel: place.sequel,
+        sequel: placement.sequel,
         event: false,
     };
     if !(law.v1 > S::ZERO) {
@@ -74,17 +74,17 @@ fn rest_at<S: Scalar, const N: usize>(piece: &mut Piece<S, N>, place: &[Coord; N
 /// Standing still for `time` seconds.
 pub fn standstill<S: Scalar, const N: usize>(
     view: &View<'_, S, N>,
-    place: Placement,
+    placement: Placement,
 ) -> Piece<S, N> {
     Piece {
-        serial: place.serial,
+        serial: placement.serial,
         tag: view.cell.programmed.tag,
         time: view.cell.dwell,
         origin: view.from.at,
         axes: [[S::ZERO; 5]; N],
-        way: place.way,
+        arc_length: placement.arc_length,
         path: [S::ZERO; 4],
-        sequel: place.sequel,
+        sequel: placement.sequel,
         event: view.cell.event.is_some(),
     }
 }
@@ -127,7 +127,7 @@ mod tests {
                         let law = Law::new(cell.length, start, end).unwrap();
                         let place = Placement {
                             serial: NodeSerial::ZERO,
-                            way: ArcLength::ZERO,
+                            arc_length: ArcLength::ZERO,
                             sequel: Sequel::Motion,
                         };
                         let piece = piece(&view, &law, place);

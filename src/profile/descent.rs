@@ -1,12 +1,12 @@
 //! Least time over a stretch, by Newton's method on time and barrier.
 //!
-//! Two ways lead there. [`Problem::find`] starts from a guess that need not keep the limits
+//! There are two methods. [`Problem::find`] starts from a guess that need not keep the limits
 //! ([`super::guess`]), under a relaxed barrier ([`Relaxation`]): no limit stands in the way of a step, so
 //! that the number of steps hardly depends on the path. While mu falls, so does the share of a
 //! limit from which on the barrier is relaxed; it ends when all limits hold. [`Problem::improve`]
 //! starts from states that keep all limits, and every iterate does: a step is shortened until they
 //! hold, so it may be stopped after any number of steps. It serves where an answer is owed that is
-//! valid whatever happens, and when the other way has failed.
+//! valid whatever happens, and when the other has failed.
 //!
 //! Either is a [`Descent`], which takes one Newton step at a time and is plain data between two: it may be laid aside
 //! after any step.

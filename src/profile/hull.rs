@@ -55,21 +55,21 @@ fn next<S: Scalar>(
     radius: f64,
 ) -> Option<(Motion<S, AXES>, Segment<f64, AXES>)> {
     let kink = [0.0, 0.0, 0.01, 0.2, 1.0][(draws.unit() * 5.0) as usize];
-    let way: [f64; AXES] = from_fn(|i| tangent[i] + kink * (2.0 * draws.unit() - 1.0));
+    let direction: [f64; AXES] = from_fn(|i| tangent[i] + kink * (2.0 * draws.unit() - 1.0));
     if !helix {
         let length = draws.power(-1.5, 1.5);
-        let to = from_fn(|i| here[i].plus(way[i] * length));
+        let to = from_fn(|i| here[i].plus(direction[i] * length));
         return Some((Motion::Line { to }, Segment::line(*here, to)?));
     }
-    let flat = way[0].hypot(way[1]).max(1e-3);
-    let (x, y) = (-way[1] / flat * radius, way[0] / flat * radius);
+    let flat = direction[0].hypot(direction[1]).max(1e-3);
+    let (x, y) = (-direction[1] / flat * radius, direction[0] / flat * radius);
     let angle = 0.02 + 4.0 * draws.unit();
     let (sin, cos) = angle.sin_cos();
     let centre = (here[0].plus(x), here[1].plus(y));
     let to = [
         centre.0.plus(y * sin - x * cos),
         centre.1.plus(-x * sin - y * cos),
-        here[2].plus(way[2] / flat * radius * angle),
+        here[2].plus(direction[2] / flat * radius * angle),
     ];
     let (plane, turn) = ((0, 1), Turn::CounterClockwise);
     let segment = Segment::arc(*here, to, plane, centre, turn, 0).ok()?;
@@ -122,7 +122,7 @@ fn law<S: Scalar>(length: S, [p0, p1, p2, p3]: [S; 4]) -> Option<Law<S>> {
 fn over<S: Scalar>(view: &View<'_, S, AXES>, speeds: [S; 4]) -> f64 {
     let Some(law) = law(view.cell.length, speeds) else { return 0.0 };
     let place =
-        Placement { serial: NodeSerial::ZERO, way: ArcLength::ZERO, sequel: Sequel::Motion };
+        Placement { serial: NodeSerial::ZERO, arc_length: ArcLength::ZERO, sequel: Sequel::Motion };
     let piece = piece(view, &law, place);
     let mut worst = 0.0f64;
     for (axis, c) in view.limits.axes().iter().zip(&piece.axes) {
@@ -178,9 +178,9 @@ fn ends<S: Scalar>(rounds: u32, floor: f64) {
         cells(&mut draws, &config, |_, cut| {
             let length = cut.cell.length.to_f64();
             for i in 0..AXES {
-                let way =
+                let direction =
                     cut.from.tangent[i].to_f64() * length + cut.cell.tangent_offset[i].to_f64();
-                let missed = way - cut.node.at[i].minus::<f64>(cut.from.at[i]);
+                let missed = direction - cut.node.at[i].minus::<f64>(cut.from.at[i]);
                 let most = 4.0 * S::EPSILON.to_f64() * length + floor;
                 assert!(missed.abs() <= most, "round {round}: {missed} of {length} on axis {i}");
             }
@@ -226,7 +226,7 @@ fn no_motion_over_a_cell_of_an_arc_leaves_the_band() {
             let Some(law) = law(length, speeds) else { continue };
             let place = Placement {
                 serial: NodeSerial::ZERO,
-                way: ArcLength::ZERO,
+                arc_length: ArcLength::ZERO,
                 sequel: Sequel::Motion,
             };
             let piece = piece(&view, &law, place);

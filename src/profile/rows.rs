@@ -151,13 +151,21 @@ impl<'a, S: Scalar, const N: usize> View<'a, S, N> {
     }
 }
 
-/// How one Bernstein coefficient of the jerk is made of offset, turn and the end accelerations:
-/// index of the path jerk, and the four factors.
-type Mix = (f64, f64, f64, f64);
+/// Factors of offset w^3, turn v1 w^2, E0 w and E1 w in one Bernstein coefficient of the jerk.
+#[derive(Clone, Copy)]
+struct JerkMix {
+    offset: f64,
+    turn: f64,
+    e0: f64,
+    e1: f64,
+}
 
-/// Factors of offset w^3, turn v1 w^2, E0 w and E1 w in Q0, Q1, Q2.
-const JERK_MIX: [Mix; 3] =
-    [(60.0, -24.0, -9.0, 3.0), (-120.0, 60.0, 9.0, -9.0), (60.0, -36.0, -3.0, 9.0)];
+/// Those of Q0, Q1, Q2.
+const JERK_MIX: [JerkMix; 3] = [
+    JerkMix { offset: 60.0, turn: -24.0, e0: -9.0, e1: 3.0 },
+    JerkMix { offset: -120.0, turn: 60.0, e0: 9.0, e1: -9.0 },
+    JerkMix { offset: 60.0, turn: -36.0, e0: -3.0, e1: 9.0 },
+];
 
 /// Parts of an axis's motion that do not depend on which coefficient is wanted.
 #[derive(Clone, Copy)]
@@ -198,7 +206,7 @@ impl<S: Scalar> Axis<S> {
     }
 
     #[inline]
-    fn jerk(&self, law: &Law<S>, jerk: S, (offset, turn, e0, e1): Mix) -> S {
+    fn jerk(&self, law: &Law<S>, jerk: S, JerkMix { offset, turn, e0, e1 }: JerkMix) -> S {
         let w = law.rate;
         self.tangent * jerk
             + ((S::of(offset) * self.tangent_offset * w + S::of(turn) * self.turn * law.v1) * w
@@ -357,13 +365,16 @@ fn straight_rows<S: Scalar, const N: usize, K: Sink<S>>(
         let [g0, g1, g2] = &slopes.jerk;
         [scaled(g0, per), scaled(g1, per), scaled(g2, per)]
     });
-    let parts = Ends {
+    let [g0, _, g2] = slopes.jerk;
+    let ends = Ends {
         per: one / view.bounds.acceleration,
-        start: (law.a0, [zero, one, zero, zero]),
-        finish: (law.a1, [zero, zero, zero, one]),
-        jerks: [(law.jerk[0], &slopes.jerk[0]), (law.jerk[2], &slopes.jerk[2])],
+        acceleration: [
+            Term { value: law.a0, gradient: [zero, one, zero, zero] },
+            Term { value: law.a1, gradient: [zero, zero, zero, one] },
+        ],
+        jerk: [Term { value: j0, gradient: g0 }, Term { value: j2, gradient: g2 }],
     };
-    acceleration_rows(law, slopes, &parts, sink);
+    acceleration_rows(law, slopes, &ends, sink);
 }
 
 /// One axis of a curved cell.
@@ -400,19 +411,23 @@ fn axis_rows<S: Scalar, const N: usize, K: Sink<S>>(
             scaled(g2, per),
         ]
     });
-    let parts = Ends {
-        per: S::ONE / (limits.acceleration * view.share),
-        start: (
-            axis.e0 + axis.tangent * law.a0,
-            [two * axis.k0 * law.v0, axis.tangent, zero, zero],
-        ),
-        finish: (
-            axis.e1 + axis.tangent * law.a1,
-            [zero, zero, two * axis.k1 * law.v1, axis.tangent + axis.turn],
-        ),
-        jerks: [(q0, &gradients[0]), (q2, &gradients[2])],
+    let start = Term {
+        value: axis.e0 + axis.tangent * law.a0,
+        gradient: [two * axis.k0 * law.v0, axis.tangent, zero, zero],
     };
-    acceleration_rows(law, slopes, &parts, sink);
+    let finish = Term {
+        value: axis.e1 + axis.tangent * law.a1,
+        gradient: [zero, zero, two * axis.k1 * law.v1, axis.tangent + axis.turn],
+    };
+    let ends = Ends {
+        per: S::ONE / (limits.acceleration * view.share),
+        acceleration: [start, finish],
+        jerk: [
+            Term { value: q0, gradient: gradients[0] },
+            Term { value: q2, gradient: gradients[2] },
+        ],
+    };
+    acceleration_rows(law, slopes, &ends, sink);
 }
 
 impl<S: Scalar> Axis<S> {
@@ -420,7 +435,7 @@ impl<S: Scalar> Axis<S> {
     #[inline]
     fn jerk_gradients(&self, law: &Law<S>, slopes: &Slopes<S>) -> [Gradient<S>; 3] {
         let (w, two) = (law.rate, S::of(2.0));
-        let gradient = |slope: &Gradient<S>, (offset, turn, e0, e1): Mix| {
+        let gradient = |slope: &Gradient<S>, JerkMix { offset, turn, e0, e1 }: JerkMix| {
             let (offset, turn, e0, e1) = (S::of(offset), S::of(turn), S::of(e0), S::of(e1));
             let per_rate = (S::of(3.0) * offset * self.tangent_offset * w
                 + two * turn * self.turn * law.v1)
@@ -438,13 +453,19 @@ impl<S: Scalar> Axis<S> {
     }
 }
 
-/// Acceleration at both ends of a cell and jerk next to them, with gradients.
-struct Ends<'a, S> {
-    /// 1 / limit.
+/// A term of a row, with its gradient by (v0, a0, v1, a1).
+#[derive(Clone, Copy)]
+struct Term<S> {
+    value: S,
+    gradient: Gradient<S>,
+}
+
+/// Acceleration at both ends of a cell and jerk next to them.
+struct Ends<S> {
+    /// 1 / limit of the acceleration.
     per: S,
-    start: (S, Gradient<S>),
-    finish: (S, Gradient<S>),
-    jerks: [(S, &'a Gradient<S>); 2],
+    acceleration: [Term<S>; 2],
+    jerk: [Term<S>; 2],
 }
 
 /// Bernstein coefficients A0, A0 + Q0 T / 3, A1 - Q2 T / 3. The fourth, A1, is A0 of the next cell, or 0
@@ -453,23 +474,25 @@ struct Ends<'a, S> {
 fn acceleration_rows<S: Scalar, K: Sink<S>>(
     law: &Law<S>,
     slopes: &Slopes<S>,
-    parts: &Ends<'_, S>,
+    ends: &Ends<S>,
     sink: &mut K,
 ) {
     let third = S::of(1.0 / 3.0);
     let reach = law.time * third;
-    let per = parts.per;
-    let [(q0, dq0), (q2, dq2)] = parts.jerks;
-    let ((a0, da0), (a1, da1)) = (&parts.start, &parts.finish);
-    let inner = |ends: &Gradient<S>, (jerk, reach): (&Gradient<S>, S), per_time: S| {
-        let part = |k: usize| (ends[k] + jerk[k] * reach + per_time * slopes.time[k]) * per;
+    let per = ends.per;
+    let [a0, a1] = &ends.acceleration;
+    let [q0, q2] = &ends.jerk;
+    let inner = |end: &Gradient<S>, (jerk, reach): (&Gradient<S>, S), per_time: S| {
+        let part = |k: usize| (end[k] + jerk[k] * reach + per_time * slopes.time[k]) * per;
         [part(0), part(1), part(2), part(3)]
     };
-    sink.two_sided([*a0 * per, (*a0 + q0 * reach) * per, (*a1 - q2 * reach) * per], || {
+    let early = a0.value + q0.value * reach;
+    let late = a1.value - q2.value * reach;
+    sink.two_sided([a0.value * per, early * per, late * per], || {
         [
-            scaled(da0, per),
-            inner(da0, (dq0, reach), q0 * third),
-            inner(da1, (dq2, -reach), -(q2 * third)),
+            scaled(&a0.gradient, per),
+            inner(&a0.gradient, (&q0.gradient, reach), q0.value * third),
+            inner(&a1.gradient, (&q2.gradient, -reach), -(q2.value * third)),
         ]
     });
 }

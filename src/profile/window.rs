@@ -18,7 +18,7 @@ pub struct Station<S, const N: usize> {
     pub cell: Cell<S, N>,
     pub bounds: Bounds<S>,
     /// Arc length from the start of the path.
-    pub way: ArcLength,
+    pub arc_length: ArcLength,
     /// Whether the motion rests here whatever follows.
     pub rest: bool,
     /// Whether it then goes on only when it is resumed.
@@ -40,7 +40,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
     /// A window that rests at one node, whose running number is `first`.
     pub fn new(node: Node<S, N>, first: NodeSerial) -> Self {
         // Fourteen nodes are kept free for what answers to commands add. With fewer than 48 the others do not
-        // hold the way to a stop over the cells of corners and arcs: it is slower than a stop at every corner.
+        // hold the distance to a stop over the cells of corners and arcs: it is slower than a stop at every corner.
         const {
             assert!(
                 NODES >= 48,
@@ -60,7 +60,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
             node,
             cell,
             bounds: Bounds::default(),
-            way: ArcLength::ZERO,
+            arc_length: ArcLength::ZERO,
             rest: true,
             pause: false,
             state: PathState::REST,
@@ -119,9 +119,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
 
     /// Adds a cell behind the last station; the new last station rests.
     pub fn append(&mut self, cell: Cell<S, N>, node: Node<S, N>, rest: bool, pace: &Pace<S, N>) {
-        let mut way = ArcLength::ZERO;
+        let mut arc_length = ArcLength::ZERO;
         if let Some(last) = self.stations.back_mut() {
-            way = last.way.plus(cell.length);
+            arc_length = last.arc_length.plus(cell.length);
             last.cell = cell;
             last.bounds = Bounds::new(&last.node, &cell, &node, pace);
         }
@@ -129,7 +129,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
             node,
             cell,
             bounds: Bounds::default(),
-            way,
+            arc_length,
             rest,
             pause: cell.event == Some(Event::Pause),
             state: PathState::REST,
@@ -179,10 +179,10 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
 
     /// Arc lengths behind a station anew, from its own.
     pub fn measure(&mut self, index: usize) {
-        let mut way = None;
+        let mut arc_length = None;
         for station in self.stations.iter_mut().skip(index) {
-            station.way = way.unwrap_or(station.way);
-            way = Some(station.way.plus(station.cell.length));
+            station.arc_length = arc_length.unwrap_or(station.arc_length);
+            arc_length = Some(station.arc_length.plus(station.cell.length));
         }
     }
 
@@ -230,8 +230,8 @@ impl<S: Scalar, const N: usize> Station<S, N> {
     /// Makes the cell end at a place where the agreed motion arrives after `time` seconds.
     pub fn lead_to(&mut self, end: &[Coord; N], arriving: PathState<S>, time: S) {
         if self.cell.straight {
-            let way: [S; N] = from_fn(|i| end[i].minus(self.node.at[i]));
-            self.cell.length = dot(&way, &self.node.tangent);
+            let chord: [S; N] = from_fn(|i| end[i].minus(self.node.at[i]));
+            self.cell.length = dot(&chord, &self.node.tangent);
             self.cell.tangent_offset = [S::ZERO; N];
         } else {
             // The length that takes this time: then it is a part of the same quintic.

@@ -32,7 +32,7 @@ pub struct Piece<S, const N: usize> {
     /// Coefficients of t^1 .. t^5 per axis.
     pub axes: [[S; 5]; N],
     /// Arc length at its start.
-    pub way: ArcLength,
+    pub arc_length: ArcLength,
     /// Coefficients of t^1 .. t^4 of the arc length.
     pub path: [S; 4],
     /// What comes after it.
@@ -61,7 +61,7 @@ pub struct Slot<S: Scalar, const N: usize> {
     time: S::Shared,
     origin: [[AtomicU32; 2]; N],
     axes: [[S::Shared; 5]; N],
-    way: [AtomicU32; 2],
+    arc_length: [AtomicU32; 2],
     path: [S::Shared; 4],
 }
 
@@ -74,7 +74,7 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
         time: S::Shared::ZERO,
         origin: [const { <[AtomicU32; 2] as Shared<Coord>>::ZERO }; N],
         axes: [const { [const { S::Shared::ZERO }; 5] }; N],
-        way: <[AtomicU32; 2] as Shared<ArcLength>>::ZERO,
+        arc_length: <[AtomicU32; 2] as Shared<ArcLength>>::ZERO,
         path: [const { S::Shared::ZERO }; 4],
     };
 
@@ -92,7 +92,7 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
                 slot.store(value);
             }
         }
-        self.way.store(piece.way);
+        self.arc_length.store(piece.arc_length);
         for (slot, value) in self.path.iter().zip(piece.path) {
             slot.store(value);
         }
@@ -129,7 +129,7 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
     #[inline(always)]
     pub fn at(&self, t: S) -> Setpoint<S, N> {
         let mut at = Setpoint {
-            path_origin: self.way.load(),
+            path_origin: self.arc_length.load(),
             tag: self.tag.load(Relaxed),
             ..Setpoint::REST
         };
@@ -152,13 +152,13 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
             at.acceleration[i] = e + e;
         }
         let [c1, c2, c3, c4] = self.path.each_ref().map(Shared::load);
-        let mut way = c4;
-        let mut speed = way;
+        let mut distance = c4;
+        let mut speed = distance;
         for c in [c3, c2, c1] {
-            way = way * t + c;
-            speed = speed * t + way;
+            distance = distance * t + c;
+            speed = speed * t + distance;
         }
-        at.path_offset = way * t;
+        at.path_offset = distance * t;
         at.path_speed = speed;
         let dwells = c1 == S::ZERO && c3 == S::ZERO && c4 == S::ZERO;
         at.activity = if dwells { Activity::Dwelling } else { Activity::Running };

@@ -23,7 +23,7 @@ const LEAST_CYCLES: f64 = 0.5;
 /// Braking distances within which a stop is wanted; if there is none, it is looked for again a
 /// little later.
 const FURTHEST_STOP: f64 = 3.0;
-/// Most stations on the way of a stop.
+/// Most stations that a stop passes.
 const STOP_CELLS: usize = 16;
 /// A part of a stop is a cell of its own if it is this much of the whole.
 const LEAST_PART: f64 = 0.03;
@@ -147,7 +147,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// how.
     fn next_stop(&self, stretch: Stretch, beyond: S) -> Option<(usize, StopProfile<S>)> {
         let mut best: Option<(usize, StopProfile<S>)> = None;
-        let mut way = S::ZERO;
+        let mut distance = S::ZERO;
         for i in stretch.first..stretch.last {
             let station = self.window.get(i)?;
             for depth in DEPTHS {
@@ -157,7 +157,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
                     if k >= HARD && !brief {
                         break;
                     }
-                    let Some(stop) = StopProfile::new(station, way, depth, S::of(*share)) else {
+                    let Some(stop) = StopProfile::new(station, distance, depth, S::of(*share))
+                    else {
                         continue;
                     };
                     brief = stop.time() < self.config.cycle * S::of(BRIEF);
@@ -176,7 +177,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
                     }
                 }
             }
-            way += station.cell.length;
+            distance += station.cell.length;
         }
         best
     }
@@ -185,23 +186,23 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// one that will start there.
     fn is_clear(&self, stretch: Stretch, stop: &StopProfile<S>) -> bool {
         let begin = stop.at - stop.length();
-        let mut way = S::ZERO;
+        let mut distance = S::ZERO;
         for i in stretch.first..stretch.last {
             let Some(station) = self.window.get(i) else { return false };
             let apart = self.apart(station.bounds.jerk);
-            let end = way + station.cell.length;
+            let end = distance + station.cell.length;
             if stop.at < end + apart {
-                let (before, behind) = (stop.at - way, end - stop.at);
-                let speed = stop.state((way - begin).greatest(S::ZERO)).b.sqrt();
+                let (before, behind) = (stop.at - distance, end - stop.at);
+                let speed = stop.state((distance - begin).greatest(S::ZERO)).b.sqrt();
                 return before >= speed * self.config.cycle * S::of(LEAST_CYCLES)
                     && behind >= apart;
             }
-            way = end;
+            distance = end;
         }
         false
     }
 
-    /// Puts a stop into the window: stations on the way there get its states, what they had goes
+    /// Puts a stop into the window: stations before its end get its states, what they had goes
     /// to `before`. Returns the index of the station at rest.
     fn put_stop(
         &mut self,
@@ -210,34 +211,34 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         last: usize,
         before: &mut heapless::Vec<PathState<S>, STOP_CELLS>,
     ) -> Option<usize> {
-        let (mut cell, mut way) = (i, S::ZERO);
+        let (mut cell, mut distance) = (i, S::ZERO);
         loop {
             let length = self.window.get(cell)?.cell.length;
-            if way + length > stop.length() {
-                self.insert(cell, (stop.length() - way) / length, PathState::REST)?;
+            if distance + length > stop.length() {
+                self.insert(cell, (stop.length() - distance) / length, PathState::REST)?;
                 break;
             }
-            way += length;
+            distance += length;
             cell += 1;
             if cell >= last {
                 return None;
             }
             before.push(self.window.get(cell)?.state).ok()?;
-            self.window.set_state(cell, stop.state(way));
+            self.window.set_state(cell, stop.state(distance));
         }
         let mut end = cell + 1;
         // Where the jerk changes, unless a station is near.
         for change in stop.changes(self.config.cycle * S::of(LEAST_CYCLES)) {
-            way = S::ZERO;
+            distance = S::ZERO;
             for k in i..end {
                 let length = self.window.get(k)?.cell.length;
-                let share = (change - way) / length;
+                let share = (change - distance) / length;
                 if share > S::of(LEAST_PART) && share < S::of(1.0 - LEAST_PART) {
                     // Without room it may do without.
                     end += usize::from(self.insert(k, share, stop.state(change)).is_some());
                     break;
                 }
-                way += length;
+                distance += length;
             }
         }
         Some(end)

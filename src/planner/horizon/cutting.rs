@@ -129,7 +129,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let (station, after) = self.window.pair(i)?;
         let piece: Piece<S, N> = self.piece(i, after.agreed, Sequel::Motion)?;
         let here = piece.at(t);
-        let way = here.path_offset;
+        let distance = here.path_offset;
         if !(here.path_speed > self.crawl() * S::of(LEAST_SPEED)) {
             return None;
         }
@@ -154,7 +154,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
                 // curvature makes no difference that could be felt.
                 let end = station.arrival(after);
                 let curve = Hermite::of_cell(&station.node, &station.cell, &end);
-                curve.node(&station.node, way / station.cell.length).curvature
+                curve.node(&station.node, distance / station.cell.length).curvature
             };
             Node { at, tangent, curvature }
         };
@@ -162,7 +162,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let state = PathState { b: v * v, a: dot(&here.acceleration, &node.tangent) };
         cut.node = node;
         (cut.rest, cut.pause) = (false, false);
-        cut.way = station.way.plus(way);
+        cut.arc_length = station.arc_length.plus(distance);
         cut.state = state;
         cut.agreed = state;
         cut.lead_to(&after.node.at, after.agreed, piece.time - t);
@@ -183,25 +183,25 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let speed = start.state.b.sqrt();
         let longest = distance / S::of(BRAKE_CELLS);
         let (mut i, mut last) = (first, last);
-        let mut way = S::ZERO;
+        let mut done = S::ZERO;
         for _ in 0..NODES {
             let Some(station) = self.window.get(i) else { break };
             let length = station.cell.length;
-            if i >= last || way > distance {
+            if i >= last || done > distance {
                 break;
             }
             let time = self.agreed_time(i);
             let mut cut = time * S::of(0.5);
             if station.cell.straight {
                 // In its middle, or where braking may end if that is much nearer.
-                cut = cut.least((distance - way) / speed);
+                cut = cut.least((distance - done) / speed);
             }
             // The last ones are for the stop itself.
             let may = length > longest && cut > self.config.cycle && self.room_to_add() > PHASES;
             if may && self.cut_agreed(i, cut) {
                 last += 1;
             } else {
-                way += length;
+                done += length;
                 i += 1;
             }
         }

@@ -93,7 +93,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
 
     /// Whether from station `first` on the plan does nothing but come to rest where it ends: even if it let
     /// go of the brake as fast as the limits allow, hardly any speed would be left. To go on from there without
-    /// that rest would save nothing, and a motion that all but rests in the middle of its way is one that
+    /// that rest would save nothing, and a motion that all but rests in the middle is one that
     /// no solver gets going again.
     pub fn is_stopping(&self, first: usize) -> bool {
         let end = self.end_index();

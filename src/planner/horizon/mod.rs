@@ -165,7 +165,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     fn piece(&self, i: usize, to: PathState<S>, sequel: Sequel) -> Option<Piece<S, N>> {
         let (station, after) = self.window.pair(i)?;
         let view = station.view(after, &self.config.limits);
-        let placement = Placement { serial: self.window.serial(i), way: station.way, sequel };
+        let placement =
+            Placement { serial: self.window.serial(i), arc_length: station.arc_length, sequel };
         if !(station.cell.length > S::ZERO) {
             return Some(compile::standstill(&view, placement));
         }

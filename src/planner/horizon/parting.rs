@@ -10,7 +10,7 @@ use crate::profile::law::PathState;
 use crate::profile::solver::Stretch;
 use crate::profile::window::Station;
 
-/// Where the way from rest to a speed is cut, as shares of it: constant jerk covers the last in a quarter of the
+/// Where the distance from rest to a speed is cut, as shares of it: constant jerk covers the last in a quarter of the
 /// time in which acceleration builds up.
 const RAMP: [f64; 3] = [0.75, 0.125, 0.02];
 /// A cell at a rest is cut only if the part there is at most this share of it.
@@ -71,8 +71,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let (station, after) = self.window.pair(i)?;
         let (first, node, cell) =
             hermite::split_at(&station.node, &station.cell, &station.arrival(after), share);
-        let way = station.way.plus(first.length);
-        Some((first, Station { node, cell, way, rest: false, pause: false, ..*station }))
+        let arc_length = station.arc_length.plus(first.length);
+        Some((first, Station { node, cell, arc_length, rest: false, pause: false, ..*station }))
     }
 
     /// Makes `first` the cell of station `i`; it and the one behind are bounded anew.
@@ -130,7 +130,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         }
     }
 
-    /// Splits cells at rests, from station `new` on, that are much longer than the way to the speed that is
+    /// Splits cells at rests, from station `new` on, that are much longer than the distance to the speed that is
     /// asked for now: over the whole of one the motion would gather speed, or lose it.
     pub fn split_ramps(&mut self, stretch: &mut Stretch, new: usize) {
         let mut i = new;

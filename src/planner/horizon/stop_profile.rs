@@ -58,10 +58,10 @@ pub struct StopProfile<S> {
 }
 
 impl<S: Scalar> StopProfile<S> {
-    /// The stop from a station that is `way` mm from the branch, if there is one.
+    /// The stop from a station that is `distance` mm from the branch, if there is one.
     pub fn new<const N: usize>(
         station: &Station<S, N>,
-        way: S,
+        distance: S,
         depth: Depth,
         share: S,
     ) -> Option<Self> {
@@ -96,7 +96,7 @@ impl<S: Scalar> StopProfile<S> {
             Phase { speed: v2, acceleration: -p, jerk: p * p * half / v2, time: (v2 + v2) / p };
         let phases = [fall, hold, release];
         let length = phases.iter().fold(S::ZERO, |sum, phase| sum + phase.length());
-        length.is_finite().then_some(Self { phases, at: way + length })
+        length.is_finite().then_some(Self { phases, at: distance + length })
     }
 
     /// Length, mm.
@@ -112,30 +112,30 @@ impl<S: Scalar> StopProfile<S> {
     /// Where its jerk changes, mm from its beginning; not within `least` seconds of each other or of its ends.
     pub fn changes(&self, least: S) -> impl Iterator<Item = S> + use<S> {
         let total = self.time();
-        let (mut way, mut time, mut last) = (S::ZERO, S::ZERO, S::ZERO);
+        let (mut distance, mut time, mut last) = (S::ZERO, S::ZERO, S::ZERO);
         self.phases.into_iter().take(PHASES - 1).filter_map(move |phase| {
-            way += phase.length();
+            distance += phase.length();
             time += phase.time;
             let lasts = time - last >= least && total - time >= least;
             if lasts {
                 last = time;
             }
-            lasts.then_some(way)
+            lasts.then_some(distance)
         })
     }
 
-    /// Speed and acceleration `way` mm after its beginning.
-    pub fn state(&self, mut way: S) -> PathState<S> {
+    /// Speed and acceleration `distance` mm after its beginning.
+    pub fn state(&self, mut distance: S) -> PathState<S> {
         for phase in &self.phases {
             let length = phase.length();
-            if way > length {
-                way = way - length;
+            if distance > length {
+                distance = distance - length;
                 continue;
             }
             let (mut low, mut high) = (S::ZERO, phase.time);
             for _ in 0..HALVINGS {
                 let middle = (low + high) * S::of(0.5);
-                if phase.at(middle).0 < way {
+                if phase.at(middle).0 < distance {
                     low = middle;
                 } else {
                     high = middle;
