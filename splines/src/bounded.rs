@@ -32,7 +32,8 @@ use heapless::Vec;
 use splineway::number::Scalar;
 use splineway::number::list::{part, part_mut};
 use splineway::number::vector::{sub, zero};
-use splineway::spline::sweep::{Derivative, Reference, System, Tube, price};
+use splineway::spline::banded::System;
+use splineway::spline::sweep::{Derivative, Reference, Tube, price};
 use splineway::spline::tube::{CheckPoint, Pole, Span, edges};
 
 /// Check points in a span.
@@ -198,7 +199,7 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
             let first = if given.is_closed() { usize::from(pass) * m / 2 % m.max(1) } else { 0 };
             self.load(spline, given, first);
             self.prepare(given, first, options, derivative);
-            let free = if given.is_closed() { (HELD, m) } else { (1, m - 1) };
+            let free = if given.is_closed() { HELD..m } else { 1..m - 1 };
             Tube {
                 poles: &mut self.poles,
                 spans: &self.spans,
@@ -206,7 +207,7 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
                 reference: Reference::Itself,
                 derivative,
             }
-            .improve(options.sweeps, free, &mut self.system);
+            .improve(options.sweeps, &free, &mut self.system);
             for (k, pole) in self.poles.iter().take(m).enumerate() {
                 let i = (first + k) % m.max(1);
                 if let (Some(control), Some(start)) =

@@ -5,17 +5,11 @@ use core::array::from_fn;
 use heapless::Vec;
 use splineway::number::Scalar;
 use splineway::number::list::some_mut;
+use splineway::number::quadrature::{FIVE, Point};
 use splineway::number::vector::{Vector, dot, mix, norm, sub, zero};
 use splineway::spline::basis::Local;
+use splineway::spline::bezier;
 
-/// Gauss-Legendre points and weights on 0 to 1.
-const GAUSS: [(f64, f64); 5] = [
-    (0.046_910_077_030_668, 0.118_463_442_528_094_5),
-    (0.230_765_344_947_158_5, 0.239_314_335_249_683_2),
-    (0.5, 0.284_444_444_444_444_4),
-    (0.769_234_655_052_841_5, 0.239_314_335_249_683_2),
-    (0.953_089_922_969_332, 0.118_463_442_528_094_5),
-];
 /// Parts of a span in its arc length.
 const PARTS: u32 = 8;
 
@@ -318,12 +312,9 @@ impl<S: Scalar, const N: usize, const CAP: usize> Spline<S, N, CAP> {
         let per = S::of(1.0 / f64::from(PARTS));
         let mut sum = S::ZERO;
         for part in 0..PARTS {
-            for (u, weight) in GAUSS {
-                let u = (S::from_u32(part) + S::of(u)) * per;
-                let v = S::ONE - u;
-                let (vv, uv, uu) = (v * v, S::of(2.0) * u * v, u * u);
-                let slope: Vector<S, N> =
-                    from_fn(|i| vv * edges[0][i] + uv * edges[1][i] + uu * edges[2][i]);
+            for Point { at, weight } in FIVE {
+                let u = (S::from_u32(part) + S::of(at)) * per;
+                let slope = bezier::parabola(edges.each_ref(), u);
                 sum += S::of(weight) * norm(&slope);
             }
         }
@@ -413,9 +404,7 @@ impl<S: Scalar, const N: usize, const CAP: usize> Spline<S, N, CAP> {
             let mut square = S::ZERO;
             for k in 0..=precision {
                 let u = S::from_u32(k) * per;
-                let v = S::ONE - u;
-                let (uu, vv, three) = (u * u, v * v, S::of(3.0));
-                let w = [vv * v, three * vv * u, three * v * uu, uu * u];
+                let w = bezier::weights(u);
                 let point: Vector<S, N> =
                     from_fn(|i| w[0] * b[0][i] + w[1] * b[1][i] + w[2] * b[2][i] + w[3] * b[3][i]);
                 square = square.greatest(dot(&point, &point));

@@ -3,6 +3,9 @@
 use super::{ConfigError, Quantity};
 use crate::number::Scalar;
 
+/// No limit: more than any axis is allowed, in any direction in which it has a share worth counting.
+pub(crate) const UNLIMITED: f64 = 1.0e12;
+
 /// Limits of one axis. Units: mm and s on a linear axis, degrees and s on a rotary one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -10,6 +10,7 @@ mod size;
 
 pub use config::{Config, CornerMode};
 pub use error::ConfigError;
+pub(crate) use limits::UNLIMITED;
 pub use limits::{AxisLimits, Limits};
 pub use quantity::Quantity;
 pub(crate) use ramp::Ramp;

@@ -1,7 +1,7 @@
 //! How the machine gets going along a line: the lengths that geometry needs for its choices, made of the
 //! limits here, so that geometry need not know time.
 
-use super::Limits;
+use super::{Limits, UNLIMITED};
 use crate::number::Scalar;
 use crate::number::vector::Vector;
 
@@ -24,7 +24,7 @@ impl<S: Scalar> Ramp<S> {
 
     /// Along a unit direction.
     pub fn new<const N: usize>(limits: &Limits<S, N>, direction: &Vector<S, N>) -> Self {
-        let mut jerk = S::of(1.0e12);
+        let mut jerk = S::of(UNLIMITED);
         for (axis, share) in limits.axes().iter().zip(direction) {
             if share.abs() * jerk > axis.jerk {
                 jerk = axis.jerk / share.abs();

@@ -8,6 +8,7 @@ mod arc_length;
 mod coord;
 mod length;
 pub mod list;
+pub mod quadrature;
 mod range;
 mod root;
 mod scalar;

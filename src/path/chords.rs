@@ -11,6 +11,7 @@ use crate::block::range::{check_coordinates, in_range};
 use crate::block::{Block, BlockError, Motion};
 use crate::machine::{Config, Quantity};
 use crate::number::{Coord, Range, Scalar};
+use crate::spline::bezier::cubic_from_origin;
 use core::array::from_fn;
 
 /// Most chords of a curve.
@@ -102,9 +103,7 @@ impl<S: Scalar, const N: usize> Chords<S, N> {
 
     /// From the start to the place at a share of the parameter, mm.
     fn offset(&self, u: f64) -> [f64; N] {
-        let v = 1.0 - u;
-        let [a, b, c] = &self.offsets;
-        from_fn(|i| 3.0 * v * u * (v * a[i] + u * b[i]) + u * u * u * c[i])
+        cubic_from_origin(&self.offsets, u)
     }
 
     /// The place at a share of the parameter: between the least and the greatest coordinates of the Bezier

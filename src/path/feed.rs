@@ -42,7 +42,7 @@ pub fn path_speed<S: Scalar, const N: usize>(
 ) -> S {
     let tangent = segment.start_frame().tangent;
     let mut linear = zero::<S, N>();
-    let mut most = S::of(1.0e6);
+    let mut most = S::of(Quantity::Feed.range().greatest);
     for (i, axis) in limits.axes().iter().enumerate() {
         if !axis.rotary {
             linear[i] = tangent[i];

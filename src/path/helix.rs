@@ -11,8 +11,9 @@
 //! - an end on the ray of the start, but at another radius ([`SAME_RAY`]), could be no turn as well as a
 //!   full one: it is refused, because neither may be run by mistake.
 
-use super::node::{Frame, integral};
+use super::node::Frame;
 use crate::block::{BlockError, Turn};
+use crate::number::quadrature::integral;
 use crate::number::{Coord, Scalar};
 use core::array::from_fn;
 use core::f64::consts::TAU;

@@ -1,6 +1,7 @@
 //! Quintic Hermite curves: point, tangent and curvature given at both ends.
 
-use super::node::{Cell, Frame, Node, by_arc_length, integral};
+use super::node::{Cell, Frame, Node, by_arc_length};
+use crate::number::quadrature::integral;
 use crate::number::vector::{Vector, norm, shifted};
 use crate::number::{Coord, Scalar};
 use core::array::from_fn;

@@ -100,22 +100,6 @@ pub fn by_arc_length<S: Scalar, const N: usize>(
     Frame { tangent, curvature: from_fn(|i| bend[i] / square) }
 }
 
-/// The integral of a function, by the three-point Gauss-Legendre rule.
-pub fn integral<S: Scalar>(from: S, to: S, f: impl Fn(S) -> S) -> S {
-    let mut sum = S::ZERO;
-    for (x, weight) in GAUSS {
-        sum += S::of(weight) * f(from + (to - from) * S::of(x));
-    }
-    sum * (to - from)
-}
-
-/// Abscissae and weights of the three-point Gauss-Legendre rule on [0, 1].
-const GAUSS: [(f64, f64); 3] = [
-    (0.112_701_665_379_258_31, 5.0 / 18.0),
-    (0.5, 8.0 / 18.0),
-    (0.887_298_334_620_741_7, 5.0 / 18.0),
-];
-
 #[cfg(test)]
 mod tests {
     use super::*;

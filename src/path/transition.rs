@@ -5,9 +5,11 @@
 //! leg, 0 at the corner, y to the inside of the turn.
 
 use super::corner::Corner;
-use super::node::{Cell, Node, Programmed, integral};
+use super::node::{Cell, Node, Programmed};
+use crate::number::quadrature::integral;
 use crate::number::vector::{Vector, mix, shifted};
 use crate::number::{Coord, Scalar};
+use crate::spline::bezier::cubic;
 use core::array::from_fn;
 
 /// A point or vector in the frame of a leg.
@@ -73,8 +75,7 @@ impl<S: Scalar> Half<S> {
             let sum = if b > S::ZERO { -(b + root) } else { root - b };
             for u in [sum / a, c / sum] {
                 if u > S::ZERO && u < S::ONE {
-                    most =
-                        most.greatest(bezier(&[p0, p1, p2, p3].map(|y| (S::ZERO, y)), u).0.1.abs());
+                    most = most.greatest(cubic([p0, p1, p2, p3], u).value.abs());
                 }
             }
         }
@@ -116,18 +117,8 @@ impl<S: Scalar> Half<S> {
 
 /// Point, first and second derivative of a cubic Bezier span.
 fn bezier<S: Scalar>(p: &[Planar<S>; 4], u: S) -> (Planar<S>, Planar<S>, Planar<S>) {
-    let v = S::ONE - u;
-    let (three, six, two) = (S::of(3.0), S::of(6.0), S::of(2.0));
-    let one = |p: [S; 4]| {
-        let (d0, d1, d2) = (p[1] - p[0], p[2] - p[1], p[3] - p[2]);
-        (
-            ((p[0] * v + three * p[1] * u) * v + three * p[2] * u * u) * v + p[3] * u * u * u,
-            three * ((d0 * v + two * d1 * u) * v + d2 * u * u),
-            six * ((d1 - d0) * v + (d2 - d1) * u),
-        )
-    };
-    let (x, y) = (one(p.map(|p| p.0)), one(p.map(|p| p.1)));
-    ((x.0, y.0), (x.1, y.1), (x.2, y.2))
+    let (x, y) = (cubic(p.map(|p| p.0), u), cubic(p.map(|p| p.1), u));
+    ((x.value, y.value), (x.first, y.first), (x.second, y.second))
 }
 
 /// A transition at a corner, ready to be cut into cells.

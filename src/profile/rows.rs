@@ -15,7 +15,7 @@
 //! are kept below the feed; [`Law`] exists only where they are not below zero.
 
 use super::law::Law;
-use crate::machine::Limits;
+use crate::machine::{Limits, UNLIMITED};
 use crate::number::Scalar;
 use crate::path::node::{Cell, Node};
 
@@ -86,7 +86,7 @@ impl<S: Scalar> Bounds<S> {
         let mut bounds = Self {
             goal: S::ZERO,
             speed: feed.least(cell.length / (*cycle * S::of(LEAST_CYCLE_SHARE))),
-            acceleration: S::of(1.0e12),
+            acceleration: S::of(UNLIMITED),
             jerk: S::of(1.0e15),
         };
         let (quarter, per) = (cell.length * S::of(0.25), S::of(5.0) / cell.length);

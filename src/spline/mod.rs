@@ -5,6 +5,8 @@
 //! smooths splines that come as such. A spline here is what its caller keeps: lists of control points
 //! and spans.
 
+pub mod banded;
 pub mod basis;
+pub mod bezier;
 pub mod sweep;
 pub mod tube;

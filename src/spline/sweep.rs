@@ -18,12 +18,14 @@
 //! all of the way where the bound of [`super::tube`] allows it, else half of it, or none, for the control
 //! points around the place. So the path is inside the band after any number of sweeps, also none.
 
+use super::banded::System;
 use super::tube::{CheckPoint, Pole, Span, edges};
 use crate::number::Scalar;
 use crate::number::cube_root;
 use crate::number::list::{part, part_mut, some, some_mut};
 use crate::number::vector::{Vector, norm, sub};
 use core::array::from_fn;
+use core::ops::Range;
 
 /// Weight of a place at first, as a share of the stiffness of the spline there.
 const FIRST_WEIGHT: f64 = 5.0e-3;
@@ -49,13 +51,6 @@ const HALVINGS: usize = 3;
 /// Price of the third derivative by the reach, mm.
 pub fn price<S: Scalar>(reach: S) -> S {
     reach * reach * reach
-}
-
-/// The band matrix and the right-hand sides of a sweep over at most `SIZE` control points.
-pub struct System<S, const N: usize, const SIZE: usize> {
-    /// Row by row, from the diagonal on.
-    rows: [[S; 4]; SIZE],
-    right: [Vector<S, N>; SIZE],
 }
 
 /// What a tube is around.
@@ -108,14 +103,14 @@ pub struct Tube<'a, S, const N: usize> {
 
 impl<S: Scalar, const N: usize> Tube<'_, S, N> {
     /// Smooths the spline by `sweeps` sweeps, and as many repairs as the tube asks for, up to
-    /// eight; the control points from `first` to before `last` may move.
+    /// eight; the `free` control points may move.
     pub fn improve<const SIZE: usize>(
         &mut self,
         sweeps: u16,
-        (first, last): (usize, usize),
+        free: &Range<usize>,
         system: &mut System<S, N, SIZE>,
     ) {
-        if first >= last || sweeps == 0 {
+        if free.is_empty() || sweeps == 0 {
             return;
         }
         let mut before = [[S::ZERO; N]; SIZE];
@@ -130,7 +125,7 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
                 let ratio = ratio.greatest(S::of(CHANGE.0)).least(S::of(CHANGE.1));
                 ratio * ratio.sqrt()
             });
-            self.sweep(system, (first, last));
+            self.sweep(system, free);
         }
         for _ in 0..REPAIRS {
             if self.spans.iter().enumerate().all(|(k, span)| self.holds(k, span)) {
@@ -140,9 +135,9 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
                 let growth = S::ONE + (ratio - S::ONE) * S::of(REPAIR.0);
                 growth.greatest(S::ONE).least(S::of(REPAIR.1))
             });
-            self.sweep(system, (first, last));
+            self.sweep(system, free);
         }
-        self.accept((first, last));
+        self.accept(free);
         // Where the tube is much wider than the lines in it are long, that happens.
         if self.reference == Reference::Lines && self.hardness() > hard * S::of(WOUND_UP) {
             for (pole, before) in self.poles.iter_mut().zip(before) {
@@ -165,14 +160,12 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
     }
 
     /// Moves what is tried to the minimiser for the present weights.
-    fn sweep<const SIZE: usize>(
-        &mut self,
-        system: &mut System<S, N, SIZE>,
-        (first, last): (usize, usize),
-    ) {
-        self.assemble(system, (first, last));
-        system.solve(first, last);
-        for (pole, step) in self.poles.iter_mut().zip(&system.right).take(last).skip(first) {
+    fn sweep<const SIZE: usize>(&mut self, system: &mut System<S, N, SIZE>, free: &Range<usize>) {
+        self.assemble(system, free);
+        system.solve(free);
+        for (pole, step) in
+            self.poles.iter_mut().zip(system.solution()).take(free.end).skip(free.start)
+        {
             for (x, dx) in pole.trial.iter_mut().zip(step) {
                 *x += *dx;
             }
@@ -225,29 +218,26 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
     }
 
     /// The system whose solution is the step from what is tried to the minimiser.
-    fn assemble<const SIZE: usize>(
-        &self,
-        system: &mut System<S, N, SIZE>,
-        (first, last): (usize, usize),
-    ) {
-        part_mut(&mut system.rows, first..last).fill([S::ZERO; 4]);
-        part_mut(&mut system.right, first..last).fill([S::ZERO; N]);
-        for (k, span) in self.spans.iter().enumerate().take(last).skip(first.saturating_sub(3)) {
+    fn assemble<const SIZE: usize>(&self, system: &mut System<S, N, SIZE>, free: &Range<usize>) {
+        system.clear(free);
+        for (k, span) in
+            self.spans.iter().enumerate().take(free.end).skip(free.start.saturating_sub(3))
+        {
             let edges = self.trial_edges(k);
             match self.derivative {
                 Derivative::Third => {
                     let third = span.third(&edges);
-                    system.add(k, (first, last), span.weight(), &span.thirds, &third);
+                    system.add(k, free, span.weight(), &span.thirds, &third);
                 }
                 Derivative::Second => {
                     // Only what bends the path is to vanish, not what changes the parameter's speed.
                     for (row, value) in span.second_rows().iter().zip(span.across(&edges)) {
-                        system.add(k, (first, last), span.second_weight(), row, &value);
+                        system.add(k, free, span.second_weight(), row, &value);
                     }
                 }
             }
             for check in part(self.checks, span.range()) {
-                system.add(k, (first, last), check.weight, &check.basis, &check.miss);
+                system.add(k, free, check.weight, &check.basis, &check.miss);
             }
         }
     }
@@ -270,7 +260,7 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
     }
 
     /// Takes on what was tried, as far as it is inside the tube.
-    fn accept(&mut self, (first, last): (usize, usize)) {
+    fn accept(&mut self, free: &Range<usize>) {
         for round in 0..ROUNDS {
             let share = if round < HALVINGS { S::of(0.5) } else { S::ZERO };
             let mut all = true;
@@ -283,7 +273,7 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
                 }
             }
             for (i, pole) in self.poles.iter_mut().enumerate() {
-                if core::mem::take(&mut pole.back) && (first..last).contains(&i) {
+                if core::mem::take(&mut pole.back) && free.contains(&i) {
                     pole.trial =
                         from_fn(|n| pole.shift[n] + share * (pole.trial[n] - pole.shift[n]));
                 }
@@ -295,83 +285,6 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
                 return;
             }
             self.measure();
-        }
-    }
-}
-
-impl<S: Scalar, const N: usize, const SIZE: usize> Default for System<S, N, SIZE> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl<S: Scalar, const N: usize, const SIZE: usize> System<S, N, SIZE> {
-    /// One that is empty: [`Tube::improve`] fills it.
-    pub const fn new() -> Self {
-        Self { rows: [[S::ZERO; 4]; SIZE], right: [[S::ZERO; N]; SIZE] }
-    }
-
-    /// Adds weight (row . x + value)^2 / 2 for the four control points from `at` on, of which those
-    /// outside the range are fixed.
-    #[inline]
-    fn add(
-        &mut self,
-        at: usize,
-        (from, to): (usize, usize),
-        weight: S,
-        row: &[S; 4],
-        value: &Vector<S, N>,
-    ) {
-        for a in 0..4 {
-            let i = at + a;
-            if i < from || i >= to {
-                continue;
-            }
-            let (Some(sums), Some(right)) = (self.rows.get_mut(i), self.right.get_mut(i)) else {
-                return;
-            };
-            let pull = weight * row[a];
-            for (sum, x) in sums.iter_mut().zip(&row[a..]) {
-                *sum += pull * *x;
-            }
-            for (sum, x) in right.iter_mut().zip(value) {
-                *sum -= pull * *x;
-            }
-        }
-    }
-
-    /// Solves rows from..to in place, by L D L^T; couplings to rows outside are left out.
-    fn solve(&mut self, from: usize, to: usize) {
-        let mut rows = part_mut(&mut self.rows, from..to);
-        let mut rights = part_mut(&mut self.right, from..to);
-        while let ([row, later @ ..], [right, later_rights @ ..]) = (rows, rights) {
-            let [d, rest @ ..] = *row;
-            let per = S::ONE / d;
-            let lower = rest.map(|x| x * per);
-            let coupled = later.iter_mut().zip(&mut *later_rights).zip(lower).enumerate();
-            for (a, ((row, sums), factor)) in coupled {
-                for (x, y) in row.iter_mut().zip(&rest[a..]) {
-                    *x -= factor * *y;
-                }
-                for (sum, x) in sums.iter_mut().zip(&*right) {
-                    *sum -= factor * *x;
-                }
-            }
-            *row = [per, lower[0], lower[1], lower[2]];
-            (rows, rights) = (later, later_rights);
-        }
-        let rows = part(&self.rows, from..to).iter();
-        let rights = part_mut(&mut self.right, from..to);
-        for (i, [per, lower @ ..]) in rows.enumerate().rev() {
-            let Some((first, later)) = rights.get_mut(i..).and_then(<[_]>::split_first_mut) else {
-                return;
-            };
-            for (n, x) in first.iter_mut().enumerate() {
-                *x = *x * *per;
-                for (l, right) in lower.iter().zip(&*later) {
-                    *x -= *l * right[n];
-                }
-            }
         }
     }
 }

@@ -4,14 +4,17 @@
 //! it moves by between two of them is bounded by its second derivative.
 
 use super::basis::Local;
+use super::bezier;
 use crate::number::Scalar;
 use crate::number::list::some;
+use crate::number::quadrature::TWO;
 use crate::number::vector::{Vector, dot, norm};
 use core::array::from_fn;
 use core::ops::Range;
 
-/// Shares of the value at a span's start in those at its two Gauss points.
-const NEAR: [f64; 2] = [0.788_675_134_594_812_9, 0.211_324_865_405_187_1];
+/// Shares of the value at a span's start in those at its two Gauss points: what is left of 1, which by symmetry is the
+/// other point.
+const NEAR: [f64; 2] = [TWO[1].at, TWO[0].at];
 /// Least product of neighbouring first derivatives, by the parameter.
 const LEAST_SPEED: f64 = 0.01;
 
@@ -177,8 +180,7 @@ impl<S: Scalar> Span<S> {
         let [start, end] = self.second(edges);
         NEAR.map(|near| {
             let (v, u) = (S::of(near), S::of(1.0 - near));
-            let (va, vb, vc) = (v * v, S::of(2.0) * u * v, u * u);
-            let d: Vector<S, N> = from_fn(|i| va * a[i] + vb * b[i] + vc * c[i]);
+            let d = bezier::parabola([&a, &b, &c], u);
             let dd: Vector<S, N> = from_fn(|i| v * start[i] + u * end[i]);
             let along = dot(&d, &dd) / dot(&d, &d).greatest(S::of(1.0e-12));
             from_fn(|i| dd[i] - along * d[i])

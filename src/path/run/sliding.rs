@@ -13,8 +13,9 @@ use super::span::SpanCurve;
 use crate::number::list::some;
 use crate::number::vector::zero;
 use crate::number::{Coord, Interval, Length, Scalar};
+use crate::spline::banded::System;
 use crate::spline::basis::Local;
-use crate::spline::sweep::{Derivative, Reference, System, Tube, price};
+use crate::spline::sweep::{Derivative, Reference, Tube, price};
 use crate::spline::tube::{CheckPoint, Pole, Span, edges};
 use core::array::from_fn;
 use heapless::Vec;
@@ -328,7 +329,7 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
             reference: Reference::Lines,
             derivative: Derivative::Third,
         }
-        .improve(sweeps, (self.frozen, last), &mut system);
+        .improve(sweeps, &(self.frozen..last), &mut system);
     }
 }
 

@@ -1,8 +1,9 @@
 //! One span of a run as nodes and cells.
 
+use crate::number::quadrature::integral;
 use crate::number::vector::{Vector, dot, norm, shifted, sub};
 use crate::number::{Coord, Scalar};
-use crate::path::node::{Cell, Node, Programmed, by_arc_length, integral};
+use crate::path::node::{Cell, Node, Programmed, by_arc_length};
 use core::array::from_fn;
 
 /// Turn of a cell, rad. A cell is a quintic through its ends with their tangents and curvatures,

@@ -6,6 +6,7 @@
 
 use super::stop_profile::PHASES;
 use super::{Horizon, Moment};
+use crate::machine::UNLIMITED;
 use crate::number::Scalar;
 use crate::number::serial::CycleSerial;
 use crate::number::vector::{dot, norm, zero};
@@ -173,7 +174,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// a servo cycle.
     fn crawl(&self) -> S {
         let jerk =
-            self.config.limits.axes().iter().fold(S::of(1.0e12), |j, axis| j.least(axis.jerk));
+            self.config.limits.axes().iter().fold(S::of(UNLIMITED), |j, axis| j.least(axis.jerk));
         jerk * self.config.cycle * self.config.cycle * S::of(CRAWL)
     }
 

@@ -1,0 +1,101 @@
+//! The linear system of a sweep: symmetric, positive definite, of half-width 3, with one right-hand side per axis.
+
+use crate::number::Scalar;
+use crate::number::list::{part, part_mut};
+use crate::number::vector::Vector;
+use core::ops::Range;
+
+/// The band matrix and the right-hand sides of a sweep over at most `SIZE` control points.
+pub struct System<S, const N: usize, const SIZE: usize> {
+    /// Row by row, from the diagonal on.
+    rows: [[S; 4]; SIZE],
+    right: [Vector<S, N>; SIZE],
+}
+
+impl<S: Scalar, const N: usize, const SIZE: usize> System<S, N, SIZE> {
+    /// One that is empty: [`super::sweep::Tube::improve`] fills it.
+    pub const fn new() -> Self {
+        Self { rows: [[S::ZERO; 4]; SIZE], right: [[S::ZERO; N]; SIZE] }
+    }
+
+    /// Empties the rows of the free control points.
+    pub(super) fn clear(&mut self, free: &Range<usize>) {
+        part_mut(&mut self.rows, free.clone()).fill([S::ZERO; 4]);
+        part_mut(&mut self.right, free.clone()).fill([S::ZERO; N]);
+    }
+
+    /// What has been solved for, one row for a control point.
+    pub(super) fn solution(&self) -> &[Vector<S, N>; SIZE] {
+        &self.right
+    }
+
+    /// Adds weight (row . x + value)^2 / 2 for the four control points from `at` on, of which those
+    /// that are not `free` stay where they are.
+    #[inline]
+    pub(super) fn add(
+        &mut self,
+        at: usize,
+        free: &Range<usize>,
+        weight: S,
+        row: &[S; 4],
+        value: &Vector<S, N>,
+    ) {
+        for a in 0..4 {
+            let i = at + a;
+            if !free.contains(&i) {
+                continue;
+            }
+            let (Some(sums), Some(right)) = (self.rows.get_mut(i), self.right.get_mut(i)) else {
+                return;
+            };
+            let pull = weight * row[a];
+            for (sum, x) in sums.iter_mut().zip(&row[a..]) {
+                *sum += pull * *x;
+            }
+            for (sum, x) in right.iter_mut().zip(value) {
+                *sum -= pull * *x;
+            }
+        }
+    }
+
+    /// Solves the rows of the free control points in place, by L D L^T; couplings to others are left out.
+    pub(super) fn solve(&mut self, free: &Range<usize>) {
+        let mut rows = part_mut(&mut self.rows, free.clone());
+        let mut rights = part_mut(&mut self.right, free.clone());
+        while let ([row, later @ ..], [right, later_rights @ ..]) = (rows, rights) {
+            let [d, rest @ ..] = *row;
+            let per = S::ONE / d;
+            let lower = rest.map(|x| x * per);
+            let coupled = later.iter_mut().zip(&mut *later_rights).zip(lower).enumerate();
+            for (a, ((row, sums), factor)) in coupled {
+                for (x, y) in row.iter_mut().zip(&rest[a..]) {
+                    *x -= factor * *y;
+                }
+                for (sum, x) in sums.iter_mut().zip(&*right) {
+                    *sum -= factor * *x;
+                }
+            }
+            *row = [per, lower[0], lower[1], lower[2]];
+            (rows, rights) = (later, later_rights);
+        }
+        let rows = part(&self.rows, free.clone()).iter();
+        let rights = part_mut(&mut self.right, free.clone());
+        for (i, [per, lower @ ..]) in rows.enumerate().rev() {
+            let Some((first, later)) = rights.get_mut(i..).and_then(<[_]>::split_first_mut) else {
+                return;
+            };
+            for (n, x) in first.iter_mut().enumerate() {
+                *x = *x * *per;
+                for (l, right) in lower.iter().zip(&*later) {
+                    *x -= *l * right[n];
+                }
+            }
+        }
+    }
+}
+
+impl<S: Scalar, const N: usize, const SIZE: usize> Default for System<S, N, SIZE> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
