@@ -5,6 +5,7 @@
 //! positions inside one cell of the path, where it is precise to fractions of a nanometre.
 
 mod arc_length;
+pub(crate) mod atomic;
 mod coord;
 mod length;
 pub mod list;

@@ -1,10 +1,10 @@
 //! The scalar the core computes with.
 
+use super::atomic::AtomicU32;
 use super::root::sqrtf;
 use super::shared::Shared;
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
-use core::sync::atomic::AtomicU32;
 
 mod sealed {
     pub trait Sealed {}

@@ -3,8 +3,9 @@
 //! A value of more than one word is not read whole by itself; whoever shares it says by another
 //! atomic when it may be read.
 
+use super::atomic::AtomicU32;
 use super::{ArcLength, Coord};
-use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use core::sync::atomic::Ordering::Relaxed;
 
 /// Shared storage of a `T`.
 pub trait Shared<T>: Sync + Send {

@@ -1,7 +1,7 @@
 //! What an operator asks for while the machine moves.
 
 use super::interleave::{AtomicBool, AtomicU32};
-use core::sync::atomic::Ordering::{AcqRel, Acquire, Relaxed, Release};
+use core::sync::atomic::Ordering::{Acquire, Relaxed, Release};
 
 /// Greatest feed override, per cent.
 pub const MOST_FEED: u16 = 200;
@@ -21,6 +21,11 @@ const ABORT: u32 = 1 << 17;
 /// The requests, as the operator's side leaves them and the planner finds them. The planner only
 /// reads: what is asked for is ended by another command, never by having been answered, so there is
 /// no moment at which a command could be lost.
+///
+/// Commands of several contexts, on one core or on several, meet in one word that is changed by
+/// read-modify-write alone: none overwrites another. Pressing releases, [`Requests::read`] acquires it
+/// first: whoever sees a command sees the overrides and the single block mode that the same operator
+/// set before it. These three are single numbers, relaxed.
 #[derive(Debug)]
 pub struct Requests {
     /// Hold, stop, and the numbers of resumes and aborts, in one word: all of them at one moment, in
@@ -66,11 +71,11 @@ impl Wish {
 }
 
 fn per_cent(share: &AtomicU32) -> u16 {
-    share.load(Acquire).wrapping_add(100) as u16
+    share.load(Relaxed).wrapping_add(100) as u16
 }
 
 fn set_per_cent(share: &AtomicU32, percent: u16) {
-    share.store(u32::from(percent).wrapping_sub(100), Release);
+    share.store(u32::from(percent).wrapping_sub(100), Relaxed);
 }
 
 impl Requests {
@@ -88,7 +93,7 @@ impl Requests {
         Wish {
             hold: pressed & HOLD != 0,
             stop: pressed & STOP != 0,
-            single: self.single.load(Acquire),
+            single: self.single.load(Relaxed),
             overrides: Overrides { feed: per_cent(&self.feed), rapid: per_cent(&self.rapid) },
             resumes: pressed & RESUMES,
             aborts: pressed / ABORT,
@@ -97,14 +102,14 @@ impl Requests {
 
     /// Number of the last abort.
     pub fn aborts(&self) -> u32 {
-        self.pressed.load(Acquire) / ABORT
+        self.pressed.load(Relaxed) / ABORT
     }
 
     /// Goes round again only if a command of another context came between.
     fn press(&self, change: impl Fn(u32) -> u32) {
         let mut pressed = self.pressed.load(Relaxed);
         while let Err(now) =
-            self.pressed.compare_exchange(pressed, change(pressed), AcqRel, Relaxed)
+            self.pressed.compare_exchange(pressed, change(pressed), Release, Relaxed)
         {
             pressed = now;
         }
@@ -190,6 +195,6 @@ impl<'a> Controls<'a> {
 
     /// Single block mode: rest at the end of every block until [`Controls::resume`].
     pub fn single_block(self, on: bool) {
-        self.requests.single.store(on, Release);
+        self.requests.single.store(on, Relaxed);
     }
 }

@@ -7,7 +7,7 @@
 //! places: nothing that shares state with it comes in while it runs.
 
 #[cfg(not(feature = "interleave"))]
-pub use core::sync::atomic::{AtomicBool, AtomicU32};
+pub use crate::number::atomic::{AtomicBool, AtomicU32};
 
 /// A bug in the hand-over of plans, to see whether a test finds it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,11 +24,14 @@ pub enum Fault {
 pub const fn point() {}
 
 /// Whether that bug is planted: never, but in tests.
-#[cfg(not(feature = "interleave"))]
+#[cfg(not(any(feature = "interleave", all(test, loom))))]
 #[inline]
 pub const fn is_planted(_: Fault) -> bool {
     false
 }
+
+#[cfg(all(test, loom, not(feature = "interleave")))]
+pub use super::models::is_planted;
 
 #[cfg(feature = "interleave")]
 pub use hooked::{AtomicBool, AtomicU32, is_planted, plant, point, set};

@@ -12,18 +12,34 @@
 //! nothing is offered, only the interpolator from the moment it has taken a plan. Buffers are made
 //! of atomics ([`crate::number::shared`]), so even a mistake in this could not be undefined
 //! behaviour; on the targets they are plain loads and stores.
+//!
+//! # Orderings
+//!
+//! On one core, where the interrupt comes in between two instructions of the background, only the compiler could
+//! reorder; on several cores the processors could too. The same four pairs forbid it to both:
+//!
+//! - *Offered, opened*: the planner stores the offer with release, the interpolator loads it with acquire. So branch,
+//!   length and pieces are seen as they were written.
+//! - *Taken, told*: the interpolator takes or refuses by a compare-and-swap with release, the planner loads the verdict
+//!   with acquire. So the planner writes over a buffer only after the last read from it, and finds cycles and timeline
+//!   no older than the verdict. The compare-and-swap needs no acquire: it succeeds on the very word that was loaded.
+//! - *Timeline* (a sequence lock): an odd version, a release fence, the values, an even version with release; the
+//!   planner loads the version with acquire, the values, an acquire fence, and the version again. A look during a
+//!   report fails.
+//! - *Progress*: stored after that release fence, loaded with acquire: a node that is reported passed has been left in a
+//!   cycle that is counted.
+//!
+//! A withdrawal publishes nothing, and cycles and starvations are single numbers that nothing hangs on: relaxed. The
+//! tests of `models.rs` try every interleaving, and fail if any one of these orderings is weakened.
 
 use super::control::Requests;
 use super::interleave::{Fault, is_planted, point};
 use super::piece::{Piece, Slot};
 use crate::number::Scalar;
+use crate::number::atomic::{AtomicU32, fence};
 use crate::number::serial::{CycleSerial, NodeSerial};
 use crate::number::shared::Shared;
-use core::sync::atomic::{
-    AtomicU32,
-    Ordering::{AcqRel, Acquire, Relaxed, Release},
-    fence,
-};
+use core::sync::atomic::Ordering::{Acquire, Relaxed, Release};
 
 /// Where a plan leaves the one before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -178,14 +194,33 @@ pub struct PlanSide<'a, S: Scalar, const N: usize> {
     written: usize,
 }
 
-/// Attempts at a consistent look at the timeline.
-const LOOKS: usize = 8;
+/// Attempts at a consistent look at the timeline; under the model checker one, for each multiplies what it has to
+/// try.
+const LOOKS: usize = if cfg!(all(test, loom)) { 1 } else { 8 };
 
 impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
     /// What is shared; before every access another context may come in.
     fn flags(&self) -> &Flags<S> {
         point();
         self.shared
+    }
+
+    /// Uses every atomic once.
+    #[cfg(all(test, loom))]
+    pub fn touch(&self) {
+        let Flags { offer, branch, by_cycle, lengths, progress, version, plan, .. } = self.shared;
+        let Flags { began, lag, cycles, starved, .. } = self.shared;
+        for flag in [offer, branch, by_cycle, progress, version, plan, began, cycles, starved] {
+            flag.load(Relaxed);
+        }
+        for length in lengths {
+            length.load(Relaxed);
+        }
+        lag.load();
+        for slot in self.plans.into_iter().flatten() {
+            slot.at(S::ZERO);
+            (slot.serial(), slot.time(), slot.has_event());
+        }
     }
 
     /// Whether the last plan was taken (`Some(true)`), refused, or is undecided (`None`). To be
@@ -207,7 +242,8 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
     pub fn withdraw(&mut self) {
         let offer = self.offered << 2;
         // If this fails, the interpolator has been faster, and its verdict stands.
-        let _ = self.flags().offer.compare_exchange(offer | OPEN, offer | REFUSED, AcqRel, Acquire);
+        let _ =
+            self.flags().offer.compare_exchange(offer | OPEN, offer | REFUSED, Relaxed, Relaxed);
     }
 
     /// Adds a piece to the plan that will be offered next; only when the last is decided.
@@ -261,7 +297,7 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
 
     /// Number of the last servo cycle.
     pub fn cycles(&self) -> CycleSerial {
-        CycleSerial::from_raw(self.flags().cycles.load(Acquire))
+        CycleSerial::from_raw(self.flags().cycles.load(Relaxed))
     }
 
     pub fn starved(&self) -> u32 {
@@ -310,7 +346,7 @@ impl<'a, S: Scalar, const N: usize> ServoSide<'a, S, N> {
     /// Takes or refuses an offer; `false` if it has been withdrawn meanwhile.
     fn decide(&mut self, offer: u32, verdict: u32) -> bool {
         let decided = offer & !VERDICT | verdict;
-        let done = self.flags.offer.compare_exchange(offer, decided, AcqRel, Acquire).is_ok();
+        let done = self.flags.offer.compare_exchange(offer, decided, Release, Relaxed).is_ok();
         if done && verdict == TAKEN {
             self.plan = offer >> 2;
             self.active = 1 - self.active;
@@ -370,7 +406,7 @@ impl<'a, S: Scalar, const N: usize> ServoSide<'a, S, N> {
         self.flags.plan.store(self.plan, Relaxed);
         self.flags.began.store(timeline.began.raw(), Relaxed);
         self.flags.lag.store(timeline.lag);
-        self.flags.progress.store(timeline.serial.raw(), Release);
+        self.flags.progress.store(timeline.serial.raw(), Relaxed);
         self.flags.version.store(version.wrapping_add(2), Release);
     }
 
@@ -381,7 +417,7 @@ impl<'a, S: Scalar, const N: usize> ServoSide<'a, S, N> {
 
     /// Counts a servo cycle.
     pub fn count_cycle(&self) {
-        self.flags.cycles.store(self.cycles().next().raw(), Release);
+        self.flags.cycles.store(self.cycles().next().raw(), Relaxed);
     }
 
     /// Counts a stop for want of blocks.

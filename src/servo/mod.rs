@@ -12,6 +12,8 @@ pub(crate) mod interleave;
 pub mod interleave;
 mod interpolator;
 pub(crate) mod link;
+#[cfg(all(test, loom, not(feature = "interleave")))]
+mod models;
 pub(crate) mod piece;
 mod setpoint;
 

@@ -2,10 +2,11 @@
 
 use super::interleave::point;
 use super::setpoint::{Activity, Setpoint};
+use crate::number::atomic::AtomicU32;
 use crate::number::serial::NodeSerial;
 use crate::number::shared::Shared;
 use crate::number::{ArcLength, Coord, Scalar};
-use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use core::sync::atomic::Ordering::Relaxed;
 
 /// What follows a piece in its plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,11 +1,9 @@
 //! Events on their way to the firmware.
 
 use crate::number::Scalar;
+use crate::number::atomic::AtomicU32;
 use crate::servo::{Activity, Setpoint};
-use core::sync::atomic::{
-    AtomicU32,
-    Ordering::{Acquire, Relaxed, Release},
-};
+use core::sync::atomic::Ordering::{Acquire, Relaxed, Release};
 
 /// Set in the word of the code if the event pauses, and if it has a value; the letter is above them.
 const PAUSE: u32 = 1 << 16;
@@ -93,14 +91,22 @@ impl<const M: usize> Events<M> {
         self.slots.get(number as usize & (M - 1))
     }
 
+    /// Uses every atomic once.
+    #[cfg(all(test, loom))]
+    pub fn touch(&self) {
+        for word in self.slots.iter().flatten().chain([&self.put, &self.out, &self.happened]) {
+            word.load(Relaxed);
+        }
+    }
+
     /// Whether there is room for another.
-    pub(super) fn has_room(&self) -> bool {
+    pub(crate) fn has_room(&self) -> bool {
         let waiting = self.put.load(Relaxed).wrapping_sub(self.out.load(Acquire));
         (waiting as usize) < M
     }
 
     /// Puts one in. There must be room.
-    pub(super) fn put(&self, event: &Event) {
+    pub(crate) fn put(&self, event: &Event) {
         let put = self.put.load(Relaxed);
         if let Some([tag, code, value]) = self.slot(put) {
             tag.store(event.tag, Relaxed);
