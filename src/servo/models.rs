@@ -5,7 +5,7 @@
 //! protocol planted: a model must fail, or the place is listed with the reason why it may.
 
 use super::interleave::Fault;
-use super::link::{Branch, Link, PlanSide, ServoSide};
+use super::link::{Branch, Link, Origin, PlanSide, ServoSide};
 use super::piece::{Piece, Sequel};
 use super::{Activity, Controls, Interpolator, Setpoint};
 use crate::number::atomic::modelled::{Half, forget, leave_out, met};
@@ -34,14 +34,14 @@ type Core = Link<f32, 1, 4, 2>;
 /// Both ends of a link at rest in zero; the model checker knows of every atomic before a second thread does.
 fn core() -> (PlanSide<'static, f32, 1>, Interpolator<'static, f32, 1>, &'static Requests) {
     let link = Box::leak(Box::new(Core::new()));
-    let (plan, servo, requests) = link.ends();
+    let (plan, servo, requests) = link.ends(Origin::ZERO);
     plan.touch();
     requests.read();
     (plan, rest(servo), requests)
 }
 
 fn rest(servo: ServoSide<'static, f32, 1>) -> Interpolator<'static, f32, 1> {
-    Interpolator::new(servo, [Coord::ZERO], 1.0)
+    Interpolator::new(servo, (NodeSerial::ZERO, [Coord::ZERO]), 1.0)
 }
 
 /// A piece of one and a half servo cycles, of which every number is its tag.
@@ -53,7 +53,7 @@ fn piece(serial: u32, tag: u16) -> Piece<f32, 1> {
         time: 1.5,
         origin: [Coord::from_raw(i64::from(tag) << 32)],
         axes: [[c; 5]],
-        way: ArcLength::from_raw(i64::from(tag) << 32),
+        arc_length: ArcLength::from_raw(i64::from(tag) << 32),
         path: [c; 4],
         sequel: Sequel::Stop,
         event: false,
