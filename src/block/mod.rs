@@ -83,6 +83,7 @@ pub enum Motion<S, const N: usize> {
 /// How fast a block runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub enum Feed<S> {
     /// Units per time (G94), here per second. It is the speed over the linear axes; if only rotary
     /// axes move, degrees per second over those.
@@ -91,6 +92,44 @@ pub enum Feed<S> {
     Duration(S),
     /// As fast as the axes allow (G0).
     Rapid,
+}
+
+impl<S: Scalar> Feed<S> {
+    /// The same in another scalar, rounded to the nearest.
+    pub fn to_scalar<T: Scalar>(self) -> Feed<T> {
+        let other = |x: S| T::of(x.to_f64());
+        match self {
+            Self::PerSecond(feed) => Feed::PerSecond(other(feed)),
+            Self::Duration(seconds) => Feed::Duration(other(seconds)),
+            Self::Rapid => Feed::Rapid,
+        }
+    }
+}
+
+impl<S: Scalar, const N: usize> Motion<S, N> {
+    /// The same motion for other axes and in another scalar: `point` gives the points, `axis` the axes of a plane;
+    /// `None` if either has none.
+    pub fn mapped<T: Scalar, const M: usize>(
+        &self,
+        point: impl Fn(&[Coord; N]) -> [Coord; M],
+        axis: impl Fn(usize) -> Option<usize>,
+    ) -> Option<Motion<T, M>> {
+        Some(match self {
+            Self::Line { to } => Motion::Line { to: point(to) },
+            Self::Arc { to, plane, centre, turn, extra_turns } => Motion::Arc {
+                to: point(to),
+                plane: (axis(plane.0)?, axis(plane.1)?),
+                centre: *centre,
+                turn: *turn,
+                extra_turns: *extra_turns,
+            },
+            Self::Cubic { controls: [first, second], to } => {
+                Motion::Cubic { controls: [point(first), point(second)], to: point(to) }
+            }
+            Self::Dwell { seconds } => Motion::Dwell { seconds: T::of(seconds.to_f64()) },
+            Self::Event { pause } => Motion::Event { pause: *pause },
+        })
+    }
 }
 
 /// One block of the program.
@@ -158,5 +197,41 @@ impl<S: Scalar, const N: usize> Block<S, N> {
 
     const fn standing(motion: Motion<S, N>, tag: u32) -> Self {
         Self { motion, feed: Feed::Rapid, tolerance: None, exact_stop: true, tag }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_motion_keeps_what_it_is_for_other_axes() {
+        let at = |x: i64| Coord::from_raw(x);
+        let arc = Motion::<f64, 3>::Arc {
+            to: [at(1), at(2), at(3)],
+            plane: (2, 0),
+            centre: (at(4), at(5)),
+            turn: Turn::Clockwise,
+            extra_turns: 2,
+        };
+        let pick = |p: &[Coord; 3]| [p[2], p[0]];
+        let find = |axis: usize| [2, 0].iter().position(|&own| own == axis);
+        let mapped: Option<Motion<f32, 2>> = arc.mapped(pick, find);
+        let wanted = Motion::Arc {
+            to: [at(3), at(1)],
+            plane: (0, 1),
+            centre: (at(4), at(5)),
+            turn: Turn::Clockwise,
+            extra_turns: 2,
+        };
+        assert_eq!(mapped, Some(wanted));
+        assert_eq!(arc.mapped::<f32, 2>(pick, |_| None), None);
+    }
+
+    #[test]
+    fn a_feed_is_rounded_to_the_nearest() {
+        assert_eq!(Feed::PerSecond(0.1f64).to_scalar::<f32>(), Feed::PerSecond(0.1f32));
+        assert_eq!(Feed::Duration(0.25f32).to_scalar::<f64>(), Feed::Duration(0.25));
+        assert_eq!(Feed::<f32>::Rapid.to_scalar::<f64>(), Feed::Rapid);
     }
 }

@@ -1,7 +1,7 @@
 //! What comes out of a line.
 
 use super::{AXES, Event};
-use crate::block::{Block, Feed, Motion};
+use crate::block::Block;
 use crate::number::Scalar;
 
 /// One thing to do.
@@ -39,29 +39,10 @@ impl Action {
         let pick =
             |place: &[_; AXES]| axes.map(|axis| place.get(axis).copied().unwrap_or_default());
         let find = |axis: usize| axes.iter().position(|&own| own == axis);
-        let motion = match &block.motion {
-            Motion::Line { to } => Motion::Line { to: pick(to) },
-            Motion::Arc { to, plane, centre, turn, extra_turns } => Motion::Arc {
-                to: pick(to),
-                plane: (find(plane.0)?, find(plane.1)?),
-                centre: *centre,
-                turn: *turn,
-                extra_turns: *extra_turns,
-            },
-            Motion::Cubic { controls: [first, second], to } => {
-                Motion::Cubic { controls: [pick(first), pick(second)], to: pick(to) }
-            }
-            Motion::Dwell { seconds } => Motion::Dwell { seconds: S::of(*seconds) },
-            Motion::Event { pause } => Motion::Event { pause: *pause },
-        };
-        let feed = match block.feed {
-            Feed::PerSecond(feed) => Feed::PerSecond(S::of(feed)),
-            Feed::Duration(seconds) => Feed::Duration(S::of(seconds)),
-            Feed::Rapid => Feed::Rapid,
-        };
+        let motion = block.motion.mapped(pick, find)?;
         Some(Block {
             motion,
-            feed,
+            feed: block.feed.to_scalar(),
             tolerance: block.tolerance.map(S::of),
             exact_stop: block.exact_stop,
             tag: block.tag,

@@ -60,16 +60,8 @@ pub enum Path {
     },
 }
 
-/// How fast a move runs.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Speed {
-    /// mm/s, or degrees/s.
-    PerSecond(f32),
-    /// Duration of the move, s.
-    Duration(f32),
-    /// As fast as the axes can.
-    Rapid,
-}
+/// How fast a move runs: mm/s or degrees/s, or s.
+pub type Speed = Feed<f32>;
 
 /// A block as it is sent: to the nanometre, for any number of axes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -164,11 +156,7 @@ impl Move {
             Path::Dwell { seconds } => Motion::Dwell { seconds: scalar(*seconds) },
             Path::Event { pause, .. } => Motion::Event { pause: *pause },
         };
-        let feed = match self.speed {
-            Speed::PerSecond(feed) => Feed::PerSecond(scalar(feed)),
-            Speed::Duration(seconds) => Feed::Duration(scalar(seconds)),
-            Speed::Rapid => Feed::Rapid,
-        };
+        let feed = self.speed.to_scalar();
         let tolerance = self.tolerance.map(scalar);
         Ok(Block { motion, feed, tolerance, exact_stop: self.exact_stop, tag: self.tag })
     }
@@ -202,11 +190,7 @@ impl<S: Scalar, const N: usize> From<&Block<S, N>> for Move {
                 Path::Event { letter: b'M', tenths: 0, value: None, pause: *pause }
             }
         };
-        let speed = match block.feed {
-            Feed::PerSecond(feed) => Speed::PerSecond(single(feed)),
-            Feed::Duration(seconds) => Speed::Duration(single(seconds)),
-            Feed::Rapid => Speed::Rapid,
-        };
+        let speed = block.feed.to_scalar();
         let tolerance = block.tolerance.map(single);
         Self { path, speed, tolerance, exact_stop: block.exact_stop, tag: block.tag }
     }
