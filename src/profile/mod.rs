@@ -21,5 +21,7 @@ mod problem;
 mod relaxation;
 pub(crate) mod rows;
 pub(crate) mod solver;
+#[cfg(test)]
+mod tests;
 mod tridiagonal;
 pub(crate) mod window;

@@ -1,0 +1,223 @@
+//! The window as a list, and the solver on windows that can be reckoned by hand.
+
+use super::law::{Law, PathState};
+use super::problem::{Objective, Probe, Weights};
+use super::rows::Pace;
+use super::solver::{Aim, Solver, Stretch};
+use super::window::Window;
+use crate::machine::{AxisLimits, Limits};
+use crate::number::serial::NodeSerial;
+use crate::number::{Coord, Scalar};
+use crate::path::node::{Cell, Node, Programmed};
+use std::format;
+use std::vec::Vec;
+
+const NODES: usize = 48;
+const V: f64 = 200.0;
+const A: f64 = 2000.0;
+const J: f64 = 50_000.0;
+
+fn limits<S: Scalar>() -> Limits<S, 2> {
+    Limits::new([AxisLimits::linear(S::of(V), S::of(A), S::of(J)); 2]).unwrap()
+}
+
+fn pace<S: Scalar>() -> Pace<S, 2> {
+    Pace { limits: limits(), cycle: S::of(1e-3), feed: S::ONE, rapid: S::ONE }
+}
+
+/// A straight along the first axis, cut into cells of these lengths.
+fn straight<S: Scalar>(lengths: &[f64], first: NodeSerial) -> Window<S, 2, NODES> {
+    let node = |x: f64| Node {
+        at: [Coord::from_mm(x).unwrap(), Coord::ZERO],
+        tangent: [S::ONE, S::ZERO],
+        curvature: [S::ZERO; 2],
+    };
+    let mut window = Window::new(node(0.0), first);
+    let mut x = 0.0;
+    for (i, length) in lengths.iter().enumerate() {
+        x += length;
+        let cell = Cell {
+            length: S::of(*length),
+            tangent_offset: [S::ZERO; 2],
+            programmed: Programmed { feed: S::of(V), rapid: false, tag: i as u32 },
+            dwell: S::ZERO,
+            event: None,
+            straight: true,
+        };
+        window.append(cell, node(x), i + 1 == lengths.len(), &pace());
+    }
+    window
+}
+
+/// Numbers of the stations from the front to the back, by their tags.
+fn tags<S: Scalar>(window: &Window<S, 2, NODES>) -> Vec<u32> {
+    (0..window.len()).map(|i| window.get(i).unwrap().cell.programmed.tag).collect()
+}
+
+#[test]
+fn a_window_is_a_list_whose_numbers_wrap_around() {
+    let first = NodeSerial::from_raw(u32::MAX - 1);
+    let mut window = straight::<f64>(&[1.0; 5], first);
+    assert_eq!(window.len(), 6);
+    for i in 0..6 {
+        let serial = first.plus(i as u32);
+        assert_eq!(window.serial(i), serial);
+        assert_eq!((window.find(serial), window.clamped_index(serial)), (Some(i), i));
+    }
+    let (before, behind) = (first.previous(), first.plus(6));
+    assert_eq!((window.find(before), window.clamped_index(before)), (None, 0));
+    assert_eq!((window.find(behind), window.clamped_index(behind)), (None, 5));
+    let third = *window.get(2).unwrap();
+    assert!(window.insert_after(2, third));
+    assert_eq!(tags(&window), [0, 1, 2, 2, 3, 4, 4]);
+    window.remove(3);
+    assert_eq!(tags(&window), [0, 1, 2, 3, 4, 4]);
+    window.release_before(first.plus(3));
+    assert_eq!((window.serial(0), tags(&window)), (NodeSerial::from_raw(1), [3, 4, 4].to_vec()));
+    window.release_before(first);
+    assert_eq!(window.len(), 3, "what is gone is gone");
+    window.truncate(1);
+    assert!(window.last().unwrap().rest);
+    window.release_before(first.plus(100));
+    assert_eq!(window.len(), 1, "the last station is kept");
+}
+
+#[test]
+fn what_is_put_into_a_full_window_is_refused() {
+    let mut window = straight::<f32>(&[1.0; NODES - 1], NodeSerial::ZERO);
+    assert_eq!(window.room(), 0);
+    let before = format!("{:?}", tags(&window));
+    assert!(!window.insert_after(3, *window.get(3).unwrap()));
+    assert_eq!(format!("{:?}", tags(&window)), before);
+}
+
+/// From rest to rest at constant jerk, a quarter of the time each: h = 2 J (T / 4)^3.
+fn by_jerk(length: f64) -> f64 {
+    4.0 * (length / (2.0 * J)).cbrt()
+}
+
+/// Rest to rest with acceleration and speed below their limits: jerk alone, which has a closed form.
+#[test]
+fn a_short_straight_takes_hardly_longer_than_jerk_alone_asks_for() {
+    let cells = 24;
+    let length = 2.0;
+    // Fine enough at the ends that the jerk may change where it should.
+    let lengths: Vec<_> = (0..cells)
+        .map(|i| {
+            let x = |k: i32| {
+                0.5 - 0.5 * (core::f64::consts::PI * f64::from(k) / f64::from(cells)).cos()
+            };
+            length * (x(i + 1) - x(i))
+        })
+        .collect();
+    let mut window = straight::<f64>(&lengths, NodeSerial::ZERO);
+    let mut solver = Solver::new();
+    let limits = limits();
+    let stretch = Stretch { first: 0, last: lengths.len(), open: false };
+    let mut problem = solver.on(&mut window, &limits, stretch);
+    problem.guess(1);
+    let (steps, holds) = problem.find(40);
+    assert!(holds && steps < 40, "{steps}");
+    let time = solver.on(&mut window, &limits, stretch).time().unwrap();
+    let least = by_jerk(length);
+    assert!(time >= least && time < 1.03 * least, "{time} {least}");
+}
+
+/// Cells of very unequal lengths, from rest to rest.
+const UNEVEN: [f64; 9] = [0.1, 0.4, 2.0, 3.0, 0.7, 5.0, 1.0, 0.2, 0.1];
+
+fn uneven() -> (Window<f64, 2, NODES>, Stretch) {
+    (straight(&UNEVEN, NodeSerial::ZERO), Stretch { first: 0, last: UNEVEN.len(), open: false })
+}
+
+/// It may be stopped after any number of steps: no step breaks a limit, or makes worse.
+#[test]
+fn an_improvement_keeps_the_limits_after_any_number_of_steps() {
+    let (limits, mut solver) = (limits(), Solver::new());
+    let mut last = f64::INFINITY;
+    for iterations in 0..25 {
+        let (mut window, stretch) = uneven();
+        assert!(solver.on(&mut window, &limits, stretch).seed(1));
+        let steps = solver.on(&mut window, &limits, stretch).improve(iterations, Aim::Time);
+        assert!(steps <= iterations);
+        let mut problem = solver.on(&mut window, &limits, stretch);
+        assert!(problem.holds(), "after {iterations}");
+        let time = problem.time().unwrap();
+        assert!(time < 1.02 * last, "{iterations}: {time} after {last}");
+        last = last.min(time);
+    }
+    // Up to a speed v and down again, with jerk and acceleration at their limits: v (v / A + A / J) is the length.
+    let length: f64 = UNEVEN.iter().sum();
+    let speed = 0.5 * ((A * A / J).powi(2) + 4.0 * A * length).sqrt() - 0.5 * A * A / J;
+    let least = 2.0 * (speed / A + A / J);
+    assert!(last >= least && last < 1.03 * least, "{last} {least}");
+}
+
+/// A halt brakes: what is left of the speed at the middle is a small part.
+#[test]
+fn a_halt_leaves_little_speed() {
+    let (limits, mut solver) = (limits(), Solver::new());
+    let (mut window, stretch) = uneven();
+    solver.on(&mut window, &limits, stretch).guess(1);
+    assert!(solver.on(&mut window, &limits, stretch).find(40).1);
+    // From where it is fastest on.
+    let speed = |window: &Window<f64, 2, NODES>, i: usize| window.get(i).unwrap().state.b.sqrt();
+    let first =
+        (0..stretch.last).max_by(|a, b| speed(&window, *a).total_cmp(&speed(&window, *b))).unwrap();
+    let rest = Stretch { first, ..stretch };
+    let before = speed(&window, stretch.last - 1);
+    solver.on(&mut window, &limits, rest).improve(40, Aim::Halt);
+    assert!(solver.on(&mut window, &limits, rest).holds());
+    assert!(speed(&window, stretch.last - 1) < before);
+}
+
+/// The gradient in the Newton system against differences of the value, for everything that can be minimised.
+#[test]
+fn the_model_has_the_slope_of_the_value() {
+    let limits = limits();
+    for objective in
+        [Objective::Time, Objective::PenalisedTime, Objective::SpeedSquared { weight: 1.0e-6 }]
+    {
+        let (mut window, stretch) = uneven();
+        let mut solver = Solver::new();
+        assert!(solver.on(&mut window, &limits, stretch).seed(1));
+        let mut problem = solver.on(&mut window, &limits, stretch);
+        problem.task.objective = objective;
+        let mu = 1.0e-5;
+        let weights = Weights { mu, mu_curvature: mu, damping: 0.0 };
+        problem.assemble(weights).unwrap();
+        let cells = problem.cells();
+        let gradients: Vec<_> =
+            problem.rows(cells.clone()).iter().map(|row| row.gradient).collect();
+        for i in 1..cells.end {
+            for k in 0..2 {
+                for row in problem.rows(cells.clone()) {
+                    row.step = [0.0; 2];
+                }
+                let PathState { b, .. } = problem.window.get(i).unwrap().state;
+                // A step is taken away from the state.
+                problem.rows(cells.clone())[i].step[k] = -b;
+                let step = if k == 0 { 1e-5 } else { 1e-4 };
+                let value = |share: f64| problem.value(Probe { mu, share }, cells.clone()).unwrap();
+                let slope = (value(step) - value(-step)) / (2.0 * step * b);
+                let scale = gradients[i][k].abs().max(1e-7);
+                assert!(
+                    (slope - gradients[i][k]).abs() < 1e-3 * scale,
+                    "{objective:?} {i} {k}: {slope} {}",
+                    gradients[i][k]
+                );
+            }
+        }
+    }
+}
+
+/// Where there is no motion there is no value, and nothing is taken for one.
+#[test]
+fn states_without_a_motion_do_not_hold() {
+    let (limits, mut solver) = (limits(), Solver::new());
+    let (mut window, stretch) = uneven();
+    assert!(!solver.on(&mut window, &limits, stretch).holds(), "rest everywhere");
+    window.set_state(1, PathState { b: 1.0, a: 1.0e9 });
+    assert!(!solver.on(&mut window, &limits, stretch).holds());
+    assert!(Law::new(0.1, PathState::REST, PathState { b: 1.0, a: 1.0e9 }).is_none());
+}
