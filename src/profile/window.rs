@@ -81,6 +81,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
 
     /// Running number of a station.
     pub fn serial(&self, index: usize) -> NodeSerial {
+        debug_assert!(index < NODES);
         self.first.plus(index as u32)
     }
 
@@ -119,6 +120,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
 
     /// Adds a cell behind the last station; the new last station rests.
     pub fn append(&mut self, cell: Cell<S, N>, node: Node<S, N>, rest: bool, pace: &Pace<S, N>) {
+        debug_assert!(cell.length >= S::ZERO && cell.dwell >= S::ZERO);
+        debug_assert!(cell.length > S::ZERO || rest, "a dwell ends at rest");
         let mut arc_length = ArcLength::ZERO;
         if let Some(last) = self.stations.back_mut() {
             arc_length = last.arc_length.plus(cell.length);
@@ -136,7 +139,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
             agreed: PathState::REST,
         };
         // The caller asks for room first.
-        let _ = self.stations.push_back(station);
+        let added = self.stations.push_back(station).is_ok();
+        debug_assert!(added, "a cell without a node at its end");
     }
 
     /// Puts a station behind the one at `index`; the running numbers of those behind grow by one.
@@ -154,6 +158,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
     /// by one.
     pub fn remove(&mut self, index: usize) {
         let Some(last) = self.stations.back().copied() else { return };
+        debug_assert!(index > 0 && index < self.len());
         let moved = self.stations.iter_mut().skip(index).rev();
         moved.fold(last, |behind, slot| core::mem::replace(slot, behind));
         self.stations.pop_back();
@@ -161,6 +166,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
 
     /// Forgets the stations behind the one at `index`, which then rests.
     pub fn truncate(&mut self, index: usize) {
+        debug_assert!(index < self.len());
         self.stations.truncate(index + 1);
         if let Some(last) = self.stations.back_mut() {
             last.rest = true;

@@ -248,7 +248,9 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
 
     /// Adds a piece to the plan that will be offered next; only when the last is decided.
     pub fn write(&mut self, piece: &Piece<S, N>) {
-        if let Some(slot) = self.plans[self.spare & 1].get(self.written) {
+        let slot = self.plans[self.spare & 1].get(self.written);
+        debug_assert!(slot.is_some(), "more pieces than the window has nodes");
+        if let Some(slot) = slot {
             slot.store(piece);
             self.written += 1;
         }

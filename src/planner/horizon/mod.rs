@@ -139,6 +139,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// The pieces of a proposal, in order. Behind its end every station rests in the draft.
     pub fn compile(&mut self, stretch: Stretch, mut hand_over: impl FnMut(&Piece<S, N>)) {
         debug_assert!(self.has_draft());
+        debug_assert!(self.holds(stretch), "a plan beyond a limit");
         self.window.measure(stretch.first);
         for i in stretch.first..stretch.last {
             let Some(after) = self.window.get(i + 1) else { break };
