@@ -3,9 +3,10 @@
 use super::{BlockError, Turn};
 use crate::number::Coord;
 
-/// By how much a radius may be too small for half its chord, from rounding in the program: mm, and as a
-/// share of the radius.
-const SLACK: (f64, f64) = (0.005, 0.1);
+/// By how much a radius may be too small for half its chord, from rounding in the program, mm.
+const SLACK: f64 = 0.005;
+/// The same as a share of the radius, whichever is less.
+const SLACK_SHARE: f64 = 0.1;
 
 /// The centre of the arc of `radius` mm (negative: the long way round, more than half a circle)
 /// from `start` to `end`, both in the plane's two axes.
@@ -31,8 +32,7 @@ pub fn centre_from_radius(
         return Err(unreachable);
     }
     let half = chord / 2.0;
-    let (slack, share) = SLACK;
-    if half > size + slack.min(share * size) {
+    if half > size + SLACK.min(SLACK_SHARE * size) {
         return Err(unreachable);
     }
     // As a product: the difference of squares would lose the digits that a half circle depends on.

@@ -12,7 +12,7 @@ pub use error::{BlockError, PushError};
 
 use crate::number::{Coord, Scalar};
 
-/// Finest band that an arc is followed in, mm: a smaller tolerance, down to 0, counts as this for the way
+/// Finest band that an arc is followed in, mm: a smaller tolerance, down to 0, counts as this
 /// along an arc (its ends are exact at any tolerance). What is left of the tolerance to rounding in `f32` is
 /// less than a tenth of it.
 pub const FINEST_BAND: f64 = 2.0e-4;

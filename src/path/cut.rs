@@ -7,13 +7,15 @@ use crate::machine::{Limits, Ramp};
 use crate::number::vector::{norm, zero};
 use crate::number::{Interval, Length, Scalar};
 
-/// Longest time one cell may take at the programmed feed, s.
+/// Longest time one cell may take at the programmed feed, s. (Half or twice: nothing.)
 pub const LONGEST_CELL_TIME: f64 = 0.25;
-/// Each cell of a line may be longer than the one before by this share of the distance from the end.
+/// Each cell of a line may be longer than the one before by this share of the distance from the end. (Half: 0.2 % shorter
+/// on bench paths, but 13 to 32 % more cells; twice: 1.3 % longer.)
 const GROWTH: f64 = 0.5;
 /// What is left is one piece up to so many times the length of a piece: a rest of rounding is none.
 const REST: f64 = 1.0001;
 /// It is two equal pieces below so many times that length: the second would else be a tenth of the first, or less.
+/// (1.5: no path by more than 0.4 %; 3: 0.4 % longer.)
 const HALVED: f64 = 2.1;
 
 /// A cell, the nodes it starts and ends at, and whether the motion rests at the end.

@@ -25,9 +25,12 @@ const EQUAL: f64 = 1.5e-6;
 /// their radii.
 const SAME_RAY: f64 = 0.1;
 
-/// Greatest difference of an arc's two radii, mm: absolute, relative to the start's (whichever is
-/// more), and in any case. `LinuxCNC` has the same.
-const RADIUS_SLACK: (f64, f64, f64) = (0.005, 1.0e-3, 0.5);
+/// Greatest difference of an arc's two radii, mm; `LinuxCNC` has the same three.
+const RADIUS_SLACK: f64 = 0.005;
+/// The same as a share of the radius at the start, whichever is more.
+const RADIUS_SLACK_SHARE: f64 = 1.0e-3;
+/// The same in any case, mm.
+const RADIUS_SLACK_MOST: f64 = 0.5;
 
 /// Growth of the radius over its least value up to which one quadrature over the whole arc gives its
 /// length to 1e-9.
@@ -82,8 +85,8 @@ impl Helix {
         let (r0, r1) = (length(from), length(to));
         let gap = (r0 - r1).abs();
         let misfit = BlockError::ArcRadius { start: r0, end: r1 };
-        let (least, relative, most) = RADIUS_SLACK;
-        if gap > most || (gap > least && gap > relative * r0) {
+        let slack = gap <= RADIUS_SLACK || gap <= RADIUS_SLACK_SHARE * r0;
+        if gap > RADIUS_SLACK_MOST || !slack {
             return Err(misfit);
         }
         let chord = (end[p].minus::<f64>(start[p]), end[q].minus::<f64>(start[q]));

@@ -15,6 +15,11 @@
 //! [`budget`] says who may use which share of the tolerance.
 //! [`cut`] says where line and arc are cut into cells. A cell is what lies between two [`node`]s; its shape is fixed by the
 //! two (point, tangent, curvature), as a quintic [`hermite`] curve.
+//!
+//! Numbers that are chosen, not derived, say what they change: the machining time of 16 bench paths of chords and of 39
+//! random programs of lines, arcs, curves and dwells, in `f64`, where the number is halved and doubled (an angle: moved
+//! by some 8 degrees). "No path by more than" is of one path, else of the sum. The band is kept
+//! with any of them, unless they say otherwise.
 
 pub(crate) mod blend;
 mod budget;

@@ -8,6 +8,17 @@ use core::array::from_fn;
 /// Marks held per block of the look-ahead.
 const PER_BLOCK: usize = 2;
 
+/// Least and greatest value of a component.
+#[derive(Clone, Copy, Debug)]
+struct Bounds {
+    low: f64,
+    high: f64,
+}
+
+impl Bounds {
+    const NONE: Self = Self { low: f64::NEG_INFINITY, high: f64::INFINITY };
+}
+
 /// All straight lines from a point that pass every vertex so far within what was allowed there.
 ///
 /// The line to a new end is c(r) = s r over the distance r along a first direction; a vertex o at r
@@ -19,17 +30,14 @@ const PER_BLOCK: usize = 2;
 pub struct Sleeve<const N: usize> {
     direction: [f64; N],
     /// Bounds of s.
-    straight: [(f64, f64); N],
-    rounded: [(f64, f64); N],
+    straight: [Bounds; N],
+    rounded: [Bounds; N],
 }
 
 impl<const N: usize> Sleeve<N> {
     /// No line yet.
-    pub const NONE: Self = Self {
-        direction: [0.0; N],
-        straight: [(f64::NEG_INFINITY, f64::INFINITY); N],
-        rounded: [(f64::NEG_INFINITY, f64::INFINITY); N],
-    };
+    pub const NONE: Self =
+        Self { direction: [0.0; N], straight: [Bounds::NONE; N], rounded: [Bounds::NONE; N] };
 
     /// The sleeve of a line.
     pub fn of(start: &[Coord; N], end: &[Coord; N]) -> Self {
@@ -60,15 +68,21 @@ impl<const N: usize> Sleeve<N> {
         if !(near > 0.0 && far > near) {
             return None;
         }
-        let narrowed = |bounds: &[(f64, f64); N], slack: f64| -> [(f64, f64); N] {
+        let narrowed = |bounds: &[Bounds; N], slack: f64| -> [Bounds; N] {
             let most = slack / libm::sqrt(N as f64);
             from_fn(|i| {
-                let (low, high) = bounds[i];
-                (low.max((here[i] - most) / near), high.min((here[i] + most) / near))
+                let Bounds { low, high } = bounds[i];
+                Bounds {
+                    low: low.max((here[i] - most) / near),
+                    high: high.min((here[i] + most) / near),
+                }
             })
         };
-        let inside = |bounds: &[(f64, f64); N]| {
-            bounds.iter().zip(there).all(|((low, high), x)| x / far >= *low && x / far <= *high)
+        let inside = |bounds: &[Bounds; N]| {
+            bounds
+                .iter()
+                .zip(there)
+                .all(|(bounds, x)| x / far >= bounds.low && x / far <= bounds.high)
         };
         let straight = narrowed(&self.straight, slack.exact);
         let rounded = narrowed(&self.rounded, slack.rounded);

@@ -15,7 +15,7 @@
 //! band; *direction and sensitivity*: the exact minimiser of the price plus the weighted squares of
 //! the distances, for all control points together - one band matrix of half-width 3, the same for
 //! all axes, factored once per sweep, where the thesis tries one point at a time; *move distance*:
-//! all of the way where the bound of [`super::tube`] allows it, else half of it, or none, for the control
+//! all of it where the bound of [`super::tube`] allows it, else half of it, or none, for the control
 //! points around the place. So the path is inside the band after any number of sweeps, also none.
 
 use super::banded::System;
@@ -29,13 +29,18 @@ use core::ops::Range;
 
 /// Weight of a place at first, as a share of the stiffness of the spline there.
 const FIRST_WEIGHT: f64 = 5.0e-3;
-/// Bounds of the weight, as shares of the stiffness.
-const WEIGHTS: (f64, f64) = (1.0e-5, 1.0e4);
-/// Bounds of the distance over the target for the change of a weight in a sweep.
-const CHANGE: (f64, f64) = (0.05, 4.0);
-/// Growth of the weight, by what the target is exceeded by, where sweeps have left the band in places,
-/// and the most it grows by.
-const REPAIR: (f64, f64) = (10.0, 4.0);
+/// Least weight of a check point, as a share of the stiffness.
+const LEAST_WEIGHT: f64 = 1.0e-5;
+/// Greatest weight, as a share of the stiffness.
+const MOST_WEIGHT: f64 = 1.0e4;
+/// Least distance over the target that counts for the change of a weight in a sweep.
+const LEAST_CHANGE: f64 = 0.05;
+/// Greatest of it.
+const MOST_CHANGE: f64 = 4.0;
+/// Growth of the weight, by what the target is exceeded by, where sweeps have left the band in places.
+const REPAIR_GROWTH: f64 = 10.0;
+/// Most that a weight grows by there.
+const MOST_REPAIR: f64 = 4.0;
 /// Sweeps for that, at most.
 const REPAIRS: u32 = 8;
 /// Share of the radius that weights aim at; the rest is for what a few sweeps leave over.
@@ -122,7 +127,7 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
         self.measure();
         for _ in 0..sweeps {
             self.weigh(|ratio| {
-                let ratio = ratio.greatest(S::of(CHANGE.0)).least(S::of(CHANGE.1));
+                let ratio = ratio.greatest(S::of(LEAST_CHANGE)).least(S::of(MOST_CHANGE));
                 ratio * ratio.sqrt()
             });
             self.sweep(system, free);
@@ -132,8 +137,8 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
                 break;
             }
             self.weigh(|ratio| {
-                let growth = S::ONE + (ratio - S::ONE) * S::of(REPAIR.0);
-                growth.greatest(S::ONE).least(S::of(REPAIR.1))
+                let growth = S::ONE + (ratio - S::ONE) * S::of(REPAIR_GROWTH);
+                growth.greatest(S::ONE).least(S::of(MOST_REPAIR))
             });
             self.sweep(system, free);
         }
@@ -208,7 +213,7 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
         for (k, span) in self.spans.iter().enumerate() {
             let sag = self.slack(k, span);
             let stiffness = self.derivative.stiffness(span);
-            let (least, most) = (stiffness * S::of(WEIGHTS.0), stiffness * S::of(WEIGHTS.1));
+            let (least, most) = (stiffness * S::of(LEAST_WEIGHT), stiffness * S::of(MOST_WEIGHT));
             for check in part_mut(self.checks, span.range()) {
                 let ratio = (norm(&check.miss) + sag) / (check.radius * S::of(TARGET));
                 let weight = check.weight * change(ratio);

@@ -6,7 +6,7 @@ use crate::number::{Interval, Length, Scalar};
 use crate::path::blend::{self, Blend};
 use crate::path::corner::Corner;
 use crate::path::cut::{Emitted, dwell_part, next_cut, standstill};
-use crate::path::joint::{bent_lengths, mean_node};
+use crate::path::joint::{BentLengths, mean_node};
 use crate::path::node::{Cell, Node};
 use crate::path::queued::{Joint, QueuedBlock};
 use crate::path::transition::Transition;
@@ -140,7 +140,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         if at_end && block.joint == Joint::Through {
             let next = self.queue.get(1).and_then(|next| next.segment.as_ref());
             if let Some(next) = next {
-                let lengths = bent_lengths(segment.length, next.length);
+                let lengths = BentLengths::new(segment.length, next.length);
                 node = mean_node(node.at, &segment.end_frame(), &next.start_frame(), lengths);
             }
         }

@@ -4,7 +4,7 @@ use super::{Body, Builder, Front, Stage};
 use crate::machine::{Config, CornerMode, Ramp};
 use crate::number::{Interval, Length, Scalar};
 use crate::path::cut::{EndSizes, rest_cell};
-use crate::path::joint::{Taken, bent_lengths, corner_mode, reach};
+use crate::path::joint::{BentLengths, Taken, corner_mode, reach};
 use crate::path::queued::Joint;
 use crate::path::run::{Start, Tie};
 use crate::path::segment::Segment;
@@ -81,7 +81,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let ahead = self.queue.get(1).and_then(|next| next.segment.as_ref());
         let size = |joint: Joint, kept: Length, neighbour: S| match joint {
             Joint::Stop | Joint::Run => rest_cell(segment, block.feed, &config.limits),
-            Joint::Through => bent_lengths(segment.length, neighbour).0,
+            Joint::Through => BentLengths::new(segment.length, neighbour).before,
             Joint::Corner | Joint::Blend => kept.to_mm::<S>() * S::of(0.5),
         };
         let first = size(block.entered, block.taken, block.length_before);

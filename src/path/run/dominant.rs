@@ -7,20 +7,24 @@ use crate::number::{Coord, Length, Scalar};
 use heapless::Deque;
 
 /// Share of the tolerance by which vertices may lie off the line between two dominant points: at
-/// least this far apart knots are laid.
+/// least this far apart knots are laid. (Half: 20 % more cells, and a circle takes 17 % longer; 0.9: no path by more
+/// than 3 %.)
 const COARSE: f64 = 0.7;
-/// Most vertices between two dominant points.
+/// Most vertices between two dominant points. (2: 0.3 % longer, 6 % more cells; 8: no path by more than 0.4 %.)
 const PASSED: u32 = 5;
 /// Length of the spans at a dominant point, times turn over tolerance: what a uniform cubic spline with
-/// spans of this length cuts off is two thirds of the band.
+/// spans of this length cuts off is two thirds of the band. (Half: 0.5 % longer, 29 % more cells; twice: 12 % longer,
+/// for the band allows no such knots.)
 const DOMINANT_SPAN: f64 = 4.0;
-/// Reach at a dominant point, times turn^1.5 over tolerance: see [`crate::spline::sweep`].
+/// Reach at a dominant point, times turn^1.5 over tolerance: see [`crate::spline::sweep`]. (Half: no path by
+/// more than 1.6 %; twice: 1.3 % longer.)
 const DOMINANT_REACH: f64 = 25.0;
-/// Twice the sine of half the turn (100 degrees) from which on a dominant point is a rest.
+/// Twice the sine of half the turn (100 degrees) from which on a dominant point is a rest. (74 degrees: 1 % longer.)
 const BACK: f64 = 1.53;
 /// Least cosine between a line and the line that stands for it and others.
 const AHEAD: f64 = 0.3;
-/// Spans next to each other differ in length by less than this share of the distance to a dominant point.
+/// Spans next to each other differ in length by less than this share of the distance to a dominant point. (Half:
+/// 0.2 % shorter, 1.6 % more cells; twice: no path by more than 0.4 %.)
 const GRADE: f64 = 0.5;
 
 /// A dominant point of the run: a vertex at which the poly-line turns, so that knots are laid by it. (The term is

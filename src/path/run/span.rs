@@ -7,7 +7,8 @@ use crate::path::node::{Cell, Node, Programmed, by_arc_length};
 use core::array::from_fn;
 
 /// Turn of a cell, rad. A cell is a quintic through its ends with their tangents and curvatures,
-/// which follows a cubic closely as long as it does not turn much.
+/// which follows a cubic closely as long as it does not turn much: twice as much would leave it by more than the budget
+/// has for rounding. (Half: 6 % more cells, no path by more than 0.2 %.)
 const TURN: f64 = 0.25;
 /// Most cells of a span.
 const PARTS: u32 = 8;
