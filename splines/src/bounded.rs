@@ -29,9 +29,10 @@ use crate::error::SplineError;
 use crate::trajectory::{Low, Lows, Trajectory};
 use core::array::from_fn;
 use heapless::Vec;
-use splineway::number::Scalar;
+use splineway::machine::Quantity;
 use splineway::number::list::{part, part_mut};
 use splineway::number::vector::{sub, zero};
+use splineway::number::{RangeError, Scalar};
 use splineway::spline::banded::System;
 use splineway::spline::sweep::{Derivative, Reference, Tube, price};
 use splineway::spline::tube::{CheckPoint, Pole, Span, edges};
@@ -132,9 +133,14 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
         options: &Options<S>,
     ) -> Result<(), SplineError> {
         let radius = options.radius.to_f64();
-        if !(0.0..=1.0e3).contains(&radius) {
-            let what = "tolerance radius";
-            return Err(SplineError::OutOfRange { what, value: radius, least: 0.0, greatest: 1e3 });
+        if let Err(error) = Quantity::Tolerance.range().check(radius) {
+            let RangeError { value, least, greatest } = error;
+            return Err(SplineError::OutOfRange {
+                what: "tolerance radius",
+                value,
+                least,
+                greatest,
+            });
         }
         let m = spline.controls().len();
         if m + HELD > SIZE {

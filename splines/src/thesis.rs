@@ -32,8 +32,9 @@
 use crate::bspline::Spline;
 use crate::error::SplineError;
 use heapless::Vec;
-use splineway::number::Scalar;
+use splineway::machine::Quantity;
 use splineway::number::vector::{Vector, dot, mix, norm, sub, zero};
+use splineway::number::{Range, Scalar};
 
 /// How much the direction of the apex outweighs the preliminary one (equation 3-30).
 const APEX_SHARE: f64 = 9.0;
@@ -101,7 +102,8 @@ impl<S: Scalar> Options<S> {
             }
             Err(SplineError::OutOfRange { what, value, least, greatest })
         };
-        within("tolerance radius", self.radius, 0.0, 1.0e3)?;
+        let Range { least, greatest } = Quantity::Tolerance.range();
+        within("tolerance radius", self.radius, least, greatest)?;
         within("precision", S::from_u32(self.precision), 1.0, 1.0e3)?;
         within("accuracy", self.accuracy, 1.0e-6, 0.5)
     }

@@ -7,7 +7,7 @@
 use super::error::{Reason, Refusal};
 use super::groups::Found;
 use super::modal::Cycle;
-use super::motion::blame;
+use super::motion::{LONGEST_DWELL, blame};
 use super::offsets::{Place, difference, sum};
 use super::reader::Reader;
 use super::words::Words;
@@ -215,7 +215,7 @@ impl Reader {
                 words.take_in('Q', code, range, false)?.map(|value| value * scale).or(series.peck);
         }
         if cycle == Cycle::Counterbore {
-            series.dwell = words.take_in('P', code, (0.0, 1.0e6), false)?.or(series.dwell);
+            series.dwell = words.take_in('P', code, (0.0, LONGEST_DWELL), false)?.or(series.dwell);
         }
         let times = words.take_in('L', code, (1.0, TIMES), true)?.unwrap_or(1.0) as u32;
         let bottom = series.bottom.ok_or(missing("the bottom of the hole (Z in the XY plane)"))?;

@@ -10,12 +10,13 @@ use super::shifts::one_taker;
 use super::words::Words;
 use super::{AXES, Code, LETTERS, is_rotary};
 use crate::block::{Feed, Motion};
+use crate::machine::Quantity;
 use crate::number::Coord;
 
 /// A dwell from which on it is asked whether milliseconds were meant, s.
 const LONG_DWELL: f64 = 100.0;
 /// Longest dwell, s.
-const LONGEST_DWELL: f64 = 1.0e6;
+pub const LONGEST_DWELL: f64 = Quantity::Dwell.range().greatest;
 
 impl Reader {
     /// Codes that hold for their line only.

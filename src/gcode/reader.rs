@@ -10,6 +10,7 @@ use super::offsets::{Frame, Place, Setup};
 use super::words::Words;
 use super::{AXES, Action, Code, Event};
 use crate::block::{Block, Feed, Motion};
+use crate::machine::Quantity;
 use crate::number::Coord;
 use heapless::{Deque, Vec};
 
@@ -293,8 +294,9 @@ impl Reader {
             self.modal.exact_stop = code.tenths != 640;
             if code.tenths == 640 {
                 let scale = self.scale();
-                let p = words.take_in('P', code, (0.0, 1000.0), false)?;
-                words.take_in('Q', code, (0.0, 1000.0), false)?;
+                let greatest = Quantity::Tolerance.range().greatest;
+                let p = words.take_in('P', code, (0.0, greatest), false)?;
+                words.take_in('Q', code, (0.0, greatest), false)?;
                 self.modal.tolerance = p.map(|p| p * scale);
             }
         }
