@@ -1,9 +1,8 @@
-//! The command line, and what only it and the tests need: [`lint`] (a program before it is run), [`stream`] (the
-//! host's end of the line, and a controller without a machine), [`trial`] (random programs and the soak), and
-//! [`view`] (plots, tables, progress).
+//! The command line, and what only it needs: [`lint`] (a program before it is run), [`stream`] (the host's end of
+//! the line, and a controller without a machine), and [`view`] (plots, tables, progress).
 //!
-//! What does not belong here: reading, running and judging programs (`splineway-simulator`), and what the core is
-//! compared with (`splineway-studies`).
+//! What does not belong here: reading, running and judging programs (`splineway-simulator`), what the core is
+//! compared with (`splineway-studies`), and random programs (`splineway-trials`).
 
 /// Prints a line as the standard macro of this name, but for [`out`]: it never panics.
 macro_rules! println {
@@ -15,5 +14,4 @@ pub mod commands;
 pub mod lint;
 pub mod out;
 pub mod stream;
-pub mod trial;
 pub mod view;

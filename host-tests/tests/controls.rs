@@ -8,11 +8,11 @@ use splineway::{
     Activity, AxisLimits, Block, Config, Controls, Coord, Feed, Limits, Link, Progress, PushError,
     Setpoint,
 };
-use splineway_host::trial::events;
 use splineway_simulator::judge::violations;
 use splineway_simulator::machine::Machine;
 use splineway_simulator::program::Program;
 use splineway_simulator::run::{Action, Event, Events, Precision, run_with};
+use splineway_trials::events;
 
 /// One random command: when (as a share of the time), which, how much.
 fn commands() -> impl Strategy<Value = Vec<(f64, u8, u16)>> {

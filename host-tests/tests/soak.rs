@@ -1,6 +1,6 @@
 //! What `splineway soak` runs, shorter; and that it finds what it is to find.
 
-use splineway_host::trial::soak::{Case, PLANTS, Plant, run};
+use splineway_trials::soak::{Case, PLANTS, Plant, run};
 
 /// Cases of a run; `SOAK=20 cargo test --release --test soak` runs twenty times as many.
 fn cases(count: u64) -> u64 {
@@ -17,7 +17,7 @@ const TRIES: u64 = 400;
 fn no_case_breaks_a_rule() {
     let mut broken = Vec::new();
     for number in 0..cases(400) {
-        if let Some(finding) = run(&Case::new(number), None, false).finding {
+        if let Some(finding) = run(&Case::new(number), None, None).finding {
             broken.push((number, finding));
         }
     }
@@ -30,7 +30,7 @@ fn no_case_breaks_a_rule() {
 #[test]
 fn cases_that_were_broken_are_not() {
     for number in [1896, 2460, 100_023, 100_974, 300_143, 300_296] {
-        let finding = run(&Case::new(number), None, false).finding;
+        let finding = run(&Case::new(number), None, None).finding;
         assert!(finding.is_none(), "{number}: {finding:?}");
     }
 }
@@ -47,8 +47,8 @@ fn every_planted_bug_is_found() {
         }
         let found = (0..TRIES).find(|&number| {
             let case = Case::new(number);
-            run(&case, Some(plant), false).finding.is_some()
-                && run(&case, None, false).finding.is_none()
+            run(&case, Some(plant), None).finding.is_some()
+                && run(&case, None, None).finding.is_none()
         });
         println!("{plant:?}: case {found:?}");
         if found.is_none() {
@@ -64,7 +64,7 @@ fn a_case_repeats() {
     for number in [3, 17, 50, 64] {
         let (once, again) = (Case::new(number), Case::new(number));
         assert_eq!(once, again);
-        let (once, again) = (run(&once, None, false), run(&again, None, false));
+        let (once, again) = (run(&once, None, None), run(&again, None, None));
         assert_eq!((once.cycles, once.blocks, once.log), (again.cycles, again.blocks, again.log));
     }
 }

@@ -1,8 +1,8 @@
 //! `splineway soak`: random programs, machines and operators until a number of cases has been judged.
 
-use crate::trial::soak::{Case, PLANTS, Plant, Run, run, shrunk};
 use anyhow::{Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
+use splineway_trials::soak::{Case, PLANTS, Plant, Print, Run, run, shrunk};
 use std::collections::BTreeMap;
 use std::io::IsTerminal;
 use std::sync::Mutex;
@@ -118,7 +118,8 @@ impl Soak {
             case = shrunk(&case, plant);
         }
         println!("{case:#?}");
-        let run = run(&case, plant, !self.quiet);
+        let print: Print = |line| println!("  {line}");
+        let run = run(&case, plant, (!self.quiet).then_some(print));
         if let Some(finding) = run.finding {
             bail!("case {number}, cycle {}: {:?}: {}", finding.cycle, finding.rule, finding.text);
         }
@@ -146,7 +147,7 @@ impl Soak {
                         if number >= end {
                             return;
                         }
-                        let run = run(&Case::new(number), plant, false);
+                        let run = run(&Case::new(number), plant, None);
                         let mut tally = lock(tally);
                         tally.add(number, &run);
                         bar.set_position(tally.cases);

@@ -4,12 +4,12 @@
 
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-#[allow(unused_imports)] // As above.
-pub use splineway_host::trial::{Draw, Stretch, dense, machine, poly_line, program};
 use splineway_simulator::judge::{self, Verdict, violations};
 use splineway_simulator::machine::Machine;
 use splineway_simulator::program::Program;
 use splineway_simulator::run::{Events, Observer, Precision, Sample, Stats, run};
+#[allow(unused_imports)] // As above.
+pub use splineway_trials::{Draw, Stretch, dense, machine, poly_line, program};
 
 /// Runs a program while an operator gives commands, and judges it.
 pub fn judged(

@@ -9,12 +9,13 @@ mod draw;
 mod path;
 mod plant;
 mod referee;
+mod setting;
 mod shrink;
 mod world;
 
-pub use case::{Case, Core, Moment, Press, Producer, Setting, Tempo};
-pub use draw::{Pace, Shape, Step};
+pub use case::{Case, Moment, Press, Producer, Tempo};
 pub use plant::{PLANTS, Plant};
-pub use referee::{Finding, Rule};
+pub use referee::{Finding, Print, Rule};
+pub use setting::{Core, Setting};
 pub use shrink::shrunk;
 pub use world::{Run, run};

@@ -1,5 +1,7 @@
-//! Random programs, machines and operators: for the property tests and
-//! for `splineway soak`.
+//! Trials: random programs, machines and operators, for the property tests, and the [`soak`], which lets anything
+//! happen at any moment and judges every cycle, command and answer.
+//!
+//! What does not belong here: the judge of a single run (`splineway-simulator`), and tests that draw nothing.
 
 mod commands;
 mod dense;

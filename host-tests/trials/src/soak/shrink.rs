@@ -11,9 +11,9 @@ const PATIENCE: Duration = Duration::from_secs(20);
 /// The least case found that breaks the same rule.
 pub fn shrunk(case: &Case, plant: Option<Plant>) -> Case {
     let began = Instant::now();
-    let Some(finding) = run(case, plant, false).finding else { return case.clone() };
+    let Some(finding) = run(case, plant, None).finding else { return case.clone() };
     let breaks = |case: &Case| {
-        run(case, plant, false).finding.is_some_and(|found| found.rule == finding.rule)
+        run(case, plant, None).finding.is_some_and(|found| found.rule == finding.rule)
     };
     let mut best = case.clone();
     loop {

@@ -6,17 +6,18 @@
 //! from the case's seed.
 
 use super::api;
-use super::case::{Case, Core, Moment, Press, Producer, Tempo};
-use super::draw::{Pace, Place, Shape, Step};
+use super::case::{Case, Moment, Press, Producer, Tempo};
+
 use super::plant::{Plant, Shim};
-use super::referee::{Finding, Referee, Rule, Sample};
+use super::referee::{Finding, Print, Referee, Rule, Sample};
+use super::setting::Core;
 use fastrand::Rng;
 use splineway::wire::Command;
 use splineway::{
-    Activity, Block, Controls, Coord, Feed, Interpolator, Link, Motion, Planner, Progress,
-    PushError, Scalar, Turn,
+    Activity, Block, Controls, Coord, Interpolator, Link, Planner, Progress, PushError, Scalar,
 };
-use splineway_simulator::program::AXES;
+use splineway_simulator::program::{AXES, Move, Point};
+use splineway_simulator::run::block;
 use std::cell::{Cell, RefCell};
 
 /// What comes in at an access to shared state.
@@ -244,44 +245,12 @@ impl<S: Scalar, const N: usize> World<'_, S, N> {
     }
 }
 
-fn coords<const N: usize>(place: &Place) -> [Coord; N] {
-    std::array::from_fn(|n| coord(place[n]))
-}
-
-fn coord(mm: f64) -> Coord {
-    // What is out of range is to be refused by the core.
-    Coord::from_mm(mm).unwrap_or(Coord::from_raw(i64::MAX))
-}
-
-/// A step as a block of the core.
-fn block<S: Scalar, const N: usize>(step: &Step, tag: u32) -> Block<S, N> {
-    let motion = match &step.shape {
-        Shape::Line { to } => Motion::Line { to: coords(to) },
-        Shape::Arc { to, plane, centre, clockwise, extra_turns } => Motion::Arc {
-            to: coords(to),
-            plane: *plane,
-            centre: (coord(centre.0), coord(centre.1)),
-            turn: if *clockwise { Turn::Clockwise } else { Turn::CounterClockwise },
-            extra_turns: *extra_turns,
-        },
-        Shape::Cubic { controls: [first, second], to } => {
-            Motion::Cubic { controls: [coords(first), coords(second)], to: coords(to) }
-        }
-        Shape::Dwell { seconds } => Motion::Dwell { seconds: S::of(*seconds) },
-        Shape::Event { pause } => Motion::Event { pause: *pause },
-    };
-    let feed = match step.pace {
-        Pace::PerSecond(feed) => Feed::PerSecond(S::of(feed)),
-        Pace::Duration(seconds) => Feed::Duration(S::of(seconds)),
-        Pace::Rapid => Feed::Rapid,
-    };
-    let tolerance = step.tolerance.map(S::of);
-    Block { motion, feed, tolerance, exact_stop: step.exact_stop, tag }
-}
+/// The axes of a program, in their order.
+const EVERY: [usize; AXES] = [0, 1, 2, 3, 4, 5, 6, 7, 8];
 
 /// The producer under way.
 struct Feeder<'a> {
-    steps: &'a [Step],
+    steps: &'a [Move],
     next: usize,
     producer: Producer,
     polls: u32,
@@ -327,11 +296,16 @@ impl Feeder<'_> {
             let tag = self.next as u32 + 1;
             let (aborts, plant) = (world.aborts.get(), world.shim.borrow().plant());
             let shown = world.shim.borrow_mut().push(step);
-            let mut result = Ok(());
+            let (mut result, mut beyond) = (Ok(()), false);
             for step in shown.iter().flatten() {
-                result = api::told(planner, &block::<S, N>(step, tag), plant);
+                match block::<S, N>(step, &EVERY[..N]) {
+                    Ok(block) => result = api::told(planner, &Block { tag, ..block }, plant),
+                    Err(_) => beyond = true,
+                }
             }
             match result {
+                // What is out of range is refused before the core sees it.
+                _ if beyond => self.next += 1,
                 Ok(()) => {
                     self.next += 1;
                     self.finished = false;
@@ -365,9 +339,7 @@ impl Feeder<'_> {
             self.finished = true;
         }
     }
-}
 
-impl Feeder<'_> {
     /// What the producer does about an abort.
     fn answer_abort<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
         &mut self,
@@ -405,12 +377,12 @@ impl Feeder<'_> {
     }
 
     /// Time of what is still to be pushed, with a stop after every block, s.
-    fn to_come(&self, case: &Case, from: Place) -> f64 {
+    fn to_come(&self, case: &Case, from: Point) -> f64 {
         let mut from = from;
         let mut time = 0.0;
         for step in self.steps.iter().skip(self.next) {
             time += super::bound::stop_time(&from, step, &case.setting);
-            from = step.to().copied().unwrap_or(from);
+            from = step.path.end().copied().unwrap_or(from);
         }
         time
     }
@@ -419,20 +391,23 @@ impl Feeder<'_> {
 fn drive<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
     case: &Case,
     plant: Option<Plant>,
-    verbose: bool,
+    print: Option<Print>,
 ) -> Run {
     let mut run = Run::default();
     let shim = Shim::new(plant);
     let Ok(mut config) = case.setting.config::<S, N>() else { return run };
     shim.config(&mut config);
     let mut link = Box::new(Link::<S, N, BLOCKS, NODES>::new());
-    let Ok((mut planner, interpolator)) = link.split(config, coords(&case.setting.start)) else {
+    // Places of the draws are within the range.
+    let start =
+        std::array::from_fn(|n| Coord::from_mm(case.setting.start[n]).unwrap_or(Coord::ZERO));
+    let Ok((mut planner, interpolator)) = link.split(config, start) else {
         return run;
     };
     let world = World {
         interpolator: RefCell::new(interpolator),
         controls: planner.controls(),
-        referee: RefCell::new(Referee::new(&case.setting, case.tempo.rough > 0.0, verbose)),
+        referee: RefCell::new(Referee::new(&case.setting, case.tempo.rough > 0.0, print)),
         operator: RefCell::new(Operator::new(&case.presses)),
         shim: RefCell::new(shim),
         rng: RefCell::new(Rng::with_seed(case.seed ^ 0x00C0_FFEE)),
@@ -553,8 +528,8 @@ fn turn<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
 }
 
 /// Runs a case. A panic is a finding too.
-pub fn run(case: &Case, plant: Option<Plant>, verbose: bool) -> Run {
-    std::panic::catch_unwind(|| run_core(case, plant, verbose)).unwrap_or_else(|panic| {
+pub fn run(case: &Case, plant: Option<Plant>, print: Option<Print>) -> Run {
+    std::panic::catch_unwind(|| run_core(case, plant, print)).unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
         let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or_default();
         let finding = Finding { rule: Rule::Panic, text: text.to_owned(), cycle: 0 };
@@ -562,18 +537,18 @@ pub fn run(case: &Case, plant: Option<Plant>, verbose: bool) -> Run {
     })
 }
 
-fn run_core(case: &Case, plant: Option<Plant>, verbose: bool) -> Run {
+fn run_core(case: &Case, plant: Option<Plant>, print: Option<Print>) -> Run {
     match case.setting.core {
-        Core::F64x1x4x48 => drive::<f64, 1, 4, 48>(case, plant, verbose),
-        Core::F64x2x16x64 => drive::<f64, 2, 16, 64>(case, plant, verbose),
-        Core::F64x3x8x56 => drive::<f64, 3, 8, 56>(case, plant, verbose),
-        Core::F64x3x64x192 => drive::<f64, 3, 64, 192>(case, plant, verbose),
-        Core::F64x6x16x64 => drive::<f64, 6, 16, 64>(case, plant, verbose),
-        Core::F64x9x16x64 => drive::<f64, 9, 16, 64>(case, plant, verbose),
-        Core::F32x1x16x64 => drive::<f32, 1, 16, 64>(case, plant, verbose),
-        Core::F32x2x8x48 => drive::<f32, 2, 8, 48>(case, plant, verbose),
-        Core::F32x3x16x64 => drive::<f32, 3, 16, 64>(case, plant, verbose),
-        Core::F32x4x128x96 => drive::<f32, 4, 128, 96>(case, plant, verbose),
-        Core::F32x9x8x56 => drive::<f32, 9, 8, 56>(case, plant, verbose),
+        Core::F64x1x4x48 => drive::<f64, 1, 4, 48>(case, plant, print),
+        Core::F64x2x16x64 => drive::<f64, 2, 16, 64>(case, plant, print),
+        Core::F64x3x8x56 => drive::<f64, 3, 8, 56>(case, plant, print),
+        Core::F64x3x64x192 => drive::<f64, 3, 64, 192>(case, plant, print),
+        Core::F64x6x16x64 => drive::<f64, 6, 16, 64>(case, plant, print),
+        Core::F64x9x16x64 => drive::<f64, 9, 16, 64>(case, plant, print),
+        Core::F32x1x16x64 => drive::<f32, 1, 16, 64>(case, plant, print),
+        Core::F32x2x8x48 => drive::<f32, 2, 8, 48>(case, plant, print),
+        Core::F32x3x16x64 => drive::<f32, 3, 16, 64>(case, plant, print),
+        Core::F32x4x128x96 => drive::<f32, 4, 128, 96>(case, plant, print),
+        Core::F32x9x8x56 => drive::<f32, 9, 8, 56>(case, plant, print),
     }
 }

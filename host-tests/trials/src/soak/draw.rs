@@ -1,84 +1,14 @@
 //! What a soak draws: blocks of every kind, and above all those that have led to trouble.
 
-use super::super::moves::between;
+use crate::moves::between;
 use fastrand::Rng;
-use splineway_simulator::program::{AXES, Point};
+use splineway_simulator::program::{AXES, Code, Course, Move, Point, Speed};
 
-/// A point over all nine axes, mm or degrees.
-pub type Place = Point;
+/// Something that the machine does at rest; which, the core does not know.
+const CODE: Code = Code { letter: 'M', tenths: 0 };
 
-/// What a block does.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Shape {
-    /// Straight to a point.
-    Line {
-        /// End point.
-        to: Place,
-    },
-    /// Circle or helix.
-    Arc {
-        /// End point.
-        to: Place,
-        /// Axes of the plane.
-        plane: (usize, usize),
-        /// Centre in these axes.
-        centre: (f64, f64),
-        /// G2.
-        clockwise: bool,
-        /// Full turns beyond the first arrival.
-        extra_turns: u16,
-    },
-    /// Cubic curve by its Bezier points.
-    Cubic {
-        /// The two points between.
-        controls: [Place; 2],
-        /// End point.
-        to: Place,
-    },
-    /// Stand still.
-    Dwell {
-        /// Duration, s.
-        seconds: f64,
-    },
-    /// Something the machine does at rest.
-    Event {
-        /// Whether the machine then waits for a resume.
-        pause: bool,
-    },
-}
-
-/// How fast.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Pace {
-    /// mm/s (or degrees/s).
-    PerSecond(f64),
-    /// The block takes this many seconds.
-    Duration(f64),
-    /// As fast as the axes can.
-    Rapid,
-}
-
-/// A block.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Step {
-    /// What it does.
-    pub shape: Shape,
-    /// How fast.
-    pub pace: Pace,
-    /// Tolerance, mm, if not the machine's.
-    pub tolerance: Option<f64>,
-    /// Whether it ends at rest.
-    pub exact_stop: bool,
-}
-
-impl Step {
-    /// Where it ends, if it goes anywhere.
-    pub fn to(&self) -> Option<&Place> {
-        match &self.shape {
-            Shape::Line { to } | Shape::Arc { to, .. } | Shape::Cubic { to, .. } => Some(to),
-            Shape::Dwell { .. } | Shape::Event { .. } => None,
-        }
-    }
+fn event(pause: bool) -> Course {
+    Course::Event { code: CODE, value: None, pause }
 }
 
 /// 10 to a power in a range.
@@ -116,18 +46,18 @@ const THEMES: [Theme; 10] = [
 pub struct Pen<'a> {
     rng: &'a mut Rng,
     axes: usize,
-    here: Place,
-    heading: Place,
+    here: Point,
+    heading: Point,
     /// Step of the coordinates, mm, or 0.
     grid: f64,
     /// Size of a usual block, mm; usual feed, mm/s.
     size: f64,
     feed: f64,
-    steps: Vec<Step>,
+    steps: Vec<Move>,
 }
 
 /// The blocks of a program from a place, at usual sizes (mm) and feeds (mm/s).
-pub fn steps(rng: &mut Rng, axes: usize, start: Place, size: f64, feed: f64) -> Vec<Step> {
+pub fn steps(rng: &mut Rng, axes: usize, start: Point, size: f64, feed: f64) -> Vec<Move> {
     let theme = THEMES[rng.usize(..THEMES.len())];
     // Programs are written with three decimals, some with four.
     let grid = [0.0, 0.001, 0.001, 0.0001][rng.usize(..4)];
@@ -201,7 +131,7 @@ impl Pen<'_> {
         self.heading = heading;
     }
 
-    fn ahead(&self, size: f64) -> Place {
+    fn ahead(&self, size: f64) -> Point {
         let mut to = self.here;
         for axis in 0..self.axes {
             to[axis] = self.snap(to[axis] + self.heading[axis] * size);
@@ -209,26 +139,26 @@ impl Pen<'_> {
         to
     }
 
-    fn pace(&mut self, length: f64) -> Pace {
+    fn pace(&mut self, length: f64) -> Speed {
         // No block takes longer than a third of a second at its feed, or soaks would.
         let feed = (self.feed * log(self.rng, -1.5, 0.7)).max(length * 3.0).min(1.0e6);
         match self.rng.u8(..16) {
-            0 | 1 => Pace::Rapid,
-            2 => Pace::Duration((length / feed).clamp(1.0e-6, 0.5)),
-            _ => Pace::PerSecond(feed),
+            0 | 1 => Speed::Rapid,
+            2 => Speed::Duration((length / feed).clamp(1.0e-6, 0.5)),
+            _ => Speed::PerSecond(feed),
         }
     }
 
-    fn push(&mut self, shape: Shape, length: f64) {
-        let pace = self.pace(length);
+    fn push(&mut self, path: Course, length: f64) {
+        let speed = self.pace(length);
         let tolerance = match self.rng.u8(..20) {
             0 => Some(0.0),
             1 => Some(log(self.rng, -4.0, 0.0)),
             _ => None,
         };
         let exact_stop = self.rng.u8(..20) == 0;
-        let step = Step { shape, pace, tolerance, exact_stop };
-        if let Some(to) = step.to() {
+        let step = Move { path, speed, tolerance, exact_stop, line: 0 };
+        if let Some(to) = step.path.end() {
             self.here = *to;
         }
         self.steps.push(step);
@@ -242,7 +172,7 @@ impl Pen<'_> {
         self.turn_to_any();
         let size = self.length();
         let to = self.ahead(size);
-        self.push(Shape::Line { to }, size);
+        self.push(Course::Line { to }, size);
     }
 
     fn straight_on(&mut self) {
@@ -251,7 +181,7 @@ impl Pen<'_> {
             *slot += [0.0, 0.02][self.rng.usize(..2)] * between(self.rng, -1.0, 1.0);
         }
         let to = self.ahead(size);
-        self.push(Shape::Line { to }, size);
+        self.push(Course::Line { to }, size);
     }
 
     /// Back on itself.
@@ -259,7 +189,7 @@ impl Pen<'_> {
         self.heading.iter_mut().for_each(|x| *x = -*x);
         let size = self.length();
         let to = self.ahead(size);
-        self.push(Shape::Line { to }, size);
+        self.push(Course::Line { to }, size);
     }
 
     /// Lines of nanometres, and of nothing.
@@ -273,7 +203,7 @@ impl Pen<'_> {
             for axis in 0..self.axes {
                 to[axis] += self.heading[axis] * size;
             }
-            self.push(Shape::Line { to }, size);
+            self.push(Course::Line { to }, size);
         }
     }
 
@@ -281,10 +211,10 @@ impl Pen<'_> {
     fn stand(&mut self) {
         for _ in 0..self.rng.usize(1..4) {
             let shape = match self.rng.u8(..6) {
-                0 => Shape::Event { pause: false },
-                1 => Shape::Event { pause: true },
-                2 => Shape::Dwell { seconds: log(self.rng, -5.0, -2.0) },
-                _ => Shape::Dwell { seconds: log(self.rng, -3.0, -0.7) },
+                0 => event(false),
+                1 => event(true),
+                2 => Course::Dwell { seconds: log(self.rng, -5.0, -2.0) },
+                _ => Course::Dwell { seconds: log(self.rng, -3.0, -0.7) },
             };
             self.push(shape, 0.0);
         }
@@ -337,7 +267,7 @@ impl Pen<'_> {
         self.heading = [0.0; AXES];
         let sign = if clockwise { -1.0 } else { 1.0 };
         (self.heading[p], self.heading[q]) = (-sign * angle.sin(), sign * angle.cos());
-        self.push(Shape::Arc { to, plane: (p, q), centre, clockwise, extra_turns }, length);
+        self.push(Course::Arc { to, plane: (p, q), centre, clockwise, extra_turns }, length);
     }
 
     fn cubic(&mut self) {
@@ -348,10 +278,10 @@ impl Pen<'_> {
             self.turn_to_any();
         }
         let to = self.ahead(size);
-        let mix = |a: &Place, b: &Place, u: f64| -> Place {
+        let mix = |a: &Point, b: &Point, u: f64| -> Point {
             std::array::from_fn(|i| a[i] + (b[i] - a[i]) * u)
         };
-        let along = |from: &Place, heading: &Place, by: f64| -> Place {
+        let along = |from: &Point, heading: &Point, by: f64| -> Point {
             std::array::from_fn(|i| from[i] + heading[i] * by)
         };
         let mut controls = match self.rng.u8(..10) {
@@ -396,7 +326,7 @@ impl Pen<'_> {
         if last > 1.0e-9 {
             self.heading = std::array::from_fn(|i| (to[i] - controls[1][i]) / last);
         }
-        self.push(Shape::Cubic { controls, to }, size * 2.0);
+        self.push(Course::Cubic { controls, to }, size * 2.0);
     }
 
     /// Short lines as dense programs have them.
@@ -408,7 +338,7 @@ impl Pen<'_> {
         let turn = between(self.rng, -0.6, 0.6);
         let kind = self.rng.u8(..5);
         let noise = log(self.rng, -3.0, 0.0);
-        let pace = self.pace(size);
+        let speed = self.pace(size);
         for k in 0..count {
             angle += match kind {
                 // A curve; a straight line cut up; with noise; a zigzag; a walk.
@@ -430,11 +360,11 @@ impl Pen<'_> {
                 self.heading[q] = angle.sin();
             }
             let to = self.ahead(size);
-            self.push(Shape::Line { to }, size);
+            self.push(Course::Line { to }, size);
             if let Some(last) = self.steps.last_mut()
                 && kind != 4
             {
-                last.pace = pace;
+                last.speed = speed;
             }
         }
     }

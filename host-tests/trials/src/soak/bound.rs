@@ -1,8 +1,9 @@
 //! How long things may take.
 
-use super::case::Setting;
-use super::draw::{Pace, Place, Shape, Step};
+use super::setting::Setting;
+
 use splineway_simulator::machine::Axis;
+use splineway_simulator::program::{Course, Move, Point, Speed};
 use splineway_simulator::scurve::{Leg, Limit};
 
 /// Chords of a curve that might stop at each of them.
@@ -14,13 +15,13 @@ fn least(setting: &Setting, of: fn(&Axis) -> f64) -> f64 {
 
 /// Time of a block from rest to rest, s: what a controller that stops after every block needs. Curves are
 /// taken for slow ones.
-pub fn stop_time(from: &Place, step: &Step, setting: &Setting) -> f64 {
+pub fn stop_time(from: &Point, step: &Move, setting: &Setting) -> f64 {
     let count = setting.axes.len();
-    let (to, length, parts, radius) = match &step.shape {
-        Shape::Dwell { seconds } => return seconds + 2.0 * setting.cycle,
-        Shape::Event { .. } => return 3.0 * setting.cycle,
-        Shape::Line { to } => (to, norm(from, to, count), 1, f64::INFINITY),
-        Shape::Arc { to, plane: (p, q), centre, clockwise, extra_turns } => {
+    let (to, length, parts, radius) = match &step.path {
+        Course::Dwell { seconds } => return seconds + 2.0 * setting.cycle,
+        Course::Event { .. } => return 3.0 * setting.cycle,
+        Course::Line { to } => (to, norm(from, to, count), 1, f64::INFINITY),
+        Course::Arc { to, plane: (p, q), centre, clockwise, extra_turns } => {
             let (sx, sy) = (from[*p] - centre.0, from[*q] - centre.1);
             let (ex, ey) = (to[*p] - centre.0, to[*q] - centre.1);
             let sign = if *clockwise { -1.0 } else { 1.0 };
@@ -34,7 +35,7 @@ pub fn stop_time(from: &Place, step: &Step, setting: &Setting) -> f64 {
             (across[*p], across[*q]) = (from[*p], from[*q]);
             (to, (radius * turn).hypot(norm(from, &across, count)), 1, radius)
         }
-        Shape::Cubic { controls, to } => {
+        Course::Cubic { controls, to } => {
             let [a, b] = controls;
             let length = norm(from, a, count) + norm(a, b, count) + norm(b, to, count);
             (to, length, CURVE_STOPS, f64::INFINITY)
@@ -44,7 +45,7 @@ pub fn stop_time(from: &Place, step: &Step, setting: &Setting) -> f64 {
         return 0.0;
     }
     let share = |n: usize| (to[n] - from[n]).abs() / length;
-    let straight = matches!(step.shape, Shape::Line { .. });
+    let straight = matches!(step.path, Course::Line { .. });
     let by = |of: fn(&Axis) -> f64| -> f64 {
         if !straight {
             return least(setting, of);
@@ -55,16 +56,16 @@ pub fn stop_time(from: &Place, step: &Step, setting: &Setting) -> f64 {
     let limit = Limit { acceleration: by(|a| a.acceleration), jerk: by(|a| a.jerk) };
     let linear =
         (0..count.min(setting.rotary_from)).map(|n| share(n) * share(n)).sum::<f64>().sqrt();
-    let wanted = match step.pace {
-        Pace::PerSecond(feed) => {
+    let wanted = match step.speed {
+        Speed::PerSecond(feed) => {
             if straight && linear > 0.0 {
                 feed / linear
             } else {
                 feed
             }
         }
-        Pace::Duration(seconds) => length / seconds,
-        Pace::Rapid => f64::INFINITY,
+        Speed::Duration(seconds) => length / seconds,
+        Speed::Rapid => f64::INFINITY,
     };
     let round = (limit.acceleration * radius).sqrt().min((limit.jerk * radius * radius).cbrt());
     let most = wanted.min(by(|a| a.velocity)).min(round);
@@ -72,7 +73,7 @@ pub fn stop_time(from: &Place, step: &Step, setting: &Setting) -> f64 {
     f64::from(parts) * Leg::new(0.0, 0.0, part, most, limit).time()
 }
 
-fn norm(a: &Place, b: &Place, count: usize) -> f64 {
+fn norm(a: &Point, b: &Point, count: usize) -> f64 {
     (0..count).map(|n| (a[n] - b[n]).powi(2)).sum::<f64>().sqrt()
 }
 

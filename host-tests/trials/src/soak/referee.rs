@@ -1,13 +1,16 @@
 //! The rules of a run, held against every servo cycle, every command and every answer.
 
 use super::bound::{braking_time, stop_time};
-use super::case::Setting;
-use super::draw::{Pace, Place, Shape, Step};
+use super::setting::Setting;
+
 use super::path::Path;
 use splineway::wire::Command;
 use splineway::{Activity, Coord, Progress};
-use splineway_simulator::program::AXES;
+use splineway_simulator::program::{AXES, Course, Move, Point, Speed};
 use std::collections::VecDeque;
+
+/// Where notes go as they are made.
+pub type Print = fn(&str);
 
 /// Which rule was broken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -30,7 +33,7 @@ pub enum Rule {
     AbortTaken,
     Dwell,
     Event,
-    Place,
+    Point,
     End,
     TooLong,
     Slow,
@@ -55,9 +58,9 @@ pub struct Sample {
     /// Units of 1e-12 mm.
     pub raw: [i64; AXES],
     /// mm/s.
-    pub velocity: Place,
+    pub velocity: Point,
     /// mm/s2.
-    pub acceleration: Place,
+    pub acceleration: Point,
     /// Greatest offset from a piece's origin, mm: what the rounding is a share of.
     pub offset: f64,
     /// Path, mm.
@@ -150,14 +153,14 @@ pub struct Referee {
     /// The background is late.
     rough: bool,
     log: VecDeque<String>,
-    verbose: bool,
+    print: Option<Print>,
     /// What was found first.
     pub finding: Option<Finding>,
 }
 
 impl Referee {
     /// A referee of a machine at rest.
-    pub fn new(setting: &Setting, rough: bool, verbose: bool) -> Self {
+    pub fn new(setting: &Setting, rough: bool, print: Option<Print>) -> Self {
         let raw =
             setting.start.map(|mm| Coord::from_mm(mm).expect("cases start within the range").raw());
         Self {
@@ -196,7 +199,7 @@ impl Referee {
             deadline: None,
             rough,
             log: VecDeque::new(),
-            verbose,
+            print,
             finding: None,
         }
     }
@@ -217,7 +220,7 @@ impl Referee {
     }
 
     /// Where the blocks taken so far end.
-    pub fn path_end(&self) -> &Place {
+    pub fn path_end(&self) -> &Point {
         self.path.end()
     }
 
@@ -234,8 +237,8 @@ impl Referee {
     #[allow(clippy::needless_pass_by_value)] // Made where it is noted.
     fn note(&mut self, text: String) {
         let line = format!("{}: {text}", self.cycle);
-        if self.verbose {
-            println!("  {line}");
+        if let Some(print) = self.print {
+            print(&line);
         }
         if self.log.len() == KEPT {
             self.log.pop_front();
@@ -252,11 +255,11 @@ impl Referee {
     }
 
     /// A block was taken; `excused` if an abort was given while it was pushed.
-    pub fn take(&mut self, step: &Step, tag: u32, end: [i64; AXES], excused: bool) {
+    pub fn take(&mut self, step: &Move, tag: u32, end: [i64; AXES], excused: bool) {
         let Setting { tolerance, axes, .. } = &self.setting;
         let (tolerance, count) = (step.tolerance.unwrap_or(*tolerance), axes.len());
         let time = stop_time(self.path.end(), step, &self.setting);
-        self.path.append(&step.shape, tolerance, tag);
+        self.path.append(&step.path, tolerance, tag);
         for n in 0..count {
             let off = (end[n] as f64 * 1.0e-12 - self.path.end()[n]).abs();
             if off > 1.02e-6 {
@@ -266,16 +269,16 @@ impl Referee {
                 );
             }
         }
-        let dwell = match step.shape {
-            Shape::Dwell { seconds } => Some(seconds / self.setting.cycle),
+        let dwell = match step.path {
+            Course::Dwell { seconds } => Some(seconds / self.setting.cycle),
             _ => None,
         };
-        let feed = match step.pace {
-            Pace::PerSecond(feed) => feed,
+        let feed = match step.speed {
+            Speed::PerSecond(feed) => feed,
             _ => f64::INFINITY,
         };
-        let event = matches!(step.shape, Shape::Event { .. });
-        let pause = matches!(step.shape, Shape::Event { pause: true });
+        let event = matches!(step.path, Course::Event { .. });
+        let pause = matches!(step.path, Course::Event { pause: true, .. });
         self.taken.push_back(Taken { tag, time, dwell, seen: 0, event, pause, end, feed });
         (self.done, self.dropped) = (false, false);
         if self.abort.is_some() && !self.vague && !excused {
@@ -285,7 +288,7 @@ impl Referee {
             // It was a part of the abort that was acknowledged.
             (self.abort, self.vague) = (None, false);
         }
-        self.note(format!("block {tag} taken: {:?} {:?}", step.shape, step.pace));
+        self.note(format!("block {tag} taken: {:?} {:?}", step.path, step.speed));
     }
 
     fn bound(&self) -> f64 {
@@ -469,9 +472,9 @@ impl Referee {
         if moves || self.cycle < 3 || self.idle < 2 {
             self.check_band(sample);
         }
-        if !moves && self.idle == 0 && self.verbose {
+        if !moves && self.idle == 0 && self.print.is_some() {
             self.note(format!("rests at {:.6?}", &sample.raw[..self.setting.axes.len()]));
-        } else if moves && self.idle > 0 && self.verbose {
+        } else if moves && self.idle > 0 && self.print.is_some() {
             self.note("moves".to_owned());
         }
         self.idle = if moves { 0 } else { self.idle + 1 };
@@ -642,14 +645,14 @@ impl Referee {
             let off = now.raw[n] - end[n];
             if off.abs() > EXACT {
                 let text = format!("block {tag}: axis {n} stands {:e} mm off", off as f64 * 1e-12);
-                self.find(Rule::Place, text);
+                self.find(Rule::Point, text);
             }
         }
     }
 
     fn check_band(&mut self, now: &Sample) {
         let count = self.setting.axes.len();
-        let x: Place = std::array::from_fn(|n| now.raw[n] as f64 * 1.0e-12);
+        let x: Point = std::array::from_fn(|n| now.raw[n] as f64 * 1.0e-12);
         let step = (0..count).map(|n| (now.raw[n] - self.last.raw[n]) as f64 * 1.0e-12);
         let step = step.map(|x| x * x).sum::<f64>().sqrt();
         let reach = 20.0 * self.setting.tolerance + 0.02 + 2.0 * step;

@@ -2,9 +2,9 @@
 //!
 //! Curves are chords, made where they are looked at: an arc of a hundred turns takes no memory.
 
-use super::draw::{Place, Shape};
 use splineway::block::FINEST_BAND;
 use splineway_simulator::judge::Winding;
+use splineway_simulator::program::{Course, Point};
 
 /// How far chords may leave their curve, as a share of the tolerance and at least, mm.
 const SAGITTA: (f64, f64) = (1.0e-3, 1.0e-7);
@@ -16,8 +16,8 @@ const SLACK: f64 = 1.002;
 /// One block's part of the path.
 #[derive(Clone, Debug)]
 struct Segment {
-    from: Place,
-    shape: Shape,
+    from: Point,
+    shape: Course,
     /// Radius at start and at end, angle of the start, and turn, of an arc.
     arc: [f64; 4],
     chords: u32,
@@ -32,11 +32,11 @@ struct Segment {
 }
 
 impl Segment {
-    fn at(&self, k: u32) -> Place {
+    fn at(&self, k: u32) -> Point {
         let u = f64::from(k) / f64::from(self.chords);
         let (from, mut place) = (&self.from, self.from);
         match &self.shape {
-            Shape::Line { to } => {
+            Course::Line { to } => {
                 if k == self.chords {
                     return *to;
                 }
@@ -44,7 +44,7 @@ impl Segment {
                     place[axis] += (to[axis] - from[axis]) * u;
                 }
             }
-            Shape::Arc { to, plane: (p, q), centre, .. } => {
+            Course::Arc { to, plane: (p, q), centre, .. } => {
                 if k == self.chords {
                     return *to;
                 }
@@ -57,10 +57,10 @@ impl Segment {
                 place[*p] = centre.0 + radius * cos;
                 place[*q] = centre.1 + radius * sin;
             }
-            Shape::Cubic { controls, to } => {
+            Course::Cubic { controls, to } => {
                 place = splineway_simulator::program::on_cubic(from, controls, to, u);
             }
-            Shape::Dwell { .. } | Shape::Event { .. } => {}
+            Course::Dwell { .. } | Course::Event { .. } => {}
         }
         place
     }
@@ -93,14 +93,14 @@ pub struct Path {
     axes: usize,
     rounding: f64,
     segments: Vec<Segment>,
-    end: Place,
+    end: Point,
     /// Segment, chord and path reached at least.
     at: (usize, u32),
     way: f64,
     /// Path that may have been reached: where it winds within its band, nobody can tell which turn it is.
     far: f64,
     /// The setpoint before.
-    last: Place,
+    last: Point,
 }
 
 /// How a setpoint lies to the path.
@@ -118,14 +118,14 @@ pub struct Off {
 
 impl Path {
     /// A path that starts at a place, for a core in `f64` or not.
-    pub fn new(start: Place, axes: usize, double: bool) -> Self {
+    pub fn new(start: Point, axes: usize, double: bool) -> Self {
         let rounding = ROUNDING[usize::from(double)];
         let (segments, at) = (Vec::new(), (0, 0));
         Self { axes, rounding, segments, end: start, at, way: 0.0, far: 0.0, last: start }
     }
 
     /// Where it ends.
-    pub fn end(&self) -> &Place {
+    pub fn end(&self) -> &Point {
         &self.end
     }
 
@@ -135,15 +135,15 @@ impl Path {
     }
 
     /// Adds a block; returns its length, mm.
-    pub fn append(&mut self, shape: &Shape, tolerance: f64, tag: u32) -> f64 {
+    pub fn append(&mut self, shape: &Course, tolerance: f64, tag: u32) -> f64 {
         let from = self.end;
-        let is_arc = matches!(shape, Shape::Arc { .. });
+        let is_arc = matches!(shape, Course::Arc { .. });
         let tolerance = if is_arc { tolerance.max(FINEST_BAND) } else { tolerance };
         let sagitta = SAGITTA.1.max(tolerance * SAGITTA.0);
         let mut arc = [0.0; 4];
         let (to, chords) = match shape {
-            Shape::Line { to } => (*to, 1.0),
-            Shape::Arc { to, plane: (p, q), centre, clockwise, extra_turns } => {
+            Course::Line { to } => (*to, 1.0),
+            Course::Arc { to, plane: (p, q), centre, clockwise, extra_turns } => {
                 let (sx, sy) = (from[*p] - centre.0, from[*q] - centre.1);
                 let (ex, ey) = (to[*p] - centre.0, to[*q] - centre.1);
                 let (r0, r1) = (sx.hypot(sy), ex.hypot(ey));
@@ -161,8 +161,8 @@ impl Path {
                 let radius = r0.max(r1).max(1.0e-9);
                 (*to, (radius * turn / (8.0 * radius * sagitta).sqrt()).ceil().max(8.0))
             }
-            Shape::Cubic { controls, to } => {
-                let bend = |a: &Place, b: &Place, c: &Place| {
+            Course::Cubic { controls, to } => {
+                let bend = |a: &Point, b: &Point, c: &Point| {
                     6.0 * (0..self.axes)
                         .map(|i| (a[i] - 2.0 * b[i] + c[i]).powi(2))
                         .sum::<f64>()
@@ -175,7 +175,7 @@ impl Path {
                 ));
                 (*to, (most / (8.0 * sagitta)).sqrt().ceil().max(8.0))
             }
-            Shape::Dwell { .. } | Shape::Event { .. } => return 0.0,
+            Course::Dwell { .. } | Course::Event { .. } => return 0.0,
         };
         let mut segment = Segment {
             from,
@@ -189,12 +189,12 @@ impl Path {
             tag,
         };
         let length = match shape {
-            Shape::Arc { plane: (p, q), .. } => {
+            Course::Arc { plane: (p, q), .. } => {
                 let across = (0..self.axes).filter(|axis| axis != p && axis != q);
                 let across: f64 = across.map(|axis| (to[axis] - from[axis]).powi(2)).sum();
                 (f64::midpoint(arc[0], arc[1]).powi(2) * arc[3] * arc[3] + across).sqrt()
             }
-            Shape::Cubic { .. } => {
+            Course::Cubic { .. } => {
                 let mut way = 0.0;
                 segment.ways.push(way);
                 for k in 0..segment.chords {
@@ -214,7 +214,7 @@ impl Path {
         length
     }
 
-    fn distance(&self, a: &Place, b: &Place) -> f64 {
+    fn distance(&self, a: &Point, b: &Point) -> f64 {
         (0..self.axes).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum::<f64>().sqrt()
     }
 
@@ -245,7 +245,7 @@ impl Path {
     /// `reach` mm beyond what the band there lets corners cut off. The one moves on only as far as it must to have
     /// the setpoint in its band: where the path folds back on itself it does not skip the fold. The other moves on
     /// as long as the path stays in the setpoint's band: where it winds in there, that may be many turns.
-    pub fn follow(&mut self, x: &Place, reach: f64) -> Off {
+    pub fn follow(&mut self, x: &Point, reach: f64) -> Off {
         let Some(first) = self.segments.get(self.at.0) else {
             let distance = self.distance(&self.end, x);
             return Off { excess: distance - self.rounding, distance, band: 0.0, tag: 0 };

@@ -1,10 +1,10 @@
 //! Bugs put in on purpose, between the core and those who use it: a soak that finds nothing means something
 //! only if it finds these.
 
-use super::draw::{Shape, Step};
 use super::referee::Sample;
 use splineway::wire::Command;
 use splineway::{Activity, AxisLimits, Config, Limits, Progress, Scalar};
+use splineway_simulator::program::{Course, Move};
 
 /// A bug.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -128,7 +128,7 @@ impl Shim {
     }
 
     /// Between the producer and the core: what arrives.
-    pub fn push(&mut self, step: &Step) -> [Option<Step>; 2] {
+    pub fn push(&mut self, step: &Move) -> [Option<Move>; 2] {
         self.count += 1;
         let mut step = step.clone();
         match self.plant {
@@ -136,7 +136,7 @@ impl Shim {
             Some(Plant::BlockDoubled) => return [Some(step.clone()), Some(step)],
             Some(Plant::DwellShort | Plant::DwellLong) => {
                 let share = if self.plant == Some(Plant::DwellShort) { 0.9 } else { 1.1 };
-                if let Shape::Dwell { seconds } = &mut step.shape {
+                if let Course::Dwell { seconds } = &mut step.path {
                     *seconds *= share;
                 }
             }
