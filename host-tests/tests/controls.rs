@@ -11,7 +11,7 @@ use splineway::{
 use splineway_simulator::judge::violations;
 use splineway_simulator::machine::Machine;
 use splineway_simulator::program::Program;
-use splineway_simulator::run::{Action, Event, Events, Precision, run_with};
+use splineway_simulator::run::{Action, Command, Event, Events, Precision, run_with};
 use splineway_trials::events;
 
 /// One random command: when (as a share of the time), which, how much.
@@ -355,8 +355,8 @@ proptest! {
         let cycle = (when * plain.0.len() as f64) as usize;
         let time = cycle as f64 * machine.cycle;
         let events = Events::new(vec![
-            Event { time, action: Action::Hold },
-            Event { time: time + 3.0, action: Action::Resume },
+            Event { time, action: Action::Command(Command::Hold) },
+            Event { time: time + 3.0, action: Action::Command(Command::Resume) },
         ]);
         let mut held = Speeds::default();
         run_with(&program, &machine, Precision::F64, &events, &mut [&mut held]).unwrap();

@@ -1,26 +1,14 @@
 //! An operator's commands at given times, for simulated runs.
 
+use super::command::{Command, parse_command};
 use anyhow::{Context, Result, bail};
-use splineway::Controls;
 use std::path::Path;
 
-/// One command.
+/// What happens at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Action {
-    /// Feed hold.
-    Hold,
-    /// End of a hold or a stop.
-    Resume,
-    /// Rest at the end of the block under way.
-    Stop,
-    /// Controlled stop, queue dropped.
-    Abort,
-    /// Feed override, per cent.
-    Feed(u16),
-    /// Override of rapids, per cent.
-    Rapid(u16),
-    /// Single block mode.
-    Single(bool),
+    /// The operator gives a command.
+    Command(Command),
     /// The producer sends nothing for this many seconds.
     Starve(f64),
 }
@@ -99,41 +87,15 @@ fn event(record: &csv::StringRecord) -> Result<Event> {
         bail!("time {time} s: it must be 0 or more");
     }
     let value = field(2);
-    let percent = |most: u16| match value.parse::<u16>() {
-        Ok(percent) if percent <= most => Ok(percent),
-        _ => bail!("\"{value}\" is not a percentage from 0 to {most}"),
-    };
     let action = match (field(1), record.len()) {
-        ("hold", 2) => Action::Hold,
-        ("resume", 2) => Action::Resume,
-        ("stop", 2) => Action::Stop,
-        ("abort", 2) => Action::Abort,
-        ("feed", 3) => Action::Feed(percent(200)?),
-        ("rapid", 3) => Action::Rapid(percent(100)?),
-        ("single", 3) if value == "on" || value == "off" => Action::Single(value == "on"),
         ("starve", 3) => match value.parse::<f64>() {
             Ok(seconds) if seconds >= 0.0 && seconds.is_finite() => Action::Starve(seconds),
             _ => bail!("\"{value}\" is not a duration in seconds"),
         },
-        (name, _) => bail!("\"{name}\" with {} fields is not an action", record.len()),
+        (name, 2 | 3) => Action::Command(parse_command(&format!("{name} {value}"))?),
+        (name, count) => bail!("\"{name}\" with {count} fields is not an action"),
     };
     Ok(Event { time, action })
-}
-
-impl Action {
-    /// Hands the command to the core; a pause of the producer is not the core's business.
-    pub(super) fn send(self, controls: Controls<'_>) {
-        match self {
-            Self::Hold => controls.hold(),
-            Self::Resume => controls.resume(),
-            Self::Stop => controls.stop(),
-            Self::Abort => controls.abort(),
-            Self::Feed(percent) => controls.feed_override(percent),
-            Self::Rapid(percent) => controls.rapid_override(percent),
-            Self::Single(on) => controls.single_block(on),
-            Self::Starve(_) => {}
-        }
-    }
 }
 
 #[cfg(test)]
@@ -145,7 +107,7 @@ mod tests {
         let events = Events::parse("# c\n0.8, resume\n0.5,hold\n1, feed, 50\n").unwrap();
         let times: Vec<f64> = events.list().iter().map(|event| event.time).collect();
         assert_eq!(times, [0.5, 0.8, 1.0]);
-        assert_eq!(events.list()[2].action, Action::Feed(50));
+        assert_eq!(events.list()[2].action, Action::Command(Command::FeedOverride(50)));
     }
 
     #[test]
@@ -154,7 +116,9 @@ mod tests {
             ("0.1,hold\n0.2,leap", "line 2"),
             ("x,hold", "not a time"),
             ("1,feed,300", "0 to 200"),
-            ("1,single,maybe", "not an action"),
+            ("1,single,maybe", "needs on or off"),
+            ("1,leap", "known are hold"),
+            ("1", "not an action"),
         ] {
             let error = format!("{:#}", Events::parse(text).unwrap_err());
             assert!(error.contains(words), "{error}");

@@ -1,11 +1,13 @@
 //! Running programs through the core, cycle by cycle.
 
+mod command;
 pub mod duration;
 pub mod events;
 pub mod happenings;
 pub mod runner;
 mod validate;
 
+pub use command::{Command, parse_command};
 pub use duration::{Overtime, Pace, Stops, Stopwatch};
 pub use events::{Action, Event, Events, FORMAT};
 pub use happenings::{Happening, Happenings};

@@ -1,5 +1,6 @@
 //! The servo cycle simulation: the core as a controller would run it, without the controller.
 
+use super::command::Command;
 use super::duration::Pace;
 use super::events::{Action, Event, Events};
 use crate::machine::Machine;
@@ -267,13 +268,17 @@ impl<'a> Operator<'a> {
     fn play(&mut self, now: f64, controls: Controls<'_>) {
         self.pressed = false;
         while let Some(event) = self.events.next_if(|event| event.time <= now) {
-            event.action.send(controls);
             self.pressed = true;
             match event.action {
-                Action::Feed(percent) => self.overrides.0 = percent,
-                Action::Rapid(percent) => self.overrides.1 = percent,
+                Action::Command(command) => {
+                    command.send(controls);
+                    match command {
+                        Command::FeedOverride(percent) => self.overrides.0 = percent,
+                        Command::RapidOverride(percent) => self.overrides.1 = percent,
+                        _ => {}
+                    }
+                }
                 Action::Starve(seconds) => self.silent_until = now + seconds,
-                _ => {}
             }
         }
     }
