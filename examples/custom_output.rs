@@ -4,7 +4,7 @@
 //! `cargo run --release --example custom_output`
 
 use embedded_hal::digital::{ErrorType, OutputPin};
-use splineway::output::{Drive, Scale, StepDir, StepTiming};
+use splineway::output::{Drive, EdgeTimes, Scale, StepDir, StepTiming};
 use splineway::{Activity, AxisLimits, Block, Config, Coord, Limits, Link, Progress, Setpoint};
 use std::convert::Infallible;
 
@@ -64,8 +64,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // 400 steps/mm, a step timer of 100 kHz, 1 ms servo cycle: at most 40 steps per cycle.
     let scale = Scale::new(400, 1_000_000)?;
-    let timing = StepTiming::from_ns(100_000, 1000, [2500, 2500, 5000, 5000]);
-    let stepper = || StepDir::new(Pin::default(), Pin::default(), scale, timing, (Coord::ZERO, 42));
+    let drive = EdgeTimes { pulse: 2500, pause: 2500, setup: 5000, hold: 5000 }; // ns
+    let timing = StepTiming::from_ns(100_000, 1000, drive);
+    let stepper = || StepDir::new(Pin::default(), Pin::default(), scale, timing, Coord::ZERO, 42);
     let mut drives = Steppers { axes: [stepper()?, stepper()?, stepper()?], ticks: timing.ticks };
 
     for (to, tag) in [[30.0, 10.0, 0.0], [0.0, 20.0, 5.0], [10.0, 0.0, 0.0]].into_iter().zip(1..) {

@@ -3,7 +3,9 @@
 use embedded_hal::digital::{ErrorType, OutputPin};
 use embedded_hal_mock::eh1::pwm::{Mock, Transaction};
 use proptest::prelude::*;
-use splineway::output::{Analogue, Drive, PositionLoop, Scale, StepDir, StepError, StepTiming};
+use splineway::output::{
+    Analogue, Drive, EdgeTimes, PositionLoop, Scale, StepDir, StepError, StepTiming,
+};
 use splineway::{Activity, AxisLimits, Block, Config, Coord, Limits, Link, Progress, Setpoint};
 use std::cell::{Cell, RefCell};
 use std::convert::Infallible;
@@ -40,6 +42,11 @@ impl OutputPin for Recorder {
     }
 }
 
+/// Times of a drive, ns: of a pulse and a pause, of a change of direction.
+fn edges(pulse: u32, turn: u32) -> EdgeTimes {
+    EdgeTimes { pulse, pause: pulse, setup: turn, hold: turn }
+}
+
 /// An axis with recorders on its pins.
 struct Bench {
     axis: StepDir<Recorder, Recorder>,
@@ -54,7 +61,7 @@ impl Bench {
         let now = Rc::new(Cell::new(0));
         let pin = || Recorder { now: now.clone(), ..Recorder::default() };
         let (step, dir) = (pin(), pin());
-        let axis = StepDir::new(step.clone(), dir.clone(), scale, timing, (start, most)).unwrap();
+        let axis = StepDir::new(step.clone(), dir.clone(), scale, timing, start, most).unwrap();
         Self { axis, timing, now, step, dir }
     }
 
@@ -220,8 +227,8 @@ fn a_pin_that_fails_loses_no_step() {
     let (step, dir) = (Recorder::default(), Recorder::default());
     let flaky = |pin: &Recorder| Flaky { pin: pin.clone(), calls: 0 };
     let scale = Scale::new(1, 1000).unwrap();
-    let start = (Coord::ZERO, 10);
-    let mut axis = StepDir::new(flaky(&step), flaky(&dir), scale, timing, start).unwrap();
+    let pins = (flaky(&step), flaky(&dir));
+    let mut axis = StepDir::new(pins.0, pins.1, scale, timing, Coord::ZERO, 10).unwrap();
     let mut failed = 0;
     for target in [7i64, -2, 5, 0, 0] {
         axis.begin(Coord::from_nm(target * 1000).unwrap());
@@ -237,22 +244,22 @@ fn a_pin_that_fails_loses_no_step() {
 
 #[test]
 fn an_axis_that_is_too_fast_is_refused() {
-    let timing = StepTiming::from_ns(100_000, 1000, [2000, 2000, 5000, 5000]);
+    let timing = StepTiming::from_ns(100_000, 1000, edges(2000, 5000));
     assert_eq!(timing, StepTiming { ticks: 100, pulse: 1, pause: 1, setup: 1, hold: 1 });
     assert_eq!(timing.most_steps(), 49);
     let make = |timing, most| {
         let pins = (Recorder::default(), Recorder::default());
-        StepDir::new(pins.0, pins.1, Scale::new(1, 1000).unwrap(), timing, (Coord::ZERO, most))
+        StepDir::new(pins.0, pins.1, Scale::new(1, 1000).unwrap(), timing, Coord::ZERO, most)
     };
     let error = make(timing, 50).err().unwrap();
     assert_eq!(error, StepError::TooFast { steps: 50, most: 49 });
     assert_eq!(error.to_string(), "50 steps per servo cycle at full speed; 49 fit into one");
     assert_eq!(make(StepTiming { setup: 0, ..timing }, 1).err(), Some(StepError::NoTime));
     // A timer that is slower than the servo cycle has no tick in it.
-    let slow = StepTiming::from_ns(1000, 500, [1000; 4]);
+    let slow = StepTiming::from_ns(1000, 500, edges(1000, 1000));
     assert_eq!((slow.ticks, slow.most_steps()), (0, 0));
     assert_eq!(make(slow, 0).err(), Some(StepError::NoTime));
-    let fast = StepTiming::from_ns(u32::MAX, u32::MAX, [u32::MAX; 4]);
+    let fast = StepTiming::from_ns(u32::MAX, u32::MAX, edges(u32::MAX, u32::MAX));
     assert_eq!((fast.ticks, fast.pulse, fast.most_steps()), (u32::MAX, u32::MAX, 0));
     assert!(Scale::new(0, 1).is_err() && Scale::new(1, 0).is_err());
 }
@@ -283,7 +290,7 @@ fn a_path_at_full_speed_loses_no_step() {
     let mut link = Box::new(Link::<f32, 3, 16, 64>::new());
     let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; 3]).unwrap();
     // 100 kHz; 100 mm/s are 40 steps per cycle.
-    let timing = StepTiming::from_ns(100_000, 1000, [1000, 1000, 5000, 5000]);
+    let timing = StepTiming::from_ns(100_000, 1000, edges(1000, 5000));
     let scale = Scale::new(400, 1_000_000).unwrap();
     let mut drive = Steppers([(); 3].map(|()| Bench::new(scale, timing, Coord::ZERO, 41)));
     let point = |x, y, z| [x, y, z].map(|mm: i64| Coord::from_nm(mm * 1_000_000).unwrap());

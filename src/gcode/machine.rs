@@ -91,6 +91,7 @@ impl Reader {
         let word = words.list().iter().find(|word| word.letter == b'S');
         let value = word.and_then(|word| word.value);
         // One event in an empty list.
-        let _ = self.push_event(code, value, what == Use::PassAndWait, 1);
+        let pushed = self.push_event(code, value, what == Use::PassAndWait, 1);
+        debug_assert!(pushed.is_ok(), "an event that is never reported");
     }
 }

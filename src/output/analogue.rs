@@ -91,3 +91,17 @@ impl<S: Scalar> PositionLoop<S> {
         Ok(asked)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_loop_adds_what_is_left_and_refuses_what_is_too_much() {
+        let position = PositionLoop { gain: 20.0, most_error: 0.5 };
+        assert_eq!(position.velocity(100.0, -0.25), Ok(95.0));
+        assert_eq!(position.velocity(100.0, 0.75), Err(FollowingError { error: 0.75, most: 0.5 }));
+        assert!(position.velocity(f32::NAN, 0.0).is_err());
+        assert!(position.velocity(0.0, f32::NAN).is_err());
+    }
+}

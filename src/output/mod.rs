@@ -15,7 +15,7 @@ mod step_dir;
 
 pub use analogue::{Analogue, FollowingError, PositionLoop};
 pub use scale::{Scale, ScaleError};
-pub use step_dir::{StepDir, StepError, StepTiming};
+pub use step_dir::{EdgeTimes, StepDir, StepError, StepTiming};
 
 use crate::servo::Setpoint;
 

@@ -50,6 +50,7 @@ impl Scale {
             factor >>= 1;
             shift -= 1;
         }
+        debug_assert!(factor >= 1 << 62 && shift > 0 && shift < 128);
         Ok(Self { factor: factor as i64, shift })
     }
 
@@ -59,5 +60,48 @@ impl Scale {
     pub const fn steps(self, at: Coord) -> i64 {
         let wide = at.raw() as i128 * self.factor as i128;
         (((wide >> (self.shift - 1)) + 1) >> 1) as i64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(nm: i64) -> Coord {
+        Coord::from_nm(nm).unwrap()
+    }
+
+    #[test]
+    fn places_are_rounded_to_the_nearest_step_either_side_of_zero() {
+        let scale = Scale::new(400, 1_000_000).unwrap(); // A step is 2,500 nm.
+        for (nm, steps) in
+            [(0, 0), (1_249, 0), (1_251, 1), (-1_249, 0), (-1_251, -1), (2_500, 1), (-10_000, -4)]
+        {
+            assert_eq!(scale.steps(at(nm)), steps, "{nm}");
+        }
+    }
+
+    /// Against whole numbers, at every size of scale and to the ends of the range.
+    #[test]
+    fn no_scale_is_off_by_more_than_its_rounding() {
+        let largest = 1_000_000_000_000;
+        for (steps, nm) in [(1, 1), (3, 7), (3200, 5_000_000), (1, u32::MAX), (1_000_003, 999_983)]
+        {
+            let scale = Scale::new(steps, nm).unwrap();
+            for place in [0, 1, 12_345_678, largest - 1, largest] {
+                for place in [place, -place] {
+                    let exact = i128::from(place) * i128::from(steps);
+                    let off = i128::from(scale.steps(at(place))) * i128::from(nm) - exact;
+                    // Half a step, and at 2^62 units one part in it.
+                    assert!(2 * off.abs() <= i128::from(nm) + 2, "{steps}/{nm} {place}: {off}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_per_something_is_no_scale() {
+        assert_eq!(Scale::new(0, 5), Err(ScaleError { steps: 0, nm: 5 }));
+        assert_eq!(Scale::new(5, 0), Err(ScaleError { steps: 5, nm: 0 }));
     }
 }

@@ -5,6 +5,20 @@ use crate::number::Coord;
 use core::fmt;
 use embedded_hal::digital::OutputPin;
 
+/// What a drive's data sheet asks of the edges, ns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct EdgeTimes {
+    /// Least width of a pulse.
+    pub pulse: u32,
+    /// Least time between two pulses.
+    pub pause: u32,
+    /// Least time from a change of direction to the next step.
+    pub setup: u32,
+    /// Least time from the end of a pulse to a change of direction.
+    pub hold: u32,
+}
+
 /// What the drive asks of the edges, in ticks of the step timer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -25,11 +39,8 @@ impl StepTiming {
     /// From a data sheet: rate of the step timer, Hz; servo cycle, µs; the drive's times, ns. Times are
     /// rounded up to whole ticks, and one at least; the ticks of a servo cycle are rounded down, to none where
     /// the timer is slower than the cycle, which [`StepDir::new`] refuses.
-    pub const fn from_ns(
-        timer_hz: u32,
-        cycle_us: u32,
-        [pulse, pause, setup, hold]: [u32; 4],
-    ) -> Self {
+    pub const fn from_ns(timer_hz: u32, cycle_us: u32, drive: EdgeTimes) -> Self {
+        let EdgeTimes { pulse, pause, setup, hold } = drive;
         let ticks = timer_hz as u64 * cycle_us as u64 / 1_000_000;
         Self {
             ticks: if ticks > u32::MAX as u64 { u32::MAX } else { ticks as u32 },
@@ -149,7 +160,8 @@ where
         mut dir: DIR,
         scale: Scale,
         timing: StepTiming,
-        (start, most): (Coord, u32),
+        start: Coord,
+        most: u32,
     ) -> Result<Self, StepError<E>> {
         let StepTiming { ticks, pulse, pause, setup, hold } = timing;
         if ticks == 0 || pulse == 0 || pause == 0 || setup == 0 || hold == 0 {
@@ -203,6 +215,8 @@ where
     /// # Errors
     /// The pin's; the edge is tried again at the next tick, and not counted before.
     pub fn tick(&mut self) -> Result<(), E> {
+        debug_assert!(self.ahead + self.due <= self.count, "more steps than are owed");
+        debug_assert!(self.phase < self.timing.ticks, "a phase beyond its step");
         if self.ahead > 0 {
             let left = self.timing.ticks - self.phase;
             if self.count >= left {
@@ -261,5 +275,96 @@ where
     /// Gives the pins back.
     pub fn release(self) -> (STEP, DIR) {
         (self.step, self.dir)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::convert::Infallible;
+    use embedded_hal::digital::ErrorType;
+    use std::vec::Vec;
+
+    /// A level.
+    #[derive(Default)]
+    struct Pin(bool);
+
+    impl ErrorType for Pin {
+        type Error = Infallible;
+    }
+
+    impl OutputPin for Pin {
+        fn set_low(&mut self) -> Result<(), Infallible> {
+            self.0 = false;
+            Ok(())
+        }
+        fn set_high(&mut self) -> Result<(), Infallible> {
+            self.0 = true;
+            Ok(())
+        }
+    }
+
+    const TIMING: StepTiming = StepTiming { ticks: 100, pulse: 2, pause: 2, setup: 3, hold: 2 };
+
+    /// An axis of 1,000 nm per step.
+    fn axis(most: u32) -> StepDir<Pin, Pin> {
+        let scale = Scale::new(1, 1000).unwrap();
+        StepDir::new(Pin::default(), Pin::default(), scale, TIMING, Coord::ZERO, most).unwrap()
+    }
+
+    fn at(steps: i64) -> Coord {
+        Coord::from_nm(steps * 1000).unwrap()
+    }
+
+    /// Ticks of a servo cycle at which a pulse rises.
+    fn cycle(axis: &mut StepDir<Pin, Pin>) -> Vec<u32> {
+        let mut rises = Vec::new();
+        for tick in 0..TIMING.ticks {
+            let before = axis.step.0;
+            axis.tick().unwrap();
+            if axis.step.0 && !before {
+                rises.push(tick);
+            }
+        }
+        rises
+    }
+
+    #[test]
+    fn as_many_steps_as_the_rounded_setpoint_asks_for_spread_evenly() {
+        let mut axis = axis(20);
+        for target in [7, 7, 20, 3, -12, -12, 0] {
+            let before = axis.steps();
+            assert_eq!(axis.begin(at(target)), 0);
+            let rises = cycle(&mut axis);
+            assert_eq!(rises.len() as u64, target.abs_diff(before));
+            assert_eq!(axis.steps(), target);
+            let even = TIMING.ticks / (rises.len() as u32).max(1);
+            assert!(
+                rises.windows(2).all(|pair| (pair[1] - pair[0]).abs_diff(even) <= 1),
+                "{rises:?}"
+            );
+        }
+        assert!(axis.dir.0 == axis.back && axis.steps() == 0);
+    }
+
+    /// What does not fit into a cycle is told, owed on, and made as fast as the axis goes.
+    #[test]
+    fn missing_steps_are_told_and_made_up_for() {
+        let mut axis = axis(10);
+        axis.begin(at(25));
+        cycle(&mut axis);
+        assert_eq!((axis.steps(), axis.begin(at(25))), (10, 15));
+        cycle(&mut axis);
+        assert_eq!((axis.steps(), axis.begin(at(25))), (20, 5));
+        cycle(&mut axis);
+        assert_eq!((axis.steps(), axis.begin(at(25))), (25, 0));
+    }
+
+    #[test]
+    fn times_become_whole_ticks_rounded_up() {
+        let drive = EdgeTimes { pulse: 1, pause: 10_000, setup: 10_001, hold: 0 };
+        let timing = StepTiming::from_ns(100_000, 1000, drive);
+        assert_eq!(timing, StepTiming { ticks: 100, pulse: 1, pause: 1, setup: 2, hold: 1 });
+        assert_eq!(TIMING.most_steps(), 23);
     }
 }

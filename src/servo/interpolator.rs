@@ -84,7 +84,8 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
                 self.side.count_starved();
             }
         }
-        // Never reached while pieces keep their least duration; a longer one would only be slow.
+        debug_assert!(self.piece.is_none(), "pieces shorter than their least duration");
+        // Never reached while pieces keep it; shorter ones would only be slow.
         self.piece.map_or(self.rest, |piece| piece.at(S::ZERO))
     }
 
@@ -117,5 +118,144 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
         } else {
             self.side.report(&Timeline { serial: self.serial, began: now, lag: S::ZERO });
         }
+    }
+}
+
+// Of one context; `models.rs` has those of several.
+#[cfg(all(test, not(loom)))]
+mod tests {
+    use super::super::link::{Branch, Link, Origin, PlanSide};
+    use super::super::piece::{Piece, Sequel};
+    use super::*;
+    use crate::number::ArcLength;
+    use std::vec::Vec;
+
+    type Core = Link<f64, 1, 4, 8>;
+
+    /// Both ends, at a servo cycle of 1 s.
+    fn ends(link: &mut Core, origin: Origin) -> (PlanSide<'_, f64, 1>, Interpolator<'_, f64, 1>) {
+        let (plan, servo, _) = link.ends(origin);
+        (plan, Interpolator::new(servo, (origin.node, [Coord::ZERO]), 1.0))
+    }
+
+    /// A piece at a velocity that is its tag, for a time.
+    fn piece(serial: NodeSerial, tag: u32, time: f64, sequel: Sequel) -> Piece<f64, 1> {
+        let speed = f64::from(tag);
+        Piece {
+            serial,
+            tag,
+            time,
+            origin: [Coord::ZERO],
+            axes: [[speed, 0.0, 0.0, 0.0, 0.0]],
+            arc_length: ArcLength::ZERO,
+            path: [speed, 0.0, 0.0, 0.0],
+            sequel,
+            event: false,
+        }
+    }
+
+    fn tags(interpolator: &mut Interpolator<'_, f64, 1>, cycles: usize) -> Vec<(u32, Activity)> {
+        (0..cycles).map(|_| interpolator.tick()).map(|at| (at.tag, at.activity)).collect()
+    }
+
+    const IDLE: Activity = Activity::Idle;
+    const RUNS: Activity = Activity::Running;
+
+    #[test]
+    fn nothing_offered_is_a_rest_where_it_started() {
+        let mut link = Core::new();
+        let (plan, mut interpolator) = ends(&mut link, Origin::ZERO);
+        assert_eq!(tags(&mut interpolator, 3), [(0, IDLE); 3]);
+        assert_eq!((plan.cycles().raw(), plan.starved()), (3, 0));
+    }
+
+    /// The running numbers of nodes, cycles and plans may wrap in the midst of it.
+    #[test]
+    fn a_plan_takes_over_at_its_node_and_ends_at_rest() {
+        let last = Origin {
+            node: NodeSerial::from_raw(u32::MAX),
+            cycle: CycleSerial::from_raw(u32::MAX - 1),
+            plan: u32::MAX >> 2,
+        };
+        for origin in [Origin::ZERO, last] {
+            let mut link = Core::new();
+            let (mut plan, mut interpolator) = ends(&mut link, origin);
+            let node = origin.node;
+            plan.write(&piece(node, 1, 2.5, Sequel::Motion));
+            plan.write(&piece(node.next(), 2, 2.5, Sequel::Starved));
+            plan.offer(Branch::Node(node));
+            assert_eq!(plan.verdict(), None);
+            assert_eq!(tags(&mut interpolator, 2), [(1, RUNS); 2]);
+            assert_eq!(plan.verdict(), Some(true));
+            // A longer one from the node ahead.
+            plan.write(&piece(node.next(), 3, 1.0, Sequel::Stop));
+            plan.offer(Branch::Node(node.next()));
+            assert_eq!(tags(&mut interpolator, 3), [(3, RUNS), (3, IDLE), (3, IDLE)]);
+            assert_eq!((plan.verdict(), plan.starved()), (Some(true), 0));
+            assert_eq!(plan.progress(), node.plus(2));
+            assert_eq!(plan.cycles(), origin.cycle.plus(5));
+        }
+    }
+
+    #[test]
+    fn a_plan_that_comes_too_late_is_refused_and_the_one_before_ends() {
+        let mut link = Core::new();
+        let (mut plan, mut interpolator) = ends(&mut link, Origin::ZERO);
+        plan.write(&piece(NodeSerial::ZERO, 1, 3.5, Sequel::Starved));
+        plan.offer(Branch::Node(NodeSerial::ZERO));
+        tags(&mut interpolator, 2);
+        assert_eq!(plan.verdict(), Some(true));
+        plan.write(&piece(NodeSerial::ZERO.next(), 2, 1.0, Sequel::Stop));
+        plan.offer(Branch::Cycle(CycleSerial::from_raw(1)));
+        assert_eq!(tags(&mut interpolator, 3), [(1, RUNS), (1, IDLE), (1, IDLE)]);
+        assert_eq!((plan.verdict(), plan.starved()), (Some(false), 1));
+    }
+
+    #[test]
+    fn an_answer_takes_over_at_its_servo_cycle() {
+        let mut link = Core::new();
+        let (mut plan, mut interpolator) = ends(&mut link, Origin::ZERO);
+        plan.write(&piece(NodeSerial::ZERO, 1, 10.0, Sequel::Stop));
+        plan.offer(Branch::Node(NodeSerial::ZERO));
+        tags(&mut interpolator, 1);
+        assert_eq!(plan.verdict(), Some(true));
+        plan.write(&piece(NodeSerial::ZERO.next(), 2, 5.0, Sequel::Stop));
+        plan.offer(Branch::Cycle(CycleSerial::from_raw(3)));
+        assert_eq!(tags(&mut interpolator, 3), [(1, RUNS), (1, RUNS), (2, RUNS)]);
+        assert_eq!(plan.verdict(), Some(true));
+        let timeline = plan.timeline().unwrap();
+        assert_eq!((timeline.serial.raw(), timeline.began.raw(), timeline.lag), (1, 3, 0.0));
+    }
+
+    #[test]
+    fn what_is_withdrawn_is_never_run() {
+        let mut link = Core::new();
+        let (mut plan, mut interpolator) = ends(&mut link, Origin::ZERO);
+        plan.write(&piece(NodeSerial::ZERO, 1, 2.0, Sequel::Stop));
+        plan.offer(Branch::Node(NodeSerial::ZERO));
+        plan.withdraw();
+        assert_eq!(plan.verdict(), Some(false));
+        assert_eq!(tags(&mut interpolator, 2), [(0, IDLE); 2]);
+        // Too late for that.
+        plan.write(&piece(NodeSerial::ZERO, 2, 2.0, Sequel::Stop));
+        plan.offer(Branch::Node(NodeSerial::ZERO));
+        tags(&mut interpolator, 1);
+        plan.withdraw();
+        assert_eq!(plan.verdict(), Some(true));
+    }
+
+    #[test]
+    fn an_event_is_reported_in_one_servo_cycle_and_a_standstill_is_a_dwell() {
+        let mut link = Core::new();
+        let (mut plan, mut interpolator) = ends(&mut link, Origin::ZERO);
+        let dwell = Piece {
+            path: [0.0; 4],
+            axes: [[0.0; 5]],
+            ..piece(NodeSerial::ZERO, 7, 3.5, Sequel::Stop)
+        };
+        plan.write(&Piece { event: true, ..dwell });
+        plan.offer(Branch::Node(NodeSerial::ZERO));
+        let dwells = (7, Activity::Dwelling);
+        assert_eq!(tags(&mut interpolator, 4), [(7, Activity::Event), dwells, dwells, (7, IDLE)]);
     }
 }

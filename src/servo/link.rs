@@ -248,6 +248,7 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
 
     /// Adds a piece to the plan that will be offered next; only when the last is decided.
     pub fn write(&mut self, piece: &Piece<S, N>) {
+        debug_assert!(piece.time > S::ZERO, "a piece of no duration");
         let slot = self.plans[self.spare & 1].get(self.written);
         debug_assert!(slot.is_some(), "more pieces than the window has nodes");
         if let Some(slot) = slot {
@@ -258,6 +259,11 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
 
     /// Offers the pieces written since the last time; none at all means a rest at the branch.
     pub fn offer(&mut self, branch: Branch) {
+        debug_assert_ne!(
+            self.shared.offer.load(Relaxed) & VERDICT,
+            OPEN,
+            "an offer in place of one that is undecided"
+        );
         let (place, by_cycle) = match branch {
             Branch::Node(serial) => (serial.raw(), 0),
             Branch::Cycle(cycle) => (cycle.raw(), 1),

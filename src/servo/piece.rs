@@ -166,3 +166,67 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
         at
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn piece() -> Piece<f64, 2> {
+        Piece {
+            serial: NodeSerial::from_raw(u32::MAX),
+            tag: 42,
+            time: 0.25,
+            origin: [Coord::from_raw(-5), Coord::from_raw(i64::MAX)],
+            axes: [[1.0, -2.0, 3.0, -4.0, 5.0], [0.5, 0.25, -0.125, 2.0, -1.0]],
+            arc_length: ArcLength::from_raw(1 << 40),
+            path: [1.0, 2.0, -3.0, 0.5],
+            sequel: Sequel::Starved,
+            event: true,
+        }
+    }
+
+    #[test]
+    fn a_piece_is_evaluated_with_its_derivatives() {
+        let piece = piece();
+        for t in [0.0, 0.1, 0.25] {
+            let setpoint = piece.at(t);
+            for (axis, c) in piece.axes.iter().enumerate() {
+                let sum = |term: &dyn Fn(f64, i32) -> f64| -> f64 {
+                    c.iter().zip(1..).map(|(c, k)| c * term(f64::from(k), k)).sum()
+                };
+                let offset = sum(&|_, k| t.powi(k));
+                let velocity = sum(&|n, k| n * t.powi(k - 1));
+                let acceleration = sum(&|n, k| n * (n - 1.0) * t.powi((k - 2).max(0)));
+                assert_eq!(setpoint.origin[axis], piece.origin[axis]);
+                assert!((setpoint.offset[axis] - offset).abs() < 1e-14);
+                assert!((setpoint.velocity[axis] - velocity).abs() < 1e-14);
+                assert!((setpoint.acceleration[axis] - acceleration).abs() < 1e-13);
+            }
+            let [a, b, c, d] = piece.path;
+            let offset = t * (a + t * (b + t * (c + t * d)));
+            assert!((setpoint.path_offset - offset).abs() < 1e-14);
+            let speed = a + t * (2.0 * b + t * (3.0 * c + t * 4.0 * d));
+            assert!((setpoint.path_speed - speed).abs() < 1e-14);
+            assert_eq!((setpoint.tag, setpoint.activity), (42, Activity::Running));
+        }
+    }
+
+    #[test]
+    fn a_slot_gives_back_what_was_stored() {
+        let slot = Slot::EMPTY;
+        slot.store(&piece());
+        assert_eq!((slot.serial(), slot.time()), (NodeSerial::from_raw(u32::MAX), 0.25));
+        assert!(slot.has_event());
+        slot.store(&Piece { event: false, ..piece() });
+        assert!(slot.starves() && !slot.has_event());
+        slot.store(&Piece { sequel: Sequel::Motion, event: false, ..piece() });
+        assert!(!slot.starves() && !slot.has_event());
+    }
+
+    /// A path that stands still for a time: its arc length has no motion.
+    #[test]
+    fn a_standstill_is_a_dwell() {
+        let still = Piece { axes: [[0.0; 5]; 2], path: [0.0; 4], ..piece() };
+        assert_eq!(still.at(0.1).activity, Activity::Dwelling);
+    }
+}

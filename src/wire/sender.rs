@@ -125,7 +125,8 @@ impl Sender {
         while self.commands.len() > 1 {
             self.commands.pop_back();
         }
-        let _ = self.commands.push_back(Command::Abort);
+        let queued = self.commands.push_back(Command::Abort);
+        debug_assert!(queued.is_ok(), "an abort that is never sent");
     }
 
     /// What to say at the end, when everything is done. Should it be lost, the session ends by silence.

@@ -215,7 +215,8 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
     fn refuse(&mut self, tag: u32) {
         self.no_more(Refusal::Block { tag });
         // There is room: the refused block itself would have needed it.
-        let _ = self.queue.push_back(Waiting::End);
+        let queued = self.queue.push_back(Waiting::End);
+        debug_assert!(queued.is_ok(), "an end that never comes");
     }
 
     fn no_more(&mut self, reason: Refusal) {

@@ -14,7 +14,7 @@
 //!
 //! As on the STM32F407G-DISC1, with its crystal of 8 MHz.
 
-use splineway::output::{Analogue, Scale, StepDir, StepTiming};
+use splineway::output::{Analogue, EdgeTimes, Scale, StepDir, StepTiming};
 use splineway::{AxisLimits, Config, Coord, Limits};
 use stm32f4xx_hal::gpio::{self, Edge, ErasedPin, Input, PushPull};
 use stm32f4xx_hal::pac::{Peripherals, TIM1, TIM3, USART2};
@@ -40,7 +40,7 @@ pub const WATCHDOG_MS: u32 = 1_000;
 /// Steps per nanometres: 400 steps/mm.
 const SCALE: (u32, u32) = (400, 1_000_000);
 /// Pulse, pause, set-up and hold, ns: common drives ask for 2500, 2500, 5000 and 5000 at most.
-const DRIVE_NS: [u32; 4] = [2_500, 2_500, 5_000, 5_000];
+const DRIVE: EdgeTimes = EdgeTimes { pulse: 2_500, pause: 2_500, setup: 5_000, hold: 5_000 };
 /// Velocity of every axis, mm/s.
 const VELOCITY: f32 = 100.0;
 /// Acceleration, mm/s2.
@@ -84,11 +84,11 @@ pub struct Board {
 /// An axis that stands at zero.
 fn stepper(step: Output, dir: Output) -> Stepper {
     let scale = defmt::unwrap!(Scale::new(SCALE.0, SCALE.1), "scale");
-    let timing = StepTiming::from_ns(STEP_HZ, 1_000_000 / SERVO_HZ, DRIVE_NS);
+    let timing = StepTiming::from_ns(STEP_HZ, 1_000_000 / SERVO_HZ, DRIVE);
     // Rounded up, and one for the rounding of the setpoints.
     let per_mm = SCALE.0 as f32 * 1.0e6 / SCALE.1 as f32;
     let most = (VELOCITY * per_mm / SERVO_HZ as f32) as u32 + 2;
-    match StepDir::new(step, dir, scale, timing, (Coord::ZERO, most)) {
+    match StepDir::new(step, dir, scale, timing, Coord::ZERO, most) {
         Ok(stepper) => stepper,
         Err(_) => defmt::panic!(
             "{} steps per servo cycle at full speed, {} fit into one: a faster step timer, or fewer steps per mm",

@@ -8,7 +8,7 @@ use embedded_hal::digital::{ErrorType, OutputPin};
 use embedded_hal::pwm;
 use splineway::block::centre_from_radius;
 use splineway::c;
-use splineway::output::{Analogue, Drive, PositionLoop, Scale, StepDir, StepTiming};
+use splineway::output::{Analogue, Drive, EdgeTimes, PositionLoop, Scale, StepDir, StepTiming};
 use splineway::{
     AxisLimits, Block, Config, Coord, CornerMode, Interpolator, Limits, Link, Planner, Setpoint,
     Turn,
@@ -69,9 +69,10 @@ impl Drive<f32, 3> for Axis {
 
 fn axis() -> Option<Axis> {
     let scale = Scale::new(black_box(400), black_box(1_000_000)).ok()?;
-    let timing = StepTiming::from_ns(black_box(100_000), black_box(1000), black_box([1000; 4]));
-    let start = (black_box(Coord::ZERO), black_box(timing.most_steps()));
-    let steps = StepDir::new(Pin(&PORT), Pin(&PORT), scale, timing, start).ok()?;
+    let drive = EdgeTimes { pulse: 1000, pause: 1000, setup: 1000, hold: 1000 };
+    let timing = StepTiming::from_ns(black_box(100_000), black_box(1000), black_box(drive));
+    let (start, most) = (black_box(Coord::ZERO), black_box(timing.most_steps()));
+    let steps = StepDir::new(Pin(&PORT), Pin(&PORT), scale, timing, start, most).ok()?;
     black_box(steps.steps());
     let laser = Analogue::unipolar(Pin(&PORT), black_box(100.0));
     let position = PositionLoop { gain: black_box(20.0), most_error: black_box(0.5) };
