@@ -1,13 +1,9 @@
 //! **splineway** takes tool paths - thousands of short lines, arcs, curves and dwells - and gives one
 //! position setpoint per servo cycle for every axis: inside the tolerance band, within every axis's
 //! velocity, acceleration and jerk at every instant, and always able to stop. It is `no_std`, never
-//! allocates, and runs the same code in `f32` on a Cortex-M4F and in `f64` on a PC. What a controller calls cannot
-//! panic: the images of `firmware/proof` call planner, interpolator, commands, checks, outputs, both ends
-//! of the wire, the reader of G-code and the interface for C, and link only if no panic can be reached. (Not in the
-//! proof: the texts of errors, which `core` formats. It holds for the sizes and the compiler of the images.)
-//! Its own `unsafe` is one instruction, the target's square root, and the border of the interface for C.
+//! allocates, and runs the same code in `f32` on a Cortex-M4F and in `f64` on a PC.
 //!
-//! # The way of a block
+//! # Architecture
 //!
 //! ```text
 //!  Block ──▶ path ───────────▶ profile ────────────▶ servo ────────▶ Setpoint
@@ -17,42 +13,80 @@
 //!  background (producer) side ───────────────────────┤ interrupt side
 //! ```
 //!
-//! - [`block`]: what comes in. A [`Block`] is plain data, checked as a whole when it is pushed.
-//! - [`spline`]: the kernel that smooths a cubic B-spline inside a tube, for the runs of `path`; the crate
-//!   `splineway-splines` builds on it, for splines that come as such.
-//! - `path`: geometry. It knows no speed law; of feed and limits it takes what it needs to choose lengths - how
-//!   far a start from rest reaches, and how long a cell may be (`path::cut`) - and hands on the speed that a feed word
-//!   asks for. Blocks wait until their neighbours are known; corners
-//!   become cubic B-splines inside the tolerance band (shaped for least time, or as in Guo, Yan, Wang
-//!   2023), runs of short lines one cubic B-spline that is smoothed inside the band in a set number of
-//!   sweeps (after Naseath 2007), joints with arcs quintic blends. Everything is cut into *cells*
-//!   between *nodes* that carry position, tangent and curvature: the path is curvature-continuous.
-//! - `profile`: the speed law over a window of cells. The unknowns are speed and acceleration at the
-//!   nodes; every limit of every axis is a bound on Bernstein coefficients of the very polynomials
-//!   that will be executed, so it holds at every instant, not only at samples. A barrier method
-//!   minimises the time, from a guess that may break limits to a motion that keeps them all, in a
-//!   bounded number of steps; if it has not got there by then, another takes over that keeps them in
-//!   every step.
-//! - [`servo`]: the interrupt side, which knows no planning. Plans arrive whole in two buffers used in
-//!   turn ([`Link`]), each from a place still ahead of the motion to a stop; the [`Interpolator`]
-//!   changes over where they branch off. If nothing arrives it comes to rest on the
-//!   path, and goes on from there when something does.
-//! - [`output`]: step and direction, duty cycles, and a trait for other drives, over embedded-hal.
-//! - `gcode`, `wire` and `c`, features: programs as text, blocks over a serial line, and the interface for C.
-//! - [`machine`]: limits and settings, checked once. [`number`]: the [`Scalar`], and fixed-point
-//!   [`Coord`]inates that never drift.
+//! The folders of the source are layers. Each knows those below it and none above, and can be tested by itself. From
+//! the top to the bottom:
 //!
-//! An operator's commands ([`Controls`]) overtake all this: the planner's next poll answers with a
-//! plan that branches off at a servo cycle to come, as a rule the next; one that comes too late is refused
-//! and made again.
+//! ## Borders: `c`, `wire` and `gcode`
 //!
-//! Lower modules never import higher ones: `number`, `machine`, `block`, `spline`, `path`, `servo`, `profile`,
-//! and on top the [`Planner`].
+//! The interface for C, blocks over a serial line, programs as text: three features, none of which the core needs. They
+//! translate to [`Block`]s and [`Controls`] and back. A number from outside is checked here or when its block is
+//! pushed, never later. No motion is decided here.
 //!
-//! The [`guide`] says how to choose tolerance, jerk and sizes, how to read the plots, and what to do when
-//! something looks wrong.
+//! ## The planner
 //!
-//! # In twenty lines
+//! [`Planner`] is the background side: it takes blocks in, has `path` cut them into cells and `profile` plan over them,
+//! and hands plans to `servo`. An operator's commands ([`Controls`]) overtake the blocks: the next poll answers with a plan
+//! that branches off at a servo cycle to come, as a rule the next; an answer that comes too late is refused by the
+//! interrupt and made again. The planner knows what comes when; the shape of a curve, the row of a limit and the word
+//! of an atomic belong below.
+//!
+//! ## The speed law: `profile`
+//!
+//! Over a window of cells the unknowns are speed and acceleration at the nodes. Every limit of every axis is a bound on
+//! Bernstein coefficients of the very polynomials that will be executed, so it holds at every instant, not only at samples.
+//! A barrier method minimises the time, from a guess that may break limits to a motion that keeps them all, in a
+//! bounded number of steps; if it has not converged by then, another method takes over that keeps them in every
+//! step. A new bound on the motion belongs here. Blocks, tags, commands and the interrupt do not.
+//!
+//! ## The interrupt side: [`servo`] and [`output`]
+//!
+//! [`Interpolator::tick`] evaluates one polynomial per axis and knows no planning. Plans arrive whole in the two
+//! buffers of a [`Link`], each from a place still ahead of the motion to a stop; the interpolator changes over where they
+//! branch off. If nothing arrives it comes to rest on the path, and continues from there when something does. All that
+//! contexts share is in `servo`. [`output`] makes steps, duty cycles or anything else of setpoints, over `embedded-hal`;
+//! chips and pins belong to firmware.
+//!
+//! ## Geometry: `path`
+//!
+//! Blocks wait until their neighbours are known. Corners become cubic B-splines inside the tolerance band (shaped for least
+//! time, or as in Guo, Yan, Wang 2023), runs of short lines one cubic B-spline that is smoothed inside the band (after
+//! Naseath 2007), joints with arcs quintic blends. Everything is cut into *cells* between *nodes* that carry position,
+//! tangent and curvature: the path is curvature-continuous. A new curve belongs here, and every share of the
+//! tolerance. Speed and time do not: of feed and limits, geometry takes what it needs to choose lengths.
+//!
+//! ## The smoothing kernel: [`spline`]
+//!
+//! Sweeps over the control points of a cubic B-spline inside a tube, for the runs of `path` and for the crate
+//! `splineway-splines`, which smooths splines that come as such. It knows neither blocks nor machines.
+//!
+//! ## What comes in: [`block`]
+//!
+//! A [`Block`] is plain data with units, and is checked as a whole when it is pushed: what is refused changes nothing.
+//!
+//! ## The machine: [`machine`]
+//!
+//! Limits, settings, their ranges and the sizes of a core, checked once: a [`Limits`] can only be made valid, so that
+//! nothing above checks again.
+//!
+//! ## Numbers: [`number`]
+//!
+//! The [`Scalar`], fixed-point [`Coord`]inates that never drift, running numbers that wrap, words that two contexts
+//! share. It knows nothing of motion.
+//!
+//! # What cannot happen
+//!
+//! What a controller calls cannot panic: the images of `firmware/proof` call planner, interpolator, commands, checks, outputs,
+//! both ends of the wire, the reader of G-code and the interface for C, and link only if no panic can be reached. (Not in the
+//! proof: the texts of errors, which `core` formats. It holds for the sizes and the compiler of the images.)
+//! The core's own `unsafe` is one instruction, the target's square root, and the border of the interface for C.
+//! Invariants between the layers are `debug_assert!`s: they stop a test, and cost a controller nothing.
+//!
+//! # Where to go on
+//!
+//! The [`guide`] says how to choose tolerance, jerk and sizes, how to read the plots, and what to do when something looks
+//! wrong. `docs/README.md` answers by question.
+//!
+//! # Example
 //!
 //! ```
 //! use splineway::{Activity, AxisLimits, Block, Config, Coord, Limits, Link, Progress};
