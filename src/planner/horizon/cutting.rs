@@ -21,7 +21,7 @@ use core::array::from_fn;
 
 /// A cell is cut only if this many servo cycles are left of it.
 const LEAST_CYCLES: f64 = 2.0;
-/// Speed that jerk builds up in as many servo cycles squared is a crawl.
+/// A crawl is slower than so many J c^2, with the servo cycle c: what jerk builds up in less than three cycles.
 const CRAWL: f64 = 4.0;
 /// Share of a crawl below which a motion is not cut: it comes to rest or gets going in a moment.
 const LEAST_SPEED: f64 = 1.0e-3;

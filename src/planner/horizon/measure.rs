@@ -17,6 +17,7 @@ const LEAST_LEFT: f64 = 0.3;
 const APART_CYCLES: f64 = 2.0;
 
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
+    /// How long the agreed plan takes for the cell of station `i`, s; 0 if there is none.
     pub fn agreed_time(&self, i: usize) -> S {
         match self.window.get(i) {
             Some(station) if !(station.cell.length > S::ZERO) => station.cell.dwell,

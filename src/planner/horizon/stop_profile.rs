@@ -17,23 +17,35 @@ pub const PHASES: usize = 3;
 
 /// A stretch of constant jerk.
 #[derive(Clone, Copy, Debug)]
-struct Phase<S> {
+struct JerkPhase<S> {
     speed: S,
     acceleration: S,
     jerk: S,
     time: S,
 }
 
-impl<S: Scalar> Phase<S> {
-    /// Length, speed and acceleration after `t` seconds.
-    fn at(&self, t: S) -> (S, S, S) {
+/// Where a phase has got.
+#[derive(Clone, Copy, Debug)]
+struct Reached<S> {
+    length: S,
+    speed: S,
+    acceleration: S,
+}
+
+impl<S: Scalar> JerkPhase<S> {
+    /// What is reached after `t` seconds.
+    fn at(&self, t: S) -> Reached<S> {
         let half = S::of(0.5);
         let Self { speed: v, acceleration: a, jerk: j, .. } = *self;
-        (((j * t * S::of(1.0 / 6.0) + a * half) * t + v) * t, (j * t * half + a) * t + v, j * t + a)
+        Reached {
+            length: ((j * t * S::of(1.0 / 6.0) + a * half) * t + v) * t,
+            speed: (j * t * half + a) * t + v,
+            acceleration: j * t + a,
+        }
     }
 
     fn length(&self) -> S {
-        self.at(self.time).0
+        self.at(self.time).length
     }
 }
 
@@ -52,7 +64,7 @@ pub const DEPTHS: [Depth; 2] = [Depth::Limits, Depth::Steady];
 /// Acceleration down to a depth, held, and back to zero together with the speed.
 #[derive(Clone, Copy, Debug)]
 pub struct StopProfile<S> {
-    phases: [Phase<S>; PHASES],
+    phases: [JerkPhase<S>; PHASES],
     /// Where the rest is, from the branch, mm.
     pub at: S,
 }
@@ -81,19 +93,19 @@ impl<S: Scalar> StopProfile<S> {
         if !(p > S::ZERO && p + a >= S::ZERO) {
             return None;
         }
-        let fall = Phase { speed, acceleration: a, jerk: -jerk, time: (a + p) / jerk };
-        let (_, v1, _) = fall.at(fall.time);
+        let fall = JerkPhase { speed, acceleration: a, jerk: -jerk, time: (a + p) / jerk };
+        let v1 = fall.at(fall.time).speed;
         let v2 = p * p * half / jerk;
-        let hold = Phase {
+        let hold = JerkPhase {
             speed: v1,
             acceleration: -p,
             jerk: S::ZERO,
             time: ((v1 - v2) / p).greatest(S::ZERO),
         };
         // To rest exactly, whatever the rounding: j = p^2 / 2 v over 2 v / p.
-        let (_, v2, _) = hold.at(hold.time);
+        let v2 = hold.at(hold.time).speed;
         let release =
-            Phase { speed: v2, acceleration: -p, jerk: p * p * half / v2, time: (v2 + v2) / p };
+            JerkPhase { speed: v2, acceleration: -p, jerk: p * p * half / v2, time: (v2 + v2) / p };
         let phases = [fall, hold, release];
         let length = phases.iter().fold(S::ZERO, |sum, phase| sum + phase.length());
         length.is_finite().then_some(Self { phases, at: distance + length })
@@ -135,14 +147,14 @@ impl<S: Scalar> StopProfile<S> {
             let (mut low, mut high) = (S::ZERO, phase.time);
             for _ in 0..HALVINGS {
                 let middle = (low + high) * S::of(0.5);
-                if phase.at(middle).0 < distance {
+                if phase.at(middle).length < distance {
                     low = middle;
                 } else {
                     high = middle;
                 }
             }
-            let (_, v, a) = phase.at(high);
-            return PathState { b: v * v, a };
+            let Reached { speed, acceleration, .. } = phase.at(high);
+            return PathState { b: speed * speed, a: acceleration };
         }
         PathState::REST
     }
