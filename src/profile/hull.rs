@@ -1,9 +1,10 @@
 //! Paths of every kind, and motions of every kind over their cells, against the velocity of every axis, the band and
 //! the ends of the cells.
 
+use super::bounds::{Bounds, Pace};
 use super::compile::{Placement, piece};
 use super::law::{Law, PathState};
-use super::rows::{Bounds, Pace, View};
+use super::rows::View;
 use crate::block::{Block, FINEST_BAND, Feed, Motion, Turn};
 use crate::machine::{AxisLimits, Config, Limits};
 use crate::number::serial::NodeSerial;

@@ -6,11 +6,12 @@
 //! ([`rows`]), so it holds at every instant and not only where it was sampled. The sum of the
 //! times is minimised over a stretch of a [`window`] of the path, whose end is always at rest.
 //!
-//! A [`solver`] is the workspace, a [`problem`] what it is put to: what is minimised, and its second-order model of
+//! What [`bounds`] a cell besides its shape is set when it comes into the window. A [`solver`] is the workspace, a [`problem`] what it is put to: what is minimised, and its second-order model of
 //! [`barrier`] ([`relaxation`]) and time. It is solved by Newton's method ([`descent`], on a block [`tridiagonal`]
 //! system) from a [`guess`]. What comes out is made pieces of motion by [`compile`].
 
 mod barrier;
+pub(crate) mod bounds;
 pub(crate) mod compile;
 mod descent;
 mod guess;

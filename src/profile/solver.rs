@@ -18,7 +18,7 @@ pub enum Aim {
     /// The least time.
     Time,
     /// The least time, with a high penalty on speed above the goal of a cell
-    /// ([`Bounds::goal`](super::rows::Bounds)): the motion slows down to it as fast as the limits
+    /// ([`Bounds::goal`](super::bounds::Bounds)): the motion slows down to it as fast as the limits
     /// allow.
     Slow,
     /// The least speed everywhere: the motion brakes as hard as the limits allow, and creeps on.

@@ -1,8 +1,8 @@
 //! The window as a list, and the solver on windows that can be reckoned by hand.
 
+use super::bounds::Pace;
 use super::law::{Law, PathState};
 use super::problem::{Objective, Probe, Weights};
-use super::rows::Pace;
 use super::solver::{Aim, Solver, Stretch};
 use super::window::Window;
 use crate::machine::{AxisLimits, Limits};

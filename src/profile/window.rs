@@ -1,7 +1,8 @@
 //! The stretch of path that is being planned.
 
+use super::bounds::{Bounds, Pace};
 use super::law::{Law, PathState};
-use super::rows::{Bounds, Pace, View};
+use super::rows::View;
 use crate::machine::Limits;
 use crate::number::serial::NodeSerial;
 use crate::number::vector::dot;

@@ -4,8 +4,8 @@ use super::Horizon;
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::path::node::Cell;
+use crate::profile::bounds::Bounds;
 use crate::profile::law::{Law, PathState};
-use crate::profile::rows::Bounds;
 use crate::profile::solver::Stretch;
 
 /// A cell that takes so many times as long as with stops at both ends is a crawl.
