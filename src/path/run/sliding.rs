@@ -1,8 +1,8 @@
 //! The sliding stretch of a run's spline: knots, control points, and the points at which it is held
 //! against the programmed poly-line.
 //!
-//! With knots t the control point number j belongs to the Greville abscissa (t[j-2] + t[j-1] +
-//! t[j]) / 3. The *base* spline has its control points on the poly-line, at these arc lengths
+//! With knots t the control point number j belongs to the Greville abscissa `(t[j-2] + t[j-1] +
+//! t[j]) / 3`. The *base* spline has its control points on the poly-line, at these arc lengths
 //! (Schoenberg's operator): it reproduces straight lines, needs no system to be solved, and every
 //! span is checked against the band before its knots are taken. Smoothing ([`crate::spline::sweep`]) moves
 //! control points away from there; what is moved is checked by the same bound ([`super::draft`]).
