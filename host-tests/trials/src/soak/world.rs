@@ -398,9 +398,9 @@ fn drive<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
     let Ok(mut config) = case.setting.config::<S, N>() else { return run };
     shim.config(&mut config);
     let mut link = Box::new(Link::<S, N, BLOCKS, NODES>::new());
-    // Places of the draws are within the range.
-    let start =
-        std::array::from_fn(|n| Coord::from_mm(case.setting.start[n]).unwrap_or(Coord::ZERO));
+    let start = std::array::from_fn(|n| {
+        Coord::from_mm(case.setting.start[n]).expect("cases start within the range")
+    });
     let Ok((mut planner, interpolator)) = link.split(config, start) else {
         return run;
     };
