@@ -243,6 +243,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
     }
 
     /// Steps until the method ends or there have been so many. Returns how many were taken.
+    // Once in the image, however often it is called.
+    #[inline(never)]
     fn descend(&mut self, mut descent: Descent<S>, iterations: u16) -> u16 {
         for steps in 0..iterations {
             match descent.step(self) {

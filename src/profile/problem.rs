@@ -210,6 +210,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
     }
 
     /// The same over some cells of the stretch.
+    // Once in the image, however often it is called.
+    #[inline(never)]
     pub(super) fn holds_over(&mut self, cells: Range<usize>) -> bool {
         for row in self.rows(cells.clone()) {
             row.step = [S::ZERO; 2];

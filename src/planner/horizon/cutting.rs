@@ -34,6 +34,8 @@ const BRAKE_CELLS: f64 = 4.0;
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// Cuts the window where the motion will be when an answer can take effect. Returns the index
     /// of the station there and the branch.
+    // Once in the image, however often it is called.
+    #[inline(never)]
     pub fn cut_in(&mut self, moment: Moment<S>) -> Option<(usize, Branch)> {
         let Moment { timeline: line, when } = moment;
         let cycle = self.config.cycle;
@@ -210,6 +212,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// The motion as agreed from where an answer can take effect, on cells cut finer.
+    // Once in the image, however often it is called.
+    #[inline(never)]
     pub fn prepare(&mut self, moment: Moment<S>) -> Option<(Stretch, Branch)> {
         let (first, branch) = self.cut_in(moment)?;
         let mut stretch = self.stretch_from(first);

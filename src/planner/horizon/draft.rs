@@ -94,6 +94,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// Takes back all that the draft has changed: window and overrides are those of the agreed plan.
+    // Once in the image, however often it is called.
+    #[inline(never)]
     pub fn drop_draft(&mut self) {
         debug_assert!(self.has_draft());
         self.take_back(0);

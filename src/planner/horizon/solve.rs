@@ -18,6 +18,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// Improves the states of a stretch for an aim, and counts the steps.
+    // Once in the image, however often it is called.
+    #[inline(never)]
     pub fn improve(&mut self, stretch: Stretch, aim: Aim) {
         let Config { limits, iterations, .. } = self.config;
         let steps = self.solver.on(&mut self.window, &limits, stretch).improve(iterations, aim);
@@ -41,6 +43,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// The same by a guess at the stations from index `new` on, which need not lead to a motion.
+    // Once in the image, however often it is called.
+    #[inline(never)]
     pub fn find_from_guess(&mut self, stretch: Stretch, new: usize) -> bool {
         let Config { limits, iterations, .. } = self.config;
         let mut problem = self.solver.on(&mut self.window, &limits, stretch);
