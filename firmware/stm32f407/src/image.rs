@@ -238,10 +238,12 @@ mod app {
             Background::<_, AXES, BLOCKS, NODES, WINDOW, QUEUED>::new(planner, &EVENTS);
         let mut progress = Progress::NeedsBlocks;
         watchdog.start(board::WATCHDOG_MS.millis());
-        // Unless the emergency stop was open at the start.
-        if !EMERGENCY.load(Relaxed) {
-            context.shared.enable.lock(|enable| enable.set_high());
-        }
+        // Unless the emergency stop is open; asked under the lock, so that `emergency` cannot come between.
+        context.shared.enable.lock(|enable| {
+            if !EMERGENCY.load(Relaxed) {
+                enable.set_high();
+            }
+        });
         loop {
             watchdog.feed();
             let now = background.round(&mut outside);
