@@ -1,6 +1,7 @@
 //! What host and controller say to each other.
 
 use super::moves::{Axes, Move};
+use crate::number::serial::Serial;
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
@@ -11,6 +12,13 @@ pub const VERSION: u8 = 2;
 /// Silence after which a controller counts a sender as lost, if the sender does not ask for another
 /// time, ms.
 pub const SILENCE: u16 = 1000;
+
+/// What is numbered: items of a session.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Items {}
+
+/// Running number of an item, without the session.
+pub(super) type ItemSerial = Serial<Items>;
 
 /// What is taken in order.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -61,6 +61,8 @@
 
 mod events;
 mod frame;
+#[cfg(test)]
+mod golden;
 // Messages live on the stack for the length of a call; there is no heap to box them on.
 #[allow(clippy::large_enum_variant)]
 mod message;

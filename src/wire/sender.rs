@@ -1,6 +1,8 @@
 //! The host's end.
 
-use super::message::{Command, Denial, Opening, Refusal, Reply, Request, Taken, VERSION};
+use super::message::{
+    Command, Denial, ItemSerial, Opening, Refusal, Reply, Request, Taken, VERSION,
+};
 use heapless::Deque;
 
 /// Silence after which the host sends again what is not acknowledged, ms.
@@ -173,7 +175,8 @@ impl Sender {
             self.commanded = true;
             return Step::Send(Request::Command { session, number: self.first, command });
         }
-        let room = taken.limit.wrapping_sub(self.item).cast_signed() > 0;
+        let limit = ItemSerial::from_raw(taken.limit);
+        let room = limit.since(ItemSerial::from_raw(self.item)).is_some_and(|room| room > 0);
         if self.item < self.items && room && taken.refused.is_none() && !self.ended {
             self.item += 1;
             return Step::Item(self.item - 1);

@@ -3,8 +3,8 @@
 use super::events::{Event, Events};
 use super::frame::{FRAME, Inlet, encode};
 use super::message::{
-    Command, Denial, Item, Opening, Refusal, Reply, Request, SILENCE, Situation, State, Taken,
-    VERSION,
+    Command, Denial, Item, ItemSerial, Opening, Refusal, Reply, Request, SILENCE, Situation, State,
+    Taken, VERSION,
 };
 use super::moves::{Move, Path};
 use crate::block::{Block, Motion, PushError};
@@ -25,8 +25,9 @@ enum Waiting<S, const N: usize> {
 #[derive(Clone, Copy, Debug)]
 struct Session {
     number: u32,
-    /// Numbers of the item and of the command that come next.
-    next: u32,
+    /// Number of the item that comes next.
+    next: ItemSerial,
+    /// Number of the command that comes next.
     commands: u32,
     refused: Option<Refusal>,
     /// Silence after which the sender is lost, ms; 0: never.
@@ -127,7 +128,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
             Request::Open(opening) => self.knock = Some(opening),
             Request::Item { session, number, item } => {
                 if self.owner(session).is_some() {
-                    self.take(number, &item);
+                    self.take(ItemSerial::from_raw(number), &item);
                 }
             }
             Request::Command { session, number, command } => {
@@ -172,11 +173,11 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
         Some(command)
     }
 
-    fn take(&mut self, number: u32, item: &Item) {
+    fn take(&mut self, number: ItemSerial, item: &Item) {
         self.due.taken = true;
         let Some(owner) = self.session else { return };
         if number != owner.next {
-            self.due.gap |= number.wrapping_sub(owner.next) <= u32::MAX / 2;
+            self.due.gap |= number.since(owner.next).is_some();
             return;
         }
         // Without room the host has sent beyond the window: it will have to send it again.
@@ -193,7 +194,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
         if self.queue.push_back(waiting).is_ok()
             && let Some(owner) = &mut self.session
         {
-            owner.next = owner.next.wrapping_add(1);
+            owner.next = owner.next.next();
         }
     }
 
@@ -335,7 +336,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
         self.due = Due { hello: self.due.hello, status: self.due.status, ..Due::NONE };
         self.session = Some(Session {
             number: opening.session,
-            next: 0,
+            next: ItemSerial::ZERO,
             commands: 0,
             refused: None,
             silence: opening.silence,
@@ -391,7 +392,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
 
     /// Items taken in this session.
     pub fn taken(&self) -> u32 {
-        self.session.map_or(0, |owner| owner.next)
+        self.session.map_or(0, |owner| owner.next.raw())
     }
 
     /// Whether no further item can be taken now.
@@ -433,8 +434,8 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
         let room = QUEUE - self.queue.len();
         Some(Taken {
             session: owner.number,
-            next: owner.next,
-            limit: owner.next.wrapping_add(room as u32),
+            next: owner.next.raw(),
+            limit: owner.next.plus(room as u32).raw(),
             commands: owner.commands,
             gap: self.due.gap,
             refused: owner.refused,
