@@ -12,7 +12,7 @@
 //! ([`super::swing`]), but measures them by this one.
 
 use super::budget;
-use super::transition::Half;
+use super::half::Half;
 use crate::number::Scalar;
 use crate::number::vector::{Vector, dot};
 

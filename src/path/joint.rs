@@ -3,11 +3,11 @@
 use super::blend::Blend;
 use super::budget;
 use super::corner::Corner;
+use super::half::Half;
 use super::node::{Frame, Node};
 use super::queued::{Joint, QueuedBlock};
 use super::segment::{Segment, Shape};
 use super::swing;
-use super::transition::Half;
 use crate::machine::{Config, CornerMode, Ramp};
 use crate::number::vector::{dot, norm};
 use crate::number::{Coord, Length, Scalar};

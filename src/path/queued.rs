@@ -2,8 +2,8 @@
 
 use super::budget;
 use super::feed;
+use super::leg::Leg;
 use super::node::{Event, Programmed};
-use super::run::Leg;
 use super::segment::Segment;
 use crate::block::range::{check_coordinate, check_coordinates, in_range};
 use crate::block::{Block, BlockError, Feed, Motion};

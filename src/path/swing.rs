@@ -17,7 +17,7 @@
 
 use super::budget;
 use super::corner::Corner;
-use super::transition::Half;
+use super::half::Half;
 use crate::number::Scalar;
 use crate::number::list::some;
 use core::array::from_fn;

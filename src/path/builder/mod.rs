@@ -14,11 +14,12 @@ mod tags;
 use super::blend::Blend;
 use super::chords::Chords;
 use super::cut::EndSizes;
+use super::half::Half;
 use super::queued::QueuedBlock;
 use super::run::Run;
 use super::segment::Segment;
 use super::straight::{Marks, Sleeve};
-use super::transition::{Half, Transition};
+use super::transition::Transition;
 use crate::number::{Coord, Interval, Length, Scalar};
 use heapless::Deque;
 

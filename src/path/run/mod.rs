@@ -1,20 +1,19 @@
 //! Runs of short lines as one cubic B-spline inside their tolerance band.
 //!
 //! [`polyline`] holds the poly-line, thinned; [`dominant`] finds the vertices where it turns, and [`knots`] are laid
-//! along it by them; [`sliding`] makes a spline over the knots that is inside the band, by a bound ([`draft`]), and has
+//! along it by them; [`sliding`] makes a spline over the knots that is inside the band, by a bound ([`trial_span`]), and has
 //! [`crate::spline::sweep`] smooth it as far as the band allows; a [`span`] of it becomes cells, with the tags of the
-//! [`pieces`] beside it. A stretch of spans is kept in hand: when it is full, or the
+//! [`pieces`] beside it. A stretch of spans is held back: when it is full, or the
 //! run ends, it is smoothed and its first spans are handed on for good.
 
 mod dominant;
-mod draft;
 mod knots;
 mod pieces;
 mod polyline;
 mod sliding;
 mod span;
+mod trial_span;
 
-pub use self::polyline::Leg;
 pub use self::sliding::Tie;
 
 use self::dominant::DominantPoint;
@@ -23,6 +22,7 @@ use self::pieces::Pieces;
 use self::polyline::{Polyline, VertexSerial};
 use self::sliding::SlidingSpline;
 use super::cut::Emitted;
+use super::leg::Leg;
 use super::node::Node;
 use crate::machine::Ramp;
 use crate::number::vector::zero;

@@ -4,8 +4,7 @@ use crate::number::serial::Serial;
 use crate::number::vector::{Vector, dot, norm, zero};
 use crate::number::{Coord, Interval, Length, Scalar};
 use crate::path::budget;
-use crate::path::feed;
-use crate::path::node::Programmed;
+use crate::path::leg::Leg;
 use crate::path::segment::Segment;
 use core::array::from_fn;
 use heapless::{Deque, Vec};
@@ -24,37 +23,6 @@ pub enum Vertices {}
 
 /// Running number of a vertex of a run, from 0 at its start.
 pub type VertexSerial = Serial<Vertices>;
-
-/// What is asked for on a line of the polyline.
-#[derive(Clone, Copy, Debug)]
-pub struct Leg<S> {
-    pub programmed: Programmed<S>,
-    /// Tolerance, mm.
-    pub tolerance: S,
-    /// Greatest distance of the vertices left out, mm.
-    pub error: S,
-}
-
-impl<S: Scalar> Leg<S> {
-    /// Whether two lines may become one, or share a span.
-    pub fn is_like(&self, other: &Self) -> bool {
-        feed::alike(self.programmed.feed, other.programmed.feed, feed::BLURRED)
-            && self.programmed.rapid == other.programmed.rapid
-            && self.tolerance == other.tolerance
-    }
-
-    /// What is asked for where both are.
-    pub fn with(&self, later: &Self) -> Self {
-        Self {
-            programmed: Programmed {
-                feed: self.programmed.feed.least(later.programmed.feed),
-                ..later.programmed
-            },
-            tolerance: self.tolerance.least(later.tolerance),
-            error: self.error.greatest(later.error),
-        }
-    }
-}
 
 /// A vertex, and the line that ends there.
 #[derive(Clone, Copy, Debug)]

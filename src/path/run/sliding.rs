@@ -5,14 +5,15 @@
 //! t[j]) / 3`. The *base* spline has its control points on the poly-line, at these arc lengths
 //! (Schoenberg's operator): it reproduces straight lines, needs no system to be solved, and every
 //! span is checked against the band before its knots are taken. Smoothing ([`crate::spline::sweep`]) moves
-//! control points away from there; what is moved is checked by the same bound ([`super::draft`]).
+//! control points away from there; what is moved is checked by the same bound ([`super::trial_span`]).
 
-use super::draft::Draft;
-use super::polyline::{Leg, Polyline};
+use super::polyline::Polyline;
 use super::span::SpanCurve;
+use super::trial_span::{SPAN_CHECKS, TrialSpan};
 use crate::number::list::some;
 use crate::number::vector::zero;
 use crate::number::{Coord, Interval, Length, Scalar};
+use crate::path::leg::Leg;
 use crate::spline::banded::System;
 use crate::spline::basis::Local;
 use crate::spline::sweep::{Derivative, Reference, Tube, price};
@@ -24,9 +25,6 @@ use heapless::Vec;
 pub const CONTROLS: usize = 48;
 /// Check points held.
 pub const CHECKS: usize = 128;
-/// Check points in one span: its start, the vertices of the poly-line in it, and more if
-/// they are far apart.
-pub const SPAN_CHECKS: usize = 10;
 /// Places to be slow at that are remembered for the spans behind them.
 const SLOW_POINTS: usize = 8;
 
@@ -180,7 +178,7 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
                 let new = || more.get((j - known) as usize).copied().unwrap_or(Length::ZERO);
                 if j < known { self.knot(j) } else { new() }
             });
-            knots[3] <= knots[2] || Draft::new(polyline, &knots).is_some()
+            knots[3] <= knots[2] || TrialSpan::new(polyline, &knots).is_some()
         })
     }
 
@@ -196,16 +194,16 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         debug_assert!(kept, "no room for a control point");
         if n >= 3 {
             let knots = self.knots_of(n - 3);
-            let draft = Draft::new(polyline, &knots);
-            debug_assert!(draft.is_some() || knots[3] <= knots[2], "a knot that was not allowed");
-            if let Some(draft) = draft {
-                self.take(draft, knots[3]);
+            let trial = TrialSpan::new(polyline, &knots);
+            debug_assert!(trial.is_some() || knots[3] <= knots[2], "a knot that was not allowed");
+            if let Some(trial) = trial {
+                self.take(trial, knots[3]);
             }
         }
     }
 
-    fn take(&mut self, draft: Draft<S, N>, end: Length) {
-        let mut span = draft.span;
+    fn take(&mut self, trial: TrialSpan<S, N>, end: Length) {
+        let mut span = trial.span;
         let start = self.reach;
         self.reach += span.step;
         self.slow_points.retain(|slow| slow.s >= end);
@@ -215,10 +213,10 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         span.reach = start.least(self.reach);
         span.price = price(span.reach);
         span.first_check = self.checks.len() as u16;
-        span.checks = draft.checks.len() as u16;
+        span.checks = trial.checks.len() as u16;
         // The place where two spans meet is held against the narrower band of the two.
         let mut narrower = self.checks.last().map(|check| check.radius);
-        for mut check in draft.checks {
+        for mut check in trial.checks {
             check.weight = Derivative::Third.first_weight(&span);
             if let Some(radius) = narrower.take() {
                 check.radius = check.radius.least(radius);
@@ -226,7 +224,7 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
             let kept = self.checks.push(check);
             debug_assert!(kept.is_ok(), "no room for a check point");
         }
-        let kept = self.spans.push(span).is_ok() & self.legs.push(draft.leg).is_ok();
+        let kept = self.spans.push(span).is_ok() & self.legs.push(trial.leg).is_ok();
         debug_assert!(kept, "no room for a span");
     }
 

@@ -5,16 +5,19 @@
 //! the poly-line is straight, so the difference e has the spline's own second derivative, which is
 //! linear on a span: |e| <= max(|e_a|, |e_b|) + gap^2 / 8 max |c''|.
 
-use super::polyline::{Leg, Polyline, Vertex};
-use super::sliding::SPAN_CHECKS;
+use super::polyline::{Polyline, Vertex};
 use crate::number::vector::{Vector, dot, norm, sub, zero};
 use crate::number::{Coord, Interval, Length, Scalar};
 use crate::path::budget;
+use crate::path::leg::Leg;
 use crate::spline::basis::Local;
 use crate::spline::tube::{CheckPoint, Slip, Span};
 use core::array::from_fn;
 use heapless::Vec;
 
+/// Check points in one span: its start, the vertices of the poly-line in it, and more if
+/// they are far apart.
+pub const SPAN_CHECKS: usize = 10;
 /// Turn, rad, from which on a vertex of the poly-line is compared with either of its lines instead of
 /// by arc length: the inside of a corner is farther from its vertex than from its lines.
 /// (Half or twice: no path by more than 0.7 %.)
@@ -24,7 +27,7 @@ const SHARP: f64 = 0.15;
 const SLIP: f64 = 2.0;
 
 /// A span that may be taken on.
-pub struct Draft<S, const N: usize> {
+pub struct TrialSpan<S, const N: usize> {
     pub span: Span<S>,
     /// What is asked for on it.
     pub leg: Leg<S>,
@@ -98,7 +101,7 @@ impl<S: Scalar, const N: usize> Base<S, N> {
     }
 }
 
-impl<S: Scalar, const N: usize> Draft<S, N> {
+impl<S: Scalar, const N: usize> TrialSpan<S, N> {
     /// A span over six knots with its check points; `None` if the base spline leaves the band there, or has more
     /// vertices beside it than there is room for.
     pub fn new(polyline: &Polyline<S, N>, knots: &[Length; 6]) -> Option<Self> {

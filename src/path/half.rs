@@ -1,0 +1,121 @@
+//! The first half of a transition at the corner of two lines: a chain of cubic Bezier spans, given in the frame of the leg
+//! that comes in, x along the leg, 0 at the corner, y to the inside of the turn.
+
+use crate::number::Scalar;
+use crate::number::quadrature::integral;
+use crate::spline::bezier::cubic;
+use core::array::from_fn;
+
+/// A point or vector in the frame of a leg.
+pub type Planar<S> = (S, S);
+
+/// Most spans of a half.
+pub const SPANS: usize = 4;
+
+/// The first half of a transition: Bezier spans that share their ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Half<S> {
+    points: [Planar<S>; 3 * SPANS + 1],
+    spans: u8,
+    cells: u8,
+}
+
+impl<S: Scalar> Half<S> {
+    /// A chain of spans, 3 points each and one more, to be cut into `cells` cells.
+    pub fn new(points: &[Planar<S>], cells: u8) -> Self {
+        let mut half = Self {
+            points: [(S::ZERO, S::ZERO); 3 * SPANS + 1],
+            spans: (points.len() / 3).min(SPANS) as u8,
+            cells,
+        };
+        for (slot, point) in half.points.iter_mut().zip(points) {
+            *slot = *point;
+        }
+        half
+    }
+
+    /// Length it takes of the leg, mm.
+    pub fn reach(&self) -> S {
+        -self.points[0].0
+    }
+
+    /// The same, smaller.
+    #[must_use]
+    pub fn scaled(&self, share: S) -> Self {
+        Self { points: self.points.map(|(x, y)| (x * share, y * share)), ..*self }
+    }
+
+    /// Number of cells.
+    pub fn cells(&self) -> u8 {
+        self.cells
+    }
+
+    /// The points of a span.
+    fn span(&self, index: usize) -> [Planar<S>; 4] {
+        let first = 3 * index.min(SPANS - 1);
+        from_fn(|k| self.points[first + k])
+    }
+
+    /// Greatest distance from the leg's line, mm; exact.
+    pub fn deviation(&self) -> S {
+        let mut most = S::ZERO;
+        for index in 0..usize::from(self.spans) {
+            let [p0, p1, p2, p3] = self.span(index).map(|(_, y)| y);
+            most = most.greatest(p0.abs()).greatest(p3.abs());
+            // y' / 3 = d0 (1-u)^2 + 2 d1 u (1-u) + d2 u^2
+            let (d0, d1, d2) = (p1 - p0, p2 - p1, p3 - p2);
+            let (a, b, c) = (d0 - S::of(2.0) * d1 + d2, d1 - d0, d0);
+            let square = b * b - a * c;
+            if !(square > S::ZERO) {
+                continue;
+            }
+            // Both roots, without the difference of nearly equal numbers.
+            let root = square.sqrt();
+            let sum = if b > S::ZERO { -(b + root) } else { root - b };
+            for u in [sum / a, c / sum] {
+                if u > S::ZERO && u < S::ONE {
+                    most = most.greatest(cubic([p0, p1, p2, p3], u).value.abs());
+                }
+            }
+        }
+        most
+    }
+
+    /// Span and parameter in it of a node of the half, 0 to `cells`.
+    fn place(&self, node: u8) -> (usize, S) {
+        let place = u16::from(node) * u16::from(self.spans);
+        let cells = u16::from(self.cells).max(1);
+        let span = (place / cells).min(u16::from(self.spans).saturating_sub(1));
+        let rest = place - span * cells;
+        (usize::from(span), S::from_u32(u32::from(rest)) / S::from_u32(u32::from(cells)))
+    }
+
+    /// Point and derivatives by the span's parameter at a node.
+    pub fn at(&self, node: u8) -> (Planar<S>, Planar<S>, Planar<S>) {
+        let (span, u) = self.place(node);
+        bezier(&self.span(span), u)
+    }
+
+    /// Arc length between a node and the next, mm.
+    pub fn length(&self, node: u8) -> S {
+        let (first, from) = self.place(node);
+        let (last, to) = self.place(node + 1);
+        let mut sum = S::ZERO;
+        for index in first..=last {
+            let u0 = if index == first { from } else { S::ZERO };
+            let u1 = if index == last { to } else { S::ONE };
+            let span = self.span(index);
+            sum += integral(u0, u1, |u| {
+                let (_, (dx, dy), _) = bezier(&span, u);
+                (dx * dx + dy * dy).sqrt()
+            });
+        }
+        sum
+    }
+}
+
+/// Point, first and second derivative of a cubic Bezier span.
+fn bezier<S: Scalar>(p: &[Planar<S>; 4], u: S) -> (Planar<S>, Planar<S>, Planar<S>) {
+    let (x, y) = (cubic(p.map(|p| p.0), u), cubic(p.map(|p| p.1), u));
+    ((x.value, y.value), (x.first, y.first), (x.second, y.second))
+}
