@@ -8,6 +8,10 @@ use crate::path::node::{Cell, Node};
 /// this much.
 const SPEED_SHARE: f64 = 0.9998;
 
+/// Jerk along a cell that is not straight, mm/s^3: its axes bound it in other places. A guess takes the root of it, and that
+/// of [`UNLIMITED`] would hold speeds down over cells of micrometres.
+const NO_JERK_LIMIT: f64 = 1.0e15;
+
 /// A cell takes at least this share of a servo cycle, so that a tick passes few of them.
 pub const LEAST_CYCLE_SHARE: f64 = 0.25;
 
@@ -50,7 +54,7 @@ impl<S: Scalar> Bounds<S> {
             goal: S::ZERO,
             speed: feed.least(cell.length / (*cycle * S::of(LEAST_CYCLE_SHARE))),
             acceleration: S::of(UNLIMITED),
-            jerk: S::of(1.0e15),
+            jerk: S::of(NO_JERK_LIMIT),
         };
         let (quarter, per) = (cell.length * S::of(0.25), S::of(5.0) / cell.length);
         let four = S::of(4.0);

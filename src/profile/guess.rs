@@ -38,6 +38,10 @@ const SEED_TRIES: usize = 40;
 const ENTRIES: [f64; 6] = [0.001, 0.004, 0.016, 0.06, 0.25, 1.0];
 /// Share of the machine's time scale that a cell of a slow seed takes at first.
 const SEED_TIME: f64 = 0.125;
+/// v^3 where nothing bounds it yet, (mm/s)^3; an `f32` holds it.
+const NO_CUBE_LIMIT: f64 = 1.0e30;
+/// Speed where no cell lies before that could bound it, mm/s.
+const NO_SPEED_LIMIT: f64 = 1.0e6;
 
 /// Greatest v^3 at both ends of a cell that constant speed allows.
 fn steady_cubes<S: Scalar, const N: usize>(view: &View<'_, S, N>) -> [S; 2] {
@@ -132,7 +136,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
     fn steady(&mut self, cells: Range<usize>) {
         let Range { start, end: last } = cells.clone();
         for row in self.rows(cells.clone()) {
-            row.step = [S::of(1.0e30); 2];
+            row.step = [S::of(NO_CUBE_LIMIT); 2];
         }
         for i in cells.clone() {
             let Some((station, after)) = self.window.pair(i) else { return };
@@ -185,12 +189,12 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
         if !found {
             return false;
         }
-        for wider in wider {
-            self.seed_speeds(new, rate, wider);
+        for share in wider {
+            self.seed_speeds(new, rate, share);
             if !self.holds_over(cells.clone()) {
                 break;
             }
-            entry = wider;
+            entry = share;
         }
         self.seed_speeds(new, rate, entry);
         true
@@ -199,7 +203,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
     /// Gives every new station the speed at which the shorter of its cells takes 1 / `rate`; the
     /// first one only the share `entry` of it.
     fn seed_speeds(&mut self, new: usize, rate: S, entry: S) {
-        let mut before = S::of(1.0e6);
+        let mut before = S::of(NO_SPEED_LIMIT);
         for i in new - 1..self.task.stretch.last {
             let Some(station) = self.window.get(i) else { return };
             let here = if station.cell.length > S::ZERO {
