@@ -222,6 +222,11 @@ pub struct Taken<S> {
     pub half: Option<Half<S>>,
 }
 
+impl<S: Scalar> Taken<S> {
+    /// There is no room.
+    const NONE: Self = Self { length: Length::ZERO, half: None };
+}
+
 /// What the joint behind a block takes of either segment.
 pub fn reach<S: Scalar, const N: usize>(
     item: &QueuedBlock<S, N>,
@@ -232,15 +237,14 @@ pub fn reach<S: Scalar, const N: usize>(
     config: &Config<S, N>,
 ) -> Taken<S> {
     let mut left = segment.exact_length - item.taken;
-    // A node that is passed is bent: the bend must end before the next transition begins.
-    let bent = item.entered == Joint::Through;
     if item.entered == Joint::Stop && item.taken == Length::ZERO {
         // A transition from rest on gets going in cells as long as its shape asks for: where the feed is
         // reached in less, there must be a stretch before it that is cut for that.
         let ramp = Ramp::new(&config.limits, &segment.start_frame().tangent).length(item.feed);
         left -= Length::from_mm(ramp.least(segment.length * S::of(RAMP_SHARE)));
     }
-    if bent {
+    if item.entered == Joint::Through {
+        // A node that is passed is bent: the bend must end before the next transition begins.
         left -= segment.exact_length / BODY_SHARE;
     }
     if item.entered == Joint::Run {
@@ -250,26 +254,63 @@ pub fn reach<S: Scalar, const N: usize>(
     let tolerance = item.band_with(next);
     let mode = corner_mode(item, next, config.corner);
     if let (Joint::Corner, CornerMode::Paper { lambda }) = (joint, mode) {
-        let leg_in = left.to_mm::<S>() * (S::ONE - lambda);
-        let half = corner.paper_half(corner.paper_edge(tolerance, leg_in, ahead.length));
-        let most = left.min(ahead.exact_length);
-        let mut length = Length::from_mm(half.reach()).min(most);
-        if length < LEAST_REACH {
-            return Taken { length: Length::ZERO, half: None };
-        }
-        // A straight piece that is short beside the transitions at its ends, or made of rounding alone, is
-        // passed slowly for nothing: the leg is taken whole if the band has room.
-        let grown = left.to_mm::<S>() / half.reach();
-        if left <= most
-            && left - length <= length / PAPER_BODY
-            && half.deviation() * grown <= tolerance
-        {
-            length = left;
-        }
-        let half = half.scaled(length.to_mm::<S>() / half.reach());
-        return Taken { length, half: Some(half) };
+        return paper_reach(&corner, tolerance, lambda, left, ahead);
     }
-    // Sharing by need: what the next joint does not want of the next segment is free for this one.
+    let length = shared_reach(item, next, ahead, left);
+    if length < LEAST_REACH {
+        return Taken::NONE;
+    }
+    // A blend that a tiny neighbour leaves next to no room is passed so slowly that a stop costs no more, and
+    // ties what comes before and behind it to its direction.
+    if joint == Joint::Blend {
+        let reach = length.to_mm::<S>();
+        let feed = item.feed.least(next.feed);
+        let ramp = Ramp::new(&config.limits, &segment.end_frame().tangent).length(feed);
+        if reach < tolerance * S::of(TINY_REACH) && reach < ramp * S::of(TINY_RAMP) {
+            return Taken::NONE;
+        }
+    }
+    let shape = (joint == Joint::Corner).then(|| swing::half(&corner, tolerance, length.to_mm()));
+    let length = shape.map_or(length, |half| Length::from_mm(half.reach()).min(length));
+    let length = with_body(length, left, item.entered == Joint::Through);
+    // Within rounding the band has room for more.
+    let half = shape.map(|half| half.scaled(length.to_mm::<S>() / half.reach()));
+    Taken { length, half }
+}
+
+/// What a corner of the paper takes of either leg, if `left` is free of the one that comes in.
+fn paper_reach<S: Scalar, const N: usize>(
+    corner: &Corner<S>,
+    tolerance: S,
+    lambda: S,
+    left: Length,
+    ahead: &Segment<S, N>,
+) -> Taken<S> {
+    let leg_in = left.to_mm::<S>() * (S::ONE - lambda);
+    let half = corner.paper_half(corner.paper_edge(tolerance, leg_in, ahead.length));
+    let most = left.min(ahead.exact_length);
+    let mut length = Length::from_mm(half.reach()).min(most);
+    if length < LEAST_REACH {
+        return Taken::NONE;
+    }
+    // A straight piece that is short beside the transitions at its ends, or made of rounding alone, is
+    // passed slowly for nothing: the leg is taken whole if the band has room.
+    let grown = left.to_mm::<S>() / half.reach();
+    let short = left <= most && left - length <= length / PAPER_BODY;
+    if short && half.deviation() * grown <= tolerance {
+        length = left;
+    }
+    Taken { length, half: Some(half.scaled(length.to_mm::<S>() / half.reach())) }
+}
+
+/// What a joint may have of either segment, if `left` is free of the first: shared by need, so that what the next joint
+/// does not want of the next segment is free for this one.
+fn shared_reach<S: Scalar, const N: usize>(
+    item: &QueuedBlock<S, N>,
+    next: &QueuedBlock<S, N>,
+    ahead: &Segment<S, N>,
+    left: Length,
+) -> Length {
     let next_want =
         if next.stop_after || next.joint == Joint::Run { Length::ZERO } else { next.want };
     let free = if next.joint == Joint::Run {
@@ -280,30 +321,7 @@ pub fn reach<S: Scalar, const N: usize>(
     } else {
         (ahead.exact_length - next_want).max(ahead.exact_length / 2)
     };
-    let mut length = item.want.min(left).min(free);
-    if length < LEAST_REACH {
-        return Taken { length: Length::ZERO, half: None };
-    }
-    // A blend that a tiny neighbour leaves next to no room is passed so slowly that a stop costs no more, and
-    // ties what comes before and behind it to its direction.
-    if joint == Joint::Blend {
-        let reach = length.to_mm::<S>();
-        let feed = item.feed.least(next.feed);
-        let ramp = Ramp::new(&config.limits, &segment.end_frame().tangent).length(feed);
-        if reach < tolerance * S::of(TINY_REACH) && reach < ramp * S::of(TINY_RAMP) {
-            return Taken { length: Length::ZERO, half: None };
-        }
-    }
-    let mut half = None;
-    if joint == Joint::Corner {
-        let shape = swing::half(&corner, tolerance, length.to_mm());
-        length = Length::from_mm(shape.reach()).min(length);
-        half = Some(shape);
-    }
-    let length = with_body(length, left, bent);
-    // Within rounding the band has room for more.
-    let half = half.map(|half| half.scaled(length.to_mm::<S>() / half.reach()));
-    Taken { length, half }
+    item.want.min(left).min(free)
 }
 
 /// What to take of `left` so that either nothing of the body is left, or a stretch long enough to be
