@@ -1,41 +1,12 @@
-//! Firmware images: built, looked into, run.
+//! What is measured of an image: symbols, sizes, stacks, setpoints, instructions.
 
+use super::built::{Image, output, root, thumb};
 use super::stack::Stacks;
 use anyhow::{Context, Result, bail, ensure};
 use splineway_emulator::Outcome;
 use std::collections::HashMap;
-use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
-
-/// A tool that is not there.
-#[derive(Debug)]
-pub struct Missing(String);
-
-impl fmt::Display for Missing {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for Missing {}
-
-fn missing<T>(what: &str) -> Result<T> {
-    Err(Missing(what.to_owned()).into())
-}
-
-/// Standard output of a command.
-fn output(command: &mut Command) -> Result<String> {
-    let name = command.get_program().to_string_lossy().into_owned();
-    let Ok(output) = command.output() else { return missing(&format!("{name} is not there")) };
-    let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    ensure!(
-        output.status.success(),
-        "{name} failed: {text}{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    Ok(text)
-}
 
 /// Bytes of an image by origin.
 pub struct Size {
@@ -55,49 +26,7 @@ pub struct Answer {
     pub tick_worst: u64,
 }
 
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
-}
-
-/// Cargo for the target.
-fn thumb(verb: &str, arguments: &[&str], failed: &str) -> Result<()> {
-    let mut command = Command::new("sh");
-    // Cargo's own variables would point the inner cargo to the outer one's toolchain.
-    let inner =
-        ["CARGO_HOME", "RUSTUP_HOME", "RUSTUP_TOOLCHAIN", "CARGO_PROFILE_FIRMWARE_OPT_LEVEL"];
-    for (key, _) in std::env::vars() {
-        if (key.starts_with("CARGO") || key.starts_with("RUST")) && !inner.contains(&key.as_str()) {
-            command.env_remove(key);
-        }
-    }
-    let status = command
-        .args([".ci/thumb.sh", verb, "--quiet", "--locked", "--profile", "firmware"])
-        .args(arguments)
-        .current_dir(root())
-        .status()?;
-    if status.code() == Some(77) {
-        return missing("there is no toolchain for thumbv7em-none-eabihf");
-    }
-    ensure!(status.success(), "{failed}");
-    Ok(())
-}
-
-pub struct Image {
-    file: PathBuf,
-}
-
 impl Image {
-    /// Builds `firmware/NAME`.
-    pub fn build(name: &str) -> Result<Self> {
-        thumb(
-            "build",
-            &["--package", &format!("splineway-{name}"), "--bin", name],
-            &format!("the image {name} does not build: a panic can be reached?"),
-        )?;
-        let file = root().join("target/thumb/thumbv7em-none-eabihf/firmware").join(name);
-        Ok(Self { file })
-    }
-
     /// The example in C with the library for C, both for the target, linked to one image.
     pub fn build_c() -> Result<Self> {
         let root = root();
@@ -162,7 +91,8 @@ impl Image {
             } else if name.contains("PLANNER_3") {
                 size.planner = bytes;
             }
-            let six = ["6>", "6,", "_6"].iter().any(|six| name.contains(six));
+            // Instances for six axes; sizes of 16 or 64 are none.
+            let six = ["<6>", "<6,", " 6>", " 6,", "_6"].iter().any(|six| name.contains(six));
             if !"tTrR".contains(kind) || six {
                 continue;
             }
@@ -188,17 +118,8 @@ impl Image {
 
     /// Runs the image on a file in QEMU.
     pub fn run(&self, file: &Path) -> Result<Answer> {
-        let arguments = format!(
-            "enable=on,target=native,arg=emulator,arg={}",
-            file.to_str().context("the name of a temporary file")?
-        );
-        let text = output(
-            Command::new("qemu-system-arm")
-                .args(["-M", "netduinoplus2", "-nographic", "-monitor", "none", "-serial", "none"])
-                .args(["-icount", "shift=6,sleep=off,align=off"])
-                .args(["-semihosting-config", &arguments, "-kernel"])
-                .arg(&self.file),
-        )?;
+        let name = file.to_str().context("the name of a temporary file")?;
+        let text = self.emulate(&[name.to_owned()], 6)?;
         let values: HashMap<&str, u64> = text
             .split_whitespace()
             .filter_map(|word| word.split_once('='))

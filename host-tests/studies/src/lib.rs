@@ -1,7 +1,8 @@
 //! Studies: what the core is compared with, and the figures of its documents.
 //!
 //! [`baseline`]: other controllers' speed laws. [`reference`]: the least time along a fixed path, by another method;
-//! [`geometry`] records such a path. [`corners`]: the corner transitions of the literature. [`smoothing`]: the
+//! [`geometry`] records such a path. [`stop`]: the
+//! shortest stop on a path that was run. [`corners`]: the corner transitions of the literature. [`smoothing`]: the
 //! cases of Naseath (2007). [`figures`]: times, deviations and costs of paths, judged.
 //!
 //! What does not belong here: anything that a simulation needs (`splineway-simulator`), and how figures are shown
@@ -12,4 +13,6 @@ pub mod corners;
 pub mod figures;
 pub mod geometry;
 pub mod reference;
+mod rows;
 pub mod smoothing;
+pub mod stop;

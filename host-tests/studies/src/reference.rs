@@ -6,11 +6,10 @@
 //! geometric mean of old and new, some rounds long. Limits are held only at the places, by
 //! differences, so the result is on the optimistic side. It is slow and meant as a yardstick.
 
-use anyhow::{Result, ensure};
+use crate::rows::Rows;
+use anyhow::{Context, Result};
 use clarabel::algebra::CscMatrix;
-use clarabel::solver::{
-    DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus,
-};
+use clarabel::solver::NonnegativeConeT;
 use splineway_simulator::machine::Axis;
 
 /// A place of the path with its derivatives by arc length.
@@ -33,32 +32,6 @@ pub enum Ends {
     Level,
 }
 
-/// Rows of the program: `coefficients . b <= bound`.
-#[derive(Default)]
-struct Rows {
-    row: Vec<usize>,
-    column: Vec<usize>,
-    value: Vec<f64>,
-    bound: Vec<f64>,
-}
-
-impl Rows {
-    fn push(&mut self, entries: &[(usize, f64)], bound: f64) {
-        for &(column, value) in entries {
-            self.row.push(self.bound.len());
-            self.column.push(column);
-            self.value.push(value / bound.abs());
-        }
-        self.bound.push(bound.signum());
-    }
-
-    fn both(&mut self, entries: &[(usize, f64)], bound: f64) {
-        self.push(entries, bound);
-        let negative: Vec<(usize, f64)> = entries.iter().map(|&(k, x)| (k, -x)).collect();
-        self.push(&negative, bound);
-    }
-}
-
 /// The path's limits at the given frozen speeds, for b in units of `scale`.
 fn rows(
     places: &[Place],
@@ -72,13 +45,13 @@ fn rows(
     for k in 0..n {
         let edge = k == 0 || k + 1 == n;
         if ends == Ends::Kept && (k < 2 || k + 2 >= n) {
-            rows.push(&[(k, 1.0)], 1.0 + 1e-9);
-            rows.push(&[(k, -1.0)], -(1.0 - 1e-9));
+            rows.push([(k, 1.0)], 1.0 + 1e-9);
+            rows.push([(k, -1.0)], -(1.0 - 1e-9));
             continue;
         }
         // No further than this in one round.
-        rows.push(&[(k, -1.0)], -0.2);
-        rows.push(&[(k, 1.0)], 4.0);
+        rows.push([(k, -1.0)], -0.2);
+        rows.push([(k, 1.0)], 4.0);
         let place = &places[k];
         let most = place
             .tangent
@@ -86,7 +59,7 @@ fn rows(
             .zip(limits)
             .map(|(tangent, limit)| limit.velocity / tangent.abs().max(1e-9))
             .fold(feed, f64::min);
-        rows.push(&[(k, scale[k])], most * most);
+        rows.push([(k, scale[k])], most * most);
         if edge {
             let other = if k == 0 { 1 } else { n - 2 };
             rows.both(&[(k, scale[k]), (other, -scale[other])], scale[k] * 1e-6);
@@ -143,22 +116,12 @@ pub fn least_time(
             square[k] = weight * 0.75;
         }
         let rows = rows(places, limits, feed, (&scale, &frozen), ends);
-        let m = rows.bound.len();
-        let constraint = CscMatrix::new_from_triplets(m, n, rows.row, rows.column, rows.value);
         let all: Vec<usize> = (0..n).collect();
         let objective = CscMatrix::new_from_triplets(n, n, all.clone(), all, square);
-        let settings = DefaultSettingsBuilder::default().verbose(false).max_iter(100).build()?;
-        let cones = [NonnegativeConeT(m)];
-        let mut solver =
-            DefaultSolver::new(&objective, &linear, &constraint, &rows.bound, &cones, settings)?;
-        solver.solve();
-        let status = solver.solution.status;
-        ensure!(
-            matches!(status, SolverStatus::Solved | SolverStatus::AlmostSolved),
-            "the least time was not found: {status:?}"
-        );
+        let cones = [NonnegativeConeT(rows.len())];
+        let x = rows.minimise(&objective, &linear, &cones).context("the least time")?;
         for k in 0..n {
-            b[k] = (solver.solution.x[k] * scale[k]).max(1e-6);
+            b[k] = (x[k] * scale[k]).max(1e-6);
             frozen[k] = (frozen[k] * b[k].sqrt()).sqrt();
         }
     }

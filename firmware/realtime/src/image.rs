@@ -1,0 +1,237 @@
+//! The image: a timer interrupt, the frames of a file as a line that always has something, and a file of samples.
+
+use core::cell::RefCell;
+use cortex_m::interrupt::{self, Mutex};
+use cortex_m::peripheral::syst::SystClkSource;
+use cortex_m_rt::{entry, exception};
+use cortex_m_semihosting::{debug, hprintln, syscall};
+use panic_semihosting as _;
+use splineway::wire::{Events, Inlet};
+use splineway::{Coord, Link};
+use splineway_realtime::{AXES, EVENTS, Line, Loop, Servo, Setup, round};
+
+/// Counts of the system timer in a second.
+const SYSTEM_HZ: f32 = 168.0e6;
+/// A round that takes less has found nothing to do, ns.
+const SHORT: u32 = 100_000;
+/// Counter of TIM2. In QEMU it counts nanoseconds.
+const COUNTER: *const u32 = 0x4000_0024 as *const u32;
+
+/// ns since the start, wrapping around.
+#[inline]
+fn now() -> u32 {
+    // SAFETY: reads a register of a timer that nothing else uses.
+    unsafe { COUNTER.read_volatile() }
+}
+
+/// What the interrupt has, and what it leaves behind. Times in ns.
+struct Machine {
+    servo: Servo<'static>,
+    samples: File,
+    /// Time in the interrupt so far, wrapping around.
+    spent: u32,
+    /// Longest interrupt.
+    worst: u32,
+    /// Servo cycles that began while the one before was still served.
+    missed: u32,
+    /// Number of the last cycle with motion.
+    moved: u32,
+}
+
+static MACHINE: Mutex<RefCell<Option<Machine>>> = Mutex::new(RefCell::new(None));
+
+/// Looks at the machine between two interrupts.
+fn with_machine<T>(look: impl FnOnce(&mut Machine) -> T) -> Option<T> {
+    interrupt::free(|cs| MACHINE.borrow(cs).borrow_mut().as_mut().map(look))
+}
+
+/// A servo cycle.
+#[exception]
+fn SysTick() {
+    let began = now();
+    let _ = with_machine(|machine| {
+        let sample = machine.servo.cycle();
+        machine.worst = machine.worst.max(now().wrapping_sub(began));
+        if !sample.idle {
+            machine.moved = machine.servo.cycles;
+        }
+        machine.samples.write(&sample.to_bytes());
+        machine.spent = machine.spent.wrapping_add(now().wrapping_sub(began));
+        if cortex_m::peripheral::SCB::is_pendst_pending() {
+            machine.missed += 1;
+        }
+    });
+}
+
+/// A file of the host, whose name is a word of the command line.
+struct File {
+    handle: usize,
+}
+
+impl File {
+    fn open(word: usize, mode: usize) -> Option<Self> {
+        let mut line = [0u8; 256];
+        let mut block = [line.as_mut_ptr() as usize, line.len()];
+        // SAFETY: SYS_GET_CMDLINE writes at most the given length to the buffer.
+        if unsafe { cortex_m_semihosting::syscall1(0x15, block.as_mut_ptr() as usize) } != 0 {
+            return None;
+        }
+        let end = line.iter().position(|&byte| byte == 0)?;
+        let before: usize =
+            line[..end].split(|&byte| byte == b' ').take(word).map(|word| word.len() + 1).sum();
+        let length = line[before..end].iter().take_while(|&&byte| byte != b' ').count();
+        line[before + length] = 0;
+        // SAFETY: SYS_OPEN reads a string of that length which ends in zero.
+        let handle = unsafe { syscall!(OPEN, line.as_ptr() as usize + before, mode, length) };
+        (handle != usize::MAX).then_some(Self { handle })
+    }
+
+    /// Reads on; returns how much there was.
+    fn read(&mut self, bytes: &mut [u8]) -> usize {
+        // SAFETY: SYS_READ writes at most the given length to the buffer.
+        let left = unsafe { syscall!(READ, self.handle, bytes.as_mut_ptr() as usize, bytes.len()) };
+        bytes.len() - left
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        // SAFETY: SYS_WRITE reads the given length from the buffer.
+        unsafe { syscall!(WRITE, self.handle, bytes.as_ptr() as usize, bytes.len()) };
+    }
+}
+
+/// The frames in a file.
+struct Frames {
+    file: File,
+    buffer: [u8; 512],
+    next: usize,
+    end: usize,
+}
+
+impl Iterator for Frames {
+    type Item = u8;
+
+    fn next(&mut self) -> Option<u8> {
+        if self.next == self.end {
+            self.next = 0;
+            self.end = self.file.read(&mut self.buffer);
+        }
+        let byte = *self.buffer[..self.end].get(self.next)?;
+        self.next += 1;
+        Some(byte)
+    }
+}
+
+/// Costs of the background; times in ns, without what the interrupt took.
+#[derive(Default)]
+struct Cost {
+    rounds: u32,
+    /// Rounds that did something, while the machine moved.
+    busy: u64,
+    /// The longest.
+    worst: u32,
+    /// Longest time from the beginning of one round to that of the next while the machine moved.
+    gap: u32,
+    /// When the last began.
+    before: Option<u32>,
+}
+
+impl Cost {
+    fn begin(&mut self, now: u32, moves: bool) {
+        if let Some(before) = self.before.replace(now).filter(|_| moves) {
+            self.gap = self.gap.max(now.wrapping_sub(before));
+        }
+    }
+
+    fn add(&mut self, taken: u32, moves: bool) {
+        self.rounds += 1;
+        self.worst = self.worst.max(taken);
+        // A round that finds nothing to do is waiting, not work.
+        if moves && taken > SHORT {
+            self.busy += u64::from(taken);
+        }
+    }
+}
+
+/// Runs the frames, with planning that takes time. `None`: the setup cannot be used.
+fn run(setup: &Setup, frames: Frames) -> Option<()> {
+    let link: &'static mut Link<f32, AXES> = cortex_m::singleton!(: Link<f32, AXES> = Link::new())?;
+    let events: &'static Events<EVENTS> = cortex_m::singleton!(: Events<EVENTS> = Events::new())?;
+    let mut made = link.split(setup.config().ok()?, [Coord::ZERO; AXES]).ok()?;
+    let (planner, interpolator) = (&mut made.0, made.1);
+    let servo = Servo::new(interpolator, planner.controls(), events, setup);
+    let samples = File::open(2, 5)?;
+    let machine = Machine { servo, samples, spent: 0, worst: 0, missed: 0, moved: 0 };
+    interrupt::free(|cs| MACHINE.borrow(cs).replace(Some(machine)));
+    let mut background = Loop::new(planner, events);
+    let mut line = Line::new(frames);
+    let mut timer = cortex_m::Peripherals::take()?.SYST;
+    timer.set_clock_source(SystClkSource::Core);
+    timer.set_reload((setup.cycle * SYSTEM_HZ + 0.5) as u32 - 1);
+    timer.clear_current();
+    timer.enable_counter();
+    timer.enable_interrupt();
+    let mut cost = Cost::default();
+    let complete = loop {
+        let (began, spent, setpoint, cycles, moved) = with_machine(|machine| {
+            let Machine { servo, spent, moved, .. } = machine;
+            (now(), *spent, servo.setpoint, servo.cycles, *moved)
+        })?;
+        let moves = cycles < moved + 2;
+        cost.begin(began, moves);
+        let ms = (cycles as f32 * setup.cycle * 1000.0) as u32;
+        round(&mut background, &mut line, &setpoint, ms);
+        let (taken, over, done) = with_machine(|machine| {
+            let taken = now().wrapping_sub(began).wrapping_sub(machine.spent.wrapping_sub(spent));
+            let servo = &machine.servo;
+            let over = servo.is_over() || servo.cycles >= setup.most_cycles;
+            (taken, over, background.is_done(&servo.setpoint) && servo.resting > 2)
+        })?;
+        cost.add(taken, moves);
+        if over || (done && setup.linger == 0) {
+            break done;
+        }
+    };
+    timer.disable_interrupt();
+    let machine = interrupt::free(|cs| MACHINE.borrow(cs).take())?;
+    let counters = made.0.counters();
+    hprintln!(
+        "complete={} plans={} late={} starved={} stuck={} cells={} steps={}",
+        u8::from(complete),
+        counters.plans,
+        counters.late,
+        counters.starved,
+        counters.stuck,
+        counters.cells,
+        counters.steps,
+    );
+    hprintln!(
+        "rounds={} busy={} worst={} gap={} tick={} missed={}",
+        cost.rounds,
+        cost.busy,
+        cost.worst,
+        cost.gap,
+        machine.worst,
+        machine.missed,
+    );
+    Some(())
+}
+
+fn go() -> Option<()> {
+    let file = File::open(1, 1)?;
+    let mut frames = Frames { file, buffer: [0; 512], next: 0, end: 0 };
+    let mut inlet = Inlet::new();
+    let setup: Setup = frames.by_ref().find_map(|byte| inlet.push(byte))?;
+    run(&setup, frames)
+}
+
+#[entry]
+fn main() -> ! {
+    if go().is_none() {
+        hprintln!("the file cannot be read, or does not begin with a setup");
+        debug::exit(debug::EXIT_FAILURE);
+    }
+    debug::exit(debug::EXIT_SUCCESS);
+    loop {
+        cortex_m::asm::nop();
+    }
+}

@@ -1,0 +1,347 @@
+//! The chip in real time: what planning that takes time makes of a path, and how soon commands are answered.
+//!
+//! `cargo bench -p splineway-host --bench realtime [-- [FOLDER] [--instants N] [--lead S] [--check]]` runs the background
+//! loop of a controller on an emulated Cortex-M4F (QEMU, 8 ns an instruction: about 168 MHz), blocks always at hand,
+//! over every path in FOLDER, and prints
+//! - machining time against that of planning which takes no time; stops on the way; plans that came late; stops for
+//!   want of blocks; the longest round of the background and the longest time between two; load of the processor;
+//! - with N > 0, for hold, abort, a feed override of 50 %, and 100 % again, at N places of each path: after how many ms
+//!   the speed differs from what it would have been, and, but for the last, how much later than it could
+//!   (`splineway_studies::stop`) the machine stands still or has the new speed: median / worst.
+//!
+//! With `--check` it runs three paths of `host-tests/data` and fails where a bound is exceeded.
+//!
+//! Without a toolchain for the target or QEMU it says so and ends; with `SPLINEWAY_REQUIRE_TARGET` set it fails.
+
+#[path = "../common/image.rs"]
+mod built;
+#[path = "../common/mod.rs"]
+mod common;
+mod run;
+
+use anyhow::{Context, Result, ensure};
+use built::{Image, Missing};
+use run::Run;
+use splineway_realtime::{Due, Order, Setup};
+use splineway_simulator::program::{self, Program, ReadOptions};
+use splineway_studies::stop::{Limits, Moment, shortest};
+use std::path::Path;
+
+/// Standing still is less, mm/s.
+const STILL: f32 = 0.3;
+
+/// What must hold of a path in `host-tests/data`. Planning comes in lumps as yet: the bounds are somewhat more than was
+/// measured.
+struct Bound {
+    path: &'static str,
+    /// Real time over zero time.
+    ratio: f64,
+    /// Longest round of the background, ms.
+    round: f64,
+    /// Longest time until a hold shows, ms.
+    hold: f64,
+}
+
+const BOUNDS: [Bound; 3] = [
+    Bound { path: "noisy.txt", ratio: 2.0, round: 200.0, hold: 1000.0 },
+    Bound { path: "butterfly.json", ratio: 2.0, round: 200.0, hold: 1000.0 },
+    Bound { path: "zigzag.txt", ratio: 1.5, round: 100.0, hold: 700.0 },
+];
+
+/// Settings of a bench run.
+struct Options {
+    instants: usize,
+    lead: f32,
+    check: bool,
+}
+
+impl Options {
+    fn read() -> Result<Self> {
+        let mut options = Self { instants: 0, lead: 0.01, check: false };
+        let mut words = std::env::args().skip(1);
+        while let Some(word) = words.next() {
+            let mut value = || words.next().with_context(|| format!("{word} needs a value"));
+            match word.as_str() {
+                "--instants" => options.instants = value()?.parse()?,
+                "--check" => options.check = true,
+                "--lead" => options.lead = value()?.parse()?,
+                _ => {}
+            }
+        }
+        Ok(options)
+    }
+}
+
+/// A path with all that its runs need.
+struct Job<'a> {
+    image: &'a Image,
+    program: Program,
+    setup: Setup,
+}
+
+impl<'a> Job<'a> {
+    fn new(image: &'a Image, path: &Path, lead: f32) -> Result<Self> {
+        let program = program::read(
+            path,
+            ReadOptions { feed: 100.0, segments: Some(500), ..ReadOptions::DEFAULT },
+        )?;
+        let header = program.header;
+        let limit = |value: Option<f64>, else_: f64| value.unwrap_or(else_) as f32;
+        let setup = Setup {
+            limits: [
+                limit(header.map(|h| h.velocity), 200.0),
+                limit(header.map(|h| h.acceleration), 2000.0),
+                limit(header.map(|h| h.jerk), 50_000.0),
+            ],
+            tolerance: limit(header.map(|h| h.tolerance), 0.01),
+            cycle: limit(header.map(|h| h.cycle), 0.001),
+            lead,
+            most_cycles: 120_000,
+            linger: 0,
+            commands: heapless::Vec::new(),
+        };
+        Ok(Self { image, program, setup })
+    }
+
+    fn real(&self, setup: &Setup) -> Result<Run> {
+        run::real(self.image, &run::frames(&self.program, setup)?)
+    }
+
+    fn zero(&self) -> Result<Run> {
+        run::zero(&self.setup, &run::frames(&self.program, &self.setup)?)
+    }
+
+    fn limits(&self) -> Limits {
+        let [_, acceleration, jerk] = self.setup.limits.map(f64::from);
+        Limits { acceleration, jerk }
+    }
+}
+
+/// Places at which the machine all but stands though with planning that takes no time it would not.
+fn stops(real: &Run, zero: &Run) -> usize {
+    let speed_at = |run: &Run, at: f64| {
+        let (first, last) = run.ends();
+        let k = (first..last).collect::<Vec<_>>().partition_point(|&k| run.path(k) < at);
+        f64::from(run.samples[(first + k).min(last)].speed)
+    };
+    let length = real.path(real.ends().1).min(zero.path(zero.ends().1));
+    let mut count = 0;
+    let mut low = false;
+    for step in 1..4000 {
+        let at = length * f64::from(step) / 4000.0;
+        let (slow, fast) = (speed_at(real, at), speed_at(zero, at));
+        let now = fast > 5.0 && slow < 0.1 * fast;
+        count += usize::from(now && !low);
+        low = now;
+    }
+    count
+}
+
+/// Servo cycles at places spread over the path, at speed.
+fn instants(run: &Run, count: usize, least: f32) -> Vec<usize> {
+    let (first, last) = run.ends();
+    let (begin, end) = (run.path(first), run.path(last));
+    let mut out = Vec::new();
+    for k in 0..count {
+        let share = 0.04 + 0.9 * (k as f64 + 0.5) / count as f64;
+        let at = begin + (end - begin) * share;
+        let from = (first..last).find(|&k| run.path(k) >= at).unwrap_or(last);
+        out.extend((from..last).find(|&k| run.samples[k].speed >= least));
+    }
+    out
+}
+
+/// Median and worst of a list of times, s, in ms.
+fn spread(mut list: Vec<f64>) -> String {
+    list.sort_by(f64::total_cmp);
+    match (list.get(list.len() / 2), list.last()) {
+        (Some(median), Some(worst)) => format!("{:.0} / {:.0}", median * 1e3, worst * 1e3),
+        _ => "-".to_owned(),
+    }
+}
+
+/// What the speed is compared with after a command.
+#[derive(Clone, Copy, Debug)]
+enum Goal {
+    /// Standing still.
+    Rest,
+    /// A speed that is not to be exceeded any more, mm/s.
+    Below(f32),
+    /// Nothing but that it rises.
+    Rise,
+}
+
+/// A command, in a run in which others may have been given before.
+struct Trial {
+    name: &'static str,
+    before: Option<Order>,
+    order: Order,
+    goal: Goal,
+}
+
+impl Trial {
+    /// All of them, for a machine that goes at most `speed` mm/s.
+    fn all(speed: f32) -> [Self; 4] {
+        let half = Order::Feed(50);
+        [
+            Self { name: "hold", before: None, order: Order::Hold, goal: Goal::Rest },
+            Self { name: "abort", before: None, order: Order::Abort, goal: Goal::Rest },
+            Self { name: "feed 50", before: None, order: half, goal: Goal::Below(speed * 0.5) },
+            Self {
+                name: "feed 100",
+                before: Some(half),
+                order: Order::Feed(100),
+                goal: Goal::Rise,
+            },
+        ]
+    }
+
+    fn setup(&self, job: &Job<'_>, at: Option<usize>) -> Setup {
+        let before = self.before.map(|order| Due { cycle: 0, order });
+        let at = at.map(|at| Due { cycle: at as u32, order: self.order });
+        Setup {
+            commands: before.into_iter().chain(at).collect(),
+            linger: if at.is_some() && matches!(self.goal, Goal::Rest) { 30 } else { 0 },
+            most_cycles: at.map_or(job.setup.most_cycles, |due| due.cycle + 2000),
+            ..job.setup.clone()
+        }
+    }
+
+    /// Least speed at which the command is of interest, mm/s.
+    fn least(&self) -> f32 {
+        if let Goal::Below(speed) = self.goal { speed * 1.25 } else { 20.0 }
+    }
+}
+
+/// How the speed answers to a command, s.
+struct Answer {
+    /// Until it differs from what it would have been.
+    reaction: Option<f64>,
+    /// Until the goal is reached, beyond the least time.
+    over: Option<f64>,
+}
+
+/// The run with a command at servo cycle `at` against the one without.
+fn answer(job: &Job<'_>, trial: &Trial, base: &Run, at: usize) -> Result<Answer> {
+    let cycle = f64::from(job.setup.cycle);
+    let run = job.real(&trial.setup(job, Some(at)))?;
+    let differs = |k: &usize| {
+        let (before, now) = (base.samples[*k].speed, run.samples[*k].speed);
+        (before - now).abs() > 0.01 * base.samples[at].speed.max(1.0)
+    };
+    let shared = run.samples.len().min(base.samples.len());
+    let reaction = (at + 1..shared).find(differs).map(|k| (k - at) as f64 * cycle);
+    let goal = match trial.goal {
+        Goal::Rest => STILL,
+        Goal::Below(speed) => speed * 1.01,
+        Goal::Rise => return Ok(Answer { reaction, over: None }),
+    };
+    let there = (at + 1..run.samples.len())
+        .find(|&k| run.samples[k].idle || run.samples[k].speed <= goal)
+        .map(|k| (k - at) as f64 * cycle);
+    let moments: Vec<Moment> = base.samples[at..]
+        .iter()
+        .map(|sample| Moment {
+            velocity: sample.velocity.map(f64::from).to_vec(),
+            acceleration: sample.acceleration.map(f64::from).to_vec(),
+        })
+        .collect();
+    let least = shortest(&moments, cycle, job.limits(), f64::from(goal))?;
+    Ok(Answer { reaction, over: there.zip(least).map(|(there, least)| there - least) })
+}
+
+/// Reactions and excess of a command at some places of a path, s.
+fn answers(job: &Job<'_>, trial: &Trial, count: usize) -> Result<[Vec<f64>; 2]> {
+    let base = job.real(&trial.setup(job, None))?;
+    let (mut reactions, mut overs) = (Vec::new(), Vec::new());
+    for at in instants(&base, count, trial.least()) {
+        let answer = answer(job, trial, &base, at)?;
+        reactions.extend(answer.reaction);
+        overs.extend(answer.over);
+    }
+    Ok([reactions, overs])
+}
+
+/// What a path came to.
+struct Outcome {
+    /// Real time over zero time.
+    ratio: f64,
+    /// Longest round, ms.
+    round: f64,
+    /// Worst reaction to a hold, ms.
+    hold: f64,
+}
+
+fn report(image: &Image, path: &Path, options: &Options) -> Result<Outcome> {
+    let job = Job::new(image, path, options.lead)?;
+    let zero = job.zero()?;
+    let real = job.real(&job.setup)?;
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    ensure!(real.complete && zero.complete, "{name}: it does not come to its end");
+    let cycle = f64::from(job.setup.cycle);
+    let seconds = |run: &Run| run.cycles() as f64 * cycle;
+    let (ratio, round) = (seconds(&real) / seconds(&zero), real.value("worst") as f64 * 1e-6);
+    println!(
+        "| {name} | {:.3} | {:.3} | {ratio:.3} | {} | {} | {} | {round:.1} | {:.1} | {:.2} |",
+        seconds(&zero),
+        seconds(&real),
+        stops(&real, &zero),
+        real.value("late"),
+        real.value("starved"),
+        real.value("gap") as f64 * 1e-6,
+        real.value("busy") as f64 * 1e-9 / seconds(&real),
+    );
+    let mut hold: f64 = 0.0;
+    if options.instants > 0 {
+        for trial in Trial::all(job.setup.limits[0]) {
+            let [reactions, overs] = answers(&job, &trial, options.instants)?;
+            if matches!(trial.order, Order::Hold) {
+                hold = reactions.iter().fold(0.0, |most, &x| most.max(x * 1e3));
+            }
+            let late = if overs.is_empty() {
+                String::new()
+            } else {
+                format!(", there {} ms later than it could be", spread(overs))
+            };
+            println!("    {}: differs after {} ms{late}", trial.name, spread(reactions));
+        }
+    }
+    Ok(Outcome { ratio, round, hold })
+}
+
+/// Three paths that are always at hand, and what must hold of them.
+fn check(image: &Image) -> Result<()> {
+    let options = Options { instants: 3, lead: 0.01, check: true };
+    for bound in &BOUNDS {
+        let path = built::root().join("host-tests/data").join(bound.path);
+        let Outcome { ratio, round, hold } = report(image, &path, &options)?;
+        ensure!(ratio <= bound.ratio, "{}: {ratio:.3} of zero time", bound.path);
+        ensure!(round <= bound.round, "{}: a round of {round:.1} ms", bound.path);
+        ensure!(hold <= bound.hold, "{}: {hold:.0} ms until a hold shows", bound.path);
+    }
+    Ok(())
+}
+
+fn main() -> Result<()> {
+    let options = Options::read()?;
+    let image = match Image::build("realtime") {
+        Err(error)
+            if error.is::<Missing>() && std::env::var_os("SPLINEWAY_REQUIRE_TARGET").is_none() =>
+        {
+            println!("skipped: {error}");
+            return Ok(());
+        }
+        image => image?,
+    };
+    println!(
+        "| path | zero time, s | real time, s | ratio | stops | late | starved | longest round, ms \
+         | longest gap, ms | load |\n|---|---|---|---|---|---|---|---|---|---|"
+    );
+    if options.check {
+        return check(&image);
+    }
+    for path in common::paths() {
+        report(&image, &path, &options)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,105 @@
+//! One run, in the emulator or here.
+
+use crate::built::Image;
+use anyhow::{Context, Result, ensure};
+use splineway::wire::{self, Events, FRAME, Opening, Request, VERSION};
+use splineway::{Coord, Link};
+use splineway_host::stream;
+use splineway_realtime::{AXES, Line, Loop, Sample, Servo, Setup, round};
+use splineway_simulator::program::Program;
+use std::collections::HashMap;
+use std::path::Path;
+
+/// What came of a run.
+pub struct Run {
+    /// Every servo cycle.
+    pub samples: Vec<Sample>,
+    /// Whether the end of the program was reached.
+    pub complete: bool,
+    /// Counts and times that the image tells; times in ns.
+    values: HashMap<String, u64>,
+}
+
+impl Run {
+    /// First and last servo cycle with motion.
+    pub fn ends(&self) -> (usize, usize) {
+        let moves = |sample: &Sample| !sample.idle;
+        let first = self.samples.iter().position(moves).unwrap_or(0);
+        (first, self.samples.iter().rposition(moves).unwrap_or(first))
+    }
+
+    /// Machining time, servo cycles.
+    pub fn cycles(&self) -> usize {
+        let (first, last) = self.ends();
+        last + 2 - first
+    }
+
+    /// A value that the image tells.
+    pub fn value(&self, name: &str) -> u64 {
+        self.values.get(name).copied().unwrap_or(0)
+    }
+
+    /// Arc length at a servo cycle, mm.
+    pub fn path(&self, cycle: usize) -> f64 {
+        splineway::number::ArcLength::from_raw(self.samples[cycle].path).to_mm()
+    }
+}
+
+/// The frames of a run: the setup, then a session.
+pub fn frames(program: &Program, setup: &Setup) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let mut frame = |message: &dyn Fn(&mut [u8]) -> Option<usize>| -> Result<()> {
+        let mut out = [0; FRAME];
+        let length = message(&mut out).context("a message is too long")?;
+        bytes.extend_from_slice(&out[..length]);
+        Ok(())
+    };
+    frame(&|out| wire::encode(setup, out))?;
+    let opening = Opening { version: VERSION, session: 1, silence: 0, abort: false };
+    frame(&|out| wire::encode(&Request::Open(opening), out))?;
+    for (item, number) in stream::items(&program.with_approach(), AXES)?.into_iter().zip(0..) {
+        frame(&|out| wire::encode(&Request::Item { session: 1, number, item: item.clone() }, out))?;
+    }
+    Ok(bytes)
+}
+
+/// In the emulator, where planning takes time.
+pub fn real(image: &Image, bytes: &[u8]) -> Result<Run> {
+    let folder = tempfile::tempdir()?;
+    let (frames, samples) = (folder.path().join("frames"), folder.path().join("samples"));
+    std::fs::write(&frames, bytes)?;
+    let name = |path: &Path| path.to_str().map(str::to_owned).context("the name of a file");
+    let arguments = [name(&frames)?, name(&samples)?];
+    let text = image.emulate(&arguments, 3)?;
+    let values: HashMap<String, u64> = text
+        .split_whitespace()
+        .filter_map(|word| word.split_once('='))
+        .filter_map(|(name, value)| Some((name.to_owned(), value.parse().ok()?)))
+        .collect();
+    ensure!(values.contains_key("missed"), "the image says: {text}");
+    let bytes = std::fs::read(&samples)?;
+    let (chunks, _) = bytes.as_chunks::<{ Sample::SIZE }>();
+    let samples = chunks.iter().map(Sample::from_bytes).collect();
+    Ok(Run { samples, complete: values.get("complete") == Some(&1), values })
+}
+
+/// Here, where planning takes no time: one round a servo cycle.
+pub fn zero(setup: &Setup, bytes: &[u8]) -> Result<Run> {
+    let mut bytes = bytes.iter().copied();
+    let mut inlet = wire::Inlet::new();
+    let _: Setup = bytes.find_map(|byte| inlet.push(byte)).context("no setup")?;
+    let mut link = Box::new(Link::<f32, AXES>::new());
+    let (mut planner, interpolator) = link.split(setup.config()?, [Coord::ZERO; AXES])?;
+    let events = Events::new();
+    let mut servo = Servo::new(interpolator, planner.controls(), &events, setup);
+    let mut background = Loop::new(&mut planner, &events);
+    let mut line = Line::new(bytes);
+    let mut samples = Vec::new();
+    let mut complete = false;
+    while !complete && !servo.is_over() && servo.cycles < setup.most_cycles {
+        round(&mut background, &mut line, &servo.setpoint, servo.cycles);
+        samples.push(servo.cycle());
+        complete = background.is_done(&servo.setpoint) && servo.resting > 2 && setup.linger == 0;
+    }
+    Ok(Run { samples, complete, values: HashMap::new() })
+}
