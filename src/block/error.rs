@@ -60,8 +60,11 @@ impl fmt::Display for BlockError {
                 let (name, unit) = quantity.words();
                 write!(f, "{name} is {value} {unit}; it must be {least} to {greatest}")
             }
-            Self::Coordinate { axis, error: RangeError { value, .. } } => {
-                write!(f, "coordinate of axis {axis} is {value} mm; it must be within +-1e6")
+            Self::Coordinate { axis, error: RangeError { value, least, greatest } } => {
+                write!(
+                    f,
+                    "coordinate of axis {axis} is {value} mm; it must be {least} to {greatest}"
+                )
             }
             Self::Plane { axes: (p, q) } => {
                 write!(f, "arc plane of axes {p} and {q} does not exist")

@@ -4,7 +4,7 @@ use super::AXES;
 use super::error::{Reason, Refusal};
 use super::groups::Found;
 use super::modal::{Mode, Plane};
-use super::offsets::Place;
+use super::offsets::{Place, sum};
 use super::reader::Reader;
 use super::words::Words;
 use crate::block::{Motion, Turn, centre_from_radius};
@@ -82,12 +82,12 @@ impl Reader {
             };
             return Ok(self.frame.in_machine((length(p, x)?, length(q, y)?), plane));
         }
-        let way = (length(p, offsets.0.unwrap_or(0.0))?, length(q, offsets.1.unwrap_or(0.0))?);
+        let offset = (length(p, offsets.0.unwrap_or(0.0))?, length(q, offsets.1.unwrap_or(0.0))?);
         if self.frame.rotation.is_none() {
-            return Ok((super::offsets::sum(from.0, way.0), super::offsets::sum(from.1, way.1)));
+            return Ok((sum(from.0, offset.0), sum(from.1, offset.1)));
         }
-        let way = self.frame.vector((way.0.to_mm(), way.1.to_mm()));
-        Ok((from.0.plus(way.0), from.1.plus(way.1)))
+        let turned = self.frame.vector((offset.0.to_mm(), offset.1.to_mm()));
+        Ok((from.0.plus(turned.0), from.1.plus(turned.1)))
     }
 
     /// Two words of a curve in the XY plane, mm of the program; `None` if neither is there.
@@ -155,16 +155,22 @@ impl Reader {
     ) -> Result<Motion<f64, AXES>, Refusal> {
         let (code, column) = found;
         let missing = Refusal::new(column, Reason::Missing { code, what: "I and J" });
-        let way = self.pair(found, ['I', 'J'], words)?.ok_or(missing)?;
+        let from_start = self.pair(found, ['I', 'J'], words)?.ok_or(missing)?;
         // From the end, in the program's coordinates.
         let plane = (0, 1);
         let (start, end) = (self.frame.in_program(from, plane), self.frame.in_program(&to, plane));
-        let back = [start.0.minus::<f64>(end.0) + way[0], start.1.minus::<f64>(end.1) + way[1]];
-        Ok(self.thirds(from, to, [way.map(|x| x * 2.0 / 3.0), back.map(|x| x * 2.0 / 3.0)]))
+        let [x, y] = from_start;
+        let from_end = [start.0.minus::<f64>(end.0) + x, start.1.minus::<f64>(end.1) + y];
+        Ok(self.thirds(
+            from,
+            to,
+            [from_start, from_end].map(|offset| offset.map(|x| x * 2.0 / 3.0)),
+        ))
     }
 
-    /// A curve by the ways to its control points in the plane, mm of the program; the other axes move evenly.
-    fn thirds(&self, from: &Place, to: Place, ways: [[f64; 2]; 2]) -> Motion<f64, AXES> {
+    /// A curve by the offsets of its control points from its ends in the plane, mm of the program; the other axes move
+    /// evenly.
+    fn thirds(&self, from: &Place, to: Place, offsets: [[f64; 2]; 2]) -> Motion<f64, AXES> {
         let mut controls = [*from, to];
         let [first, second] = &mut controls;
         for (axis, (a, b)) in first.iter_mut().zip(second.iter_mut()).enumerate() {
@@ -173,8 +179,8 @@ impl Reader {
                 (*a, *b) = (a.plus(third), b.plus(-third));
             }
         }
-        for (point, way) in controls.iter_mut().zip(ways) {
-            let (x, y) = self.frame.vector((way[0], way[1]));
+        for (point, [x, y]) in controls.iter_mut().zip(offsets) {
+            let (x, y) = self.frame.vector((x, y));
             for (slot, mm) in point.iter_mut().zip([x, y]) {
                 *slot = slot.plus(mm);
             }

@@ -61,12 +61,12 @@ pub struct Refused {
 /// What is said of a printer's code elsewhere.
 const PRINTERS: &str = "a code of printers: --dialect marlin reads it";
 
-const fn no(what: &'static str) -> Result<Use, Refused> {
-    Err(Refused { what, harmless: false })
+const fn no(what: &'static str) -> Refused {
+    Refused { what, harmless: false }
 }
 
-const fn harmless(what: &'static str) -> Result<Use, Refused> {
-    Err(Refused { what, harmless: true })
+const fn harmless(what: &'static str) -> Refused {
+    Refused { what, harmless: true }
 }
 
 impl Dialect {
@@ -78,7 +78,7 @@ impl Dialect {
         }
         if !code.tenths.is_multiple_of(10) {
             let is_printers = printer(number, 1) == Some(Ok(Use::Skip));
-            return is_printers.then_some(harmless(PRINTERS));
+            return is_printers.then_some(Err(harmless(PRINTERS)));
         }
         let found = match number {
             0 | 1 | 60 => Use::Stop,
@@ -92,17 +92,19 @@ impl Dialect {
             62..=65 => Use::Output,
             98 => Use::Call,
             99 => Use::Return,
-            66 => return Some(no("waiting for an input")),
-            67 | 68 => return Some(no("an analogue output")),
-            70..=73 => return Some(no("saving and restoring the modal state")),
-            97 => return Some(no("a call of a line")),
+            66 => return Some(Err(no("waiting for an input"))),
+            67 | 68 => return Some(Err(no("an analogue output"))),
+            70..=73 => return Some(Err(no("saving and restoring the modal state"))),
+            97 => return Some(Err(no("a call of a line"))),
             _ => {
                 return match printer(number, 0) {
                     Some(Ok(Use::Skip | Use::Pass) | Err(Refused { harmless: true, .. })) => {
-                        Some(harmless(PRINTERS))
+                        Some(Err(harmless(PRINTERS)))
                     }
-                    Some(Ok(Use::PassAndWait)) => Some(no(PRINTERS)),
-                    _ => (100..200).contains(&number).then_some(harmless("a program of the user")),
+                    Some(Ok(Use::PassAndWait)) => Some(Err(no(PRINTERS))),
+                    _ => (100..200)
+                        .contains(&number)
+                        .then_some(Err(harmless("a program of the user"))),
                 };
             }
         };
@@ -119,13 +121,24 @@ impl Dialect {
     }
 }
 
+/// M codes of printers that concern messages, clocks, heaters, fans, the extruder, reports, limits of the printer's
+/// own planner, and settings.
+const SKIPPED: [u16; 102] = [
+    16, 31, 36, 73, 75, 76, 77, 78, 82, 83, 85, 104, 105, 106, 107, 108, 109, 110, 111, 113, 114,
+    115, 116, 117, 118, 119, 140, 141, 143, 145, 149, 150, 154, 155, 163, 164, 165, 190, 191, 200,
+    201, 203, 204, 205, 207, 208, 209, 211, 217, 221, 250, 256, 300, 301, 302, 303, 304, 309, 350,
+    351, 355, 400, 404, 405, 406, 407, 412, 413, 486, 500, 501, 502, 503, 504, 510, 511, 512, 524,
+    540, 555, 569, 572, 573, 575, 591, 593, 862, 900, 904, 906, 907, 908, 910, 911, 912, 913, 914,
+    915, 916, 917, 918, 919,
+];
+
 /// M codes of printers, after Marlin's documentation (marlinfw.org/meta/gcode) and Prusa's.
 fn printer(number: u16, tenth: u16) -> Option<Result<Use, Refused>> {
     if tenth != 0 {
         // M862.1 to M862.6 ask for the printer's model; no other has a decimal.
         return if number == 862 { Some(Ok(Use::Skip)) } else { None };
     }
-    Some(Ok(match number {
+    let found = match number {
         0 | 1 => Use::Stop,
         2 | 30 => Use::End,
         3..=5 => Use::Spindle,
@@ -135,78 +148,31 @@ fn printer(number: u16, tenth: u16) -> Option<Result<Use, Refused>> {
         9 => Use::CoolantOff,
         17 | 18 | 84 | 42 | 220 | 280 => Use::Pass,
         226 | 600 => Use::PassAndWait,
-        // Messages, clocks, heaters, fans, extruder, reports, limits of the printer's own planner, settings.
-        16
-        | 31
-        | 36
-        | 73
-        | 75..=78
-        | 82
-        | 83
-        | 85
-        | 104..=111
-        | 113..=119
-        | 140
-        | 141
-        | 143
-        | 145
-        | 149
-        | 150
-        | 154
-        | 155
-        | 163..=165
-        | 190
-        | 191
-        | 200
-        | 201
-        | 203..=205
-        | 207..=209
-        | 211
-        | 217
-        | 221
-        | 250
-        | 256
-        | 300..=304
-        | 309
-        | 350
-        | 351
-        | 355
-        | 400
-        | 404..=407
-        | 412
-        | 413
-        | 486
-        | 500..=504
-        | 510..=512
-        | 524
-        | 540
-        | 555
-        | 569
-        | 572
-        | 573
-        | 575
-        | 591
-        | 593
-        | 862
-        | 900
-        | 904
-        | 906..=908
-        | 910..=919 => Use::Skip,
-        20..=29 | 32..=34 | 928 => return Some(harmless("a card of files")),
-        92 => return Some(harmless("another number of steps per millimetre")),
-        112 => return Some(no("an emergency stop")),
-        997..=999 => return Some(harmless("a restart of the printer")),
-        401 | 402 | 851 => return Some(harmless("a probe")),
-        420 | 421 => return Some(harmless("a map of the bed")),
-        701..=703 => return Some(harmless("loading of filament by the printer's own program")),
-        125 => return Some(no("parking by the printer's own program")),
-        206 | 428 => return Some(no("another home position")),
-        218 => return Some(no("an offset of the nozzle")),
-        290 => return Some(no("a shift of Z")),
-        425 | 852 => return Some(no("a correction of the axes")),
-        605 | 665 | 666 => return Some(no("another kinematics")),
-        808 => return Some(no("a repetition")),
-        98 | 99 => return Some(no("a subprogram")),
+        _ if SKIPPED.contains(&number) => Use::Skip,
+        _ => return printers_refused(number).map(Err),
+    };
+    Some(Ok(found))
+}
+
+/// M codes of printers that are refused by name.
+fn printers_refused(number: u16) -> Option<Refused> {
+    let refused = match number {
+        20..=29 | 32..=34 | 928 => harmless("a card of files"),
+        92 => harmless("another number of steps per millimetre"),
+        112 => no("an emergency stop"),
+        997..=999 => harmless("a restart of the printer"),
+        401 | 402 | 851 => harmless("a probe"),
+        420 | 421 => harmless("a map of the bed"),
+        701..=703 => harmless("loading of filament by the printer's own program"),
+        125 => no("parking by the printer's own program"),
+        206 | 428 => no("another home position"),
+        218 => no("an offset of the nozzle"),
+        290 => no("a shift of Z"),
+        425 | 852 => no("a correction of the axes"),
+        605 | 665 | 666 => no("another kinematics"),
+        808 => no("a repetition"),
+        98 | 99 => no("a subprogram"),
         _ => return None,
-    }))
+    };
+    Some(refused)
 }

@@ -1,7 +1,8 @@
 //! Why a line is refused, and what is only worth a remark.
 
-use super::{Code, LETTERS};
+use super::{Code, LETTERS, WORDS};
 use crate::block::BlockError;
+use crate::number::Coord;
 use core::fmt;
 
 /// Why a line is refused.
@@ -155,7 +156,7 @@ impl fmt::Display for Reason {
             }
             Self::Mark('%') => f.write_str("\"%\" must stand alone in its line"),
             Self::Mark(c) => write!(f, "\"{c}\" must be the first in its line, without a number"),
-            Self::TooManyWords => write!(f, "more than {} words in a line", super::words::MOST),
+            Self::TooManyWords => write!(f, "more than {WORDS} words in a line"),
             Self::LineNumber => f.write_str("N must be the first word of its line"),
             Self::Repeated(letter) => write!(f, "a second {letter} word"),
             Self::ControlFlow => f.write_str(
@@ -177,7 +178,8 @@ impl fmt::Display for Reason {
             }
             Self::Coordinate { axis, value } => {
                 let letter = LETTERS.get(axis).copied().unwrap_or('?');
-                write!(f, "{letter} would go to {value} mm; coordinates must be within +-1e6")
+                let limit = Coord::LIMIT_MM;
+                write!(f, "{letter} would go to {value} mm; coordinates must be within +-{limit}")
             }
             Self::Arc(error) => write!(f, "{error}"),
             Self::NoMotion => {

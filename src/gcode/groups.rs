@@ -222,17 +222,17 @@ impl Codes {
             words.mark(at, code);
             codes.count += 1;
             let known = if letter == 'G' {
-                group(code.tenths, dialect).map(|found| found.map(Place::G))
+                group(code.tenths, dialect).map(|found| found.map(Slot::G))
             } else {
-                dialect.m_code(code).map(|found| found.map(Place::M))
+                dialect.m_code(code).map(|found| found.map(Slot::M))
             };
             match known {
-                Some(Ok(place)) => codes.put(place, (code, word.column))?,
+                Some(Ok(kept)) => codes.put(kept, (code, word.column))?,
                 // M92 for the extruder only.
                 Some(Err(_))
                     if code == Code::m(92) && dialect == Dialect::Marlin && !words.has_axes() =>
                 {
-                    codes.put(Place::M(Use::Skip), (code, word.column))?;
+                    codes.put(Slot::M(Use::Skip), (code, word.column))?;
                 }
                 Some(Err(Refused { what, harmless })) => {
                     let reason = Reason::Unsupported { code, what, harmless };
@@ -240,7 +240,7 @@ impl Codes {
                         return Err(refuse(reason));
                     }
                     note(Note::LeftOut(reason));
-                    codes.put(Place::M(Use::Skip), (code, word.column))?;
+                    codes.put(Slot::M(Use::Skip), (code, word.column))?;
                 }
                 None => return Err(refuse(Reason::Unknown(code))),
             }
@@ -249,10 +249,10 @@ impl Codes {
         Ok(codes)
     }
 
-    fn put(&mut self, place: Place, found: Found) -> Result<(), Refusal> {
-        let slot = match place {
-            Place::G(group) => self.g.get_mut(group.index()),
-            Place::M(what) => {
+    fn put(&mut self, kept: Slot, found: Found) -> Result<(), Refusal> {
+        let slot = match kept {
+            Slot::G(group) => self.g.get_mut(group.index()),
+            Slot::M(what) => {
                 let Some(slot) = slot(what) else {
                     if let Some((before, _)) = self.alone {
                         return Err(Refusal::new(found.1, Reason::Group(before.0, found.0)));
@@ -308,10 +308,33 @@ impl Codes {
     pub fn has_m(&self) -> bool {
         self.m.iter().any(Option::is_some)
     }
+
+    /// Whether the axis words of the line belong to another code than that of the motion.
+    pub fn takes_axes(&self) -> bool {
+        let once = self.g(Group::Once).is_some_and(|(code, _)| !matches!(code.tenths, 921..=923));
+        let length = self.g(Group::Length).is_some_and(|(code, _)| code.tenths == 431);
+        let rotation = self.g(Group::Rotation).is_some_and(|(code, _)| code.tenths == 680);
+        once || length || rotation
+    }
+
+    /// Of codes that take axis words and are no motion there is at most one in a line, and no motion code beside
+    /// it.
+    pub fn check_one_taker(&self, (code, column): Found) -> Result<(), Refusal> {
+        for group in [Group::Once, Group::Length, Group::Rotation, Group::Motion, Group::Machine] {
+            if let Some((other, place)) = self.g(group)
+                && other != code
+                && !matches!(other.tenths, 40 | 281 | 301 | 430 | 490 | 690 | 800 | 921..=923)
+            {
+                return Err(Refusal::new(place.max(column), Reason::Both(code, other)));
+            }
+        }
+        Ok(())
+    }
 }
 
+/// Where a code is kept.
 #[derive(Clone, Copy)]
-enum Place {
+enum Slot {
     G(Group),
     M(Use),
 }

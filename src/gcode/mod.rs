@@ -6,7 +6,7 @@
 //! to the code that takes them: a word that no code of its line takes is refused, so a setting like `M201 X500`
 //! can never become a move. What is left out with a mere [`Note`] cannot change where the tool goes.
 //!
-//! # The way of a line
+//! # From a line to actions
 //!
 //! `lexer` makes words of it, `groups` sorts its codes into modal groups, of each at most one; then [`Reader::line`]
 //! carries them out in the order of RS274/NGC - feed, spindle, tool, coolant, dwell, modes, offsets, motion, stop -
@@ -58,6 +58,7 @@ mod action;
 mod arcs;
 mod cycles;
 mod dialect;
+mod drilling;
 mod error;
 mod event;
 mod groups;
@@ -84,6 +85,8 @@ pub use reader::{Reader, Settings};
 pub const LETTERS: [char; AXES] = ['X', 'Y', 'Z', 'A', 'B', 'C', 'U', 'V', 'W'];
 /// Most axes.
 pub const AXES: usize = 9;
+/// Most words of a line.
+const WORDS: usize = 48;
 
 /// Whether an axis turns: A, B, C.
 const fn is_rotary(axis: usize) -> bool {

@@ -5,18 +5,14 @@ use super::error::{Note, Reason, Refusal};
 use super::groups::{Codes, Found, Group};
 use super::modal::Mode;
 use super::offsets::{Place, Z, sum};
-use super::reader::{Reader, takes_axes};
-use super::shifts::one_taker;
-use super::words::Words;
+use super::reader::Reader;
+use super::words::{LONGEST_DWELL, Words};
 use super::{AXES, Code, LETTERS, is_rotary};
 use crate::block::{Feed, Motion};
-use crate::machine::Quantity;
 use crate::number::Coord;
 
 /// A dwell from which on it is asked whether milliseconds were meant, s.
 const LONG_DWELL: f64 = 100.0;
-/// Longest dwell, s.
-pub const LONGEST_DWELL: f64 = Quantity::Dwell.range().greatest;
 
 impl Reader {
     /// Codes that hold for their line only.
@@ -70,13 +66,13 @@ impl Reader {
     /// and whatever axes the program has moved.
     fn reference(&mut self, found: Found, codes: &Codes, words: &mut Words) -> Result<(), Refusal> {
         let (code, column) = found;
-        one_taker(found, codes)?;
+        codes.check_one_taker(found)?;
         let values = words.take_axes(code)?;
         let home =
             self.frame.reference.get(usize::from(code.tenths == 300)).copied().unwrap_or_default();
         let all = values == [None; AXES];
         if !all {
-            let over = self.target(&values, false).map_err(|reason| blame(words, reason))?;
+            let over = self.target(&values, false).map_err(|reason| words.blame(reason))?;
             self.set_named(&values);
             self.rapid(over, column)?;
         }
@@ -95,9 +91,9 @@ impl Reader {
     /// G28 of printers: the axes named, X and Y before Z, whatever their numbers. Their shift is gone.
     fn home(&mut self, found: Found, codes: &Codes, words: &mut Words) -> Result<(), Refusal> {
         let (code, column) = found;
-        one_taker(found, codes)?;
+        codes.check_one_taker(found)?;
         let named = ['X', 'Y', 'Z'].map(|letter| words.has(letter));
-        // The others are of the way in which it is done.
+        // The others say how it is done.
         words.take_bare(&['X', 'Y', 'Z', 'E', 'L', 'O', 'R', 'W'], code);
         let home = self.frame.reference[0];
         let is_asked = |axis: usize| named == [false; 3] || named.get(axis) == Some(&true);
@@ -216,39 +212,18 @@ impl Reader {
 
     /// The motion of a line, if it asks for any.
     pub(super) fn motion(&mut self, codes: &Codes, words: &mut Words) -> Result<(), Refusal> {
+        self.motion_modes(codes, words);
         let explicit = codes.g(Group::Motion);
-        if codes.g(Group::CycleEnd).is_some() {
-            self.modal.mode = Mode::None;
-            self.series = None;
-        }
-        if let Some((code, _)) = explicit {
-            self.modal.mode = Mode::of(code);
-            if !matches!(self.modal.mode, Mode::Cycle(_)) {
-                self.series = None;
-            }
-        }
-        if let Some((code, _)) = codes.g(Group::Extruder) {
-            // Retraction by the firmware: of the extruder only.
-            words.take_bare(&['S', 'E'], code);
-            self.note(Note::Extruder);
-        }
+        let machine = codes.g(Group::Machine);
         let mode = self.modal.mode;
         let code = mode.code();
-        let machine = codes.g(Group::Machine);
         let centre = ['I', 'J', 'K', 'R'].into_iter().any(|letter| words.has(letter));
         let asks = words.has_axes() || mode.is_arc() && centre;
         if self.leaves_axes(codes, explicit, words) || !asks {
             if let (Some((code, column)), true) = (machine, !asks) {
                 return Err(Refusal::new(column, Reason::Missing { code, what: "axis words" }));
             }
-            let (Some((code, column)), true) = (explicit, !takes_axes(codes)) else {
-                return Ok(());
-            };
-            self.extruder(code, words);
-            return match mode {
-                Mode::None | Mode::Rapid | Mode::Feed => Ok(()),
-                _ => Err(Refusal::new(column, Reason::Missing { code, what: "axis words" })),
-            };
+            return self.no_motion(codes, words);
         }
         if mode == Mode::None {
             return Err(Refusal::new(words.axis_column(), Reason::NoMotion));
@@ -263,9 +238,52 @@ impl Reader {
         if let Mode::Cycle(cycle) = mode {
             return self.cycle(cycle, (code, column), words);
         }
+        self.single_move((code, column), codes, words)
+    }
+
+    /// The motion mode of a line, and what it ends.
+    fn motion_modes(&mut self, codes: &Codes, words: &mut Words) {
+        if codes.g(Group::CycleEnd).is_some() {
+            self.modal.mode = Mode::None;
+            self.series = None;
+        }
+        if let Some((code, _)) = codes.g(Group::Motion) {
+            self.modal.mode = Mode::of(code);
+            if !matches!(self.modal.mode, Mode::Cycle(_)) {
+                self.series = None;
+            }
+        }
+        if let Some((code, _)) = codes.g(Group::Extruder) {
+            // Retraction by the firmware: of the extruder only.
+            words.take_bare(&['S', 'E'], code);
+            self.note(Note::Extruder);
+        }
+    }
+
+    /// A line whose motion code, if it has one, only sets the mode.
+    fn no_motion(&mut self, codes: &Codes, words: &mut Words) -> Result<(), Refusal> {
+        let (Some((code, column)), false) = (codes.g(Group::Motion), codes.takes_axes()) else {
+            return Ok(());
+        };
+        self.extruder(code, words);
+        match self.modal.mode {
+            Mode::None | Mode::Rapid | Mode::Feed => Ok(()),
+            _ => Err(Refusal::new(column, Reason::Missing { code, what: "axis words" })),
+        }
+    }
+
+    /// A line, an arc or a curve.
+    fn single_move(
+        &mut self,
+        (code, column): Found,
+        codes: &Codes,
+        words: &mut Words,
+    ) -> Result<(), Refusal> {
+        let mode = self.modal.mode;
         let values = words.take_axes(code)?;
         let from = self.position;
-        let to = self.target(&values, machine.is_some()).map_err(|reason| blame(words, reason))?;
+        let machine = codes.g(Group::Machine).is_some();
+        let to = self.target(&values, machine).map_err(|reason| words.blame(reason))?;
         let before = self.curve.take();
         let path = match mode {
             Mode::Clockwise | Mode::CounterClockwise => {
@@ -285,7 +303,7 @@ impl Reader {
 
     /// Whether the axis words of a line, if there are any, are none of its motion.
     fn leaves_axes(&self, codes: &Codes, explicit: Option<Found>, words: &Words) -> bool {
-        if takes_axes(codes) || codes.m(Use::Call).is_some() {
+        if codes.takes_axes() || codes.m(Use::Call).is_some() {
             return true;
         }
         // Elsewhere words beside these codes are the code's own: only a motion code of the line itself takes them.
@@ -329,14 +347,4 @@ impl Reader {
         };
         Ok(Feed::PerSecond(if linear { feed.speed } else { feed.plain / 60.0 }))
     }
-}
-
-/// A refusal that blames the axis word it is about.
-pub(super) fn blame(words: &Words, reason: Reason) -> Refusal {
-    let column = match reason {
-        Reason::Coordinate { axis, .. } => words.column(LETTERS.get(axis).copied().unwrap_or('X')),
-        Reason::NoAxis(letter) => words.column(letter),
-        _ => words.axis_column(),
-    };
-    Refusal::new(column, reason)
 }

@@ -86,14 +86,14 @@ impl Rotation {
     }
 
     fn point(&self, (x, y): (Coord, Coord)) -> (Coord, Coord) {
-        let way = self.vector((x.minus(self.centre.0), y.minus(self.centre.1)));
-        (self.centre.0.plus(way.0), self.centre.1.plus(way.1))
+        let radius = self.vector((x.minus(self.centre.0), y.minus(self.centre.1)));
+        (self.centre.0.plus(radius.0), self.centre.1.plus(radius.1))
     }
 
     fn back(&self, (x, y): (Coord, Coord)) -> (Coord, Coord) {
-        let way: (f64, f64) = (x.minus(self.centre.0), y.minus(self.centre.1));
-        let way = (self.cos * way.0 + self.sin * way.1, self.cos * way.1 - self.sin * way.0);
-        (self.centre.0.plus(way.0), self.centre.1.plus(way.1))
+        let (x, y): (f64, f64) = (x.minus(self.centre.0), y.minus(self.centre.1));
+        let radius = (self.cos * x + self.sin * y, self.cos * y - self.sin * x);
+        (self.centre.0.plus(radius.0), self.centre.1.plus(radius.1))
     }
 }
 
@@ -258,8 +258,8 @@ impl Frame {
     }
 
     /// A vector of the program in a plane, mm, in the machine.
-    pub fn vector(&self, way: (f64, f64)) -> (f64, f64) {
-        self.rotation.map_or(way, |rotation| rotation.vector(way))
+    pub fn vector(&self, plain: (f64, f64)) -> (f64, f64) {
+        self.rotation.map_or(plain, |rotation| rotation.vector(plain))
     }
 }
 

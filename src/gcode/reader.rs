@@ -1,7 +1,7 @@
 //! A line in, actions out.
 
-use super::cycles::{Drilling, Series};
 use super::dialect::{Dialect, Use};
+use super::drilling::{Drilling, Series};
 use super::error::{Note, Reason, Refusal};
 use super::groups::{Codes, Group};
 use super::lexer::{self, Shape};
@@ -232,7 +232,7 @@ impl Reader {
         }
         let before = self.position;
         let outcome = self.execute(&codes, words).and_then(|()| self.leftovers(words));
-        if outcome.is_err() && !takes_axes(&codes) && self.position == before {
+        if outcome.is_err() && !codes.takes_axes() && self.position == before {
             self.recover(&codes, words);
         }
         outcome
@@ -415,12 +415,4 @@ impl Reader {
     pub(super) const fn scale(&self) -> f64 {
         if self.modal.inches { 25.4 } else { 1.0 }
     }
-}
-
-/// Whether the axis words of a line belong to another code than that of the motion.
-pub(super) fn takes_axes(codes: &Codes) -> bool {
-    let once = codes.g(Group::Once).is_some_and(|(code, _)| !matches!(code.tenths, 921..=923));
-    let length = codes.g(Group::Length).is_some_and(|(code, _)| code.tenths == 431);
-    let rotation = codes.g(Group::Rotation).is_some_and(|(code, _)| code.tenths == 680);
-    once || length || rotation
 }

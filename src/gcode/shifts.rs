@@ -57,7 +57,7 @@ impl Reader {
         let length = match code.tenths {
             490 => Coord::ZERO,
             431 => {
-                one_taker((code, column), codes)?;
+                codes.check_one_taker((code, column))?;
                 let missing = Reason::Missing { code, what: "a Z word, the length of the tool" };
                 let z = words.take('Z', code)?.ok_or(Refusal::new(column, missing))?;
                 self.coordinate(Z, z).map_err(|reason| Refusal::new(words.column('Z'), reason))?
@@ -88,7 +88,7 @@ impl Reader {
             self.frame.rotation = None;
             return Ok(());
         }
-        one_taker((code, column), codes)?;
+        codes.check_one_taker((code, column))?;
         if self.modal.relative {
             return Err(context(code, column, "under G91 is read in two ways: use G90"));
         }
@@ -130,7 +130,7 @@ impl Reader {
             921 | 922 => self.frame.clear_shift(code.tenths == 922),
             923 => self.frame.restore_shift(),
             _ => {
-                one_taker(found, codes)?;
+                codes.check_one_taker(found)?;
                 let other = if code.tenths == 520 { Shift::Preset } else { Shift::Local };
                 if code.tenths != 100 && self.frame.shift_kind() == other {
                     let what =
@@ -196,17 +196,4 @@ impl Reader {
         words.take_in('R', code, (0.0, 0.0), true)?;
         Ok((p.checked_sub(1).unwrap_or(self.frame.active()), here))
     }
-}
-
-/// Codes that take axis words and are no motion: at most one in a line, and no motion code beside it.
-pub(super) fn one_taker((code, column): Found, codes: &Codes) -> Result<(), Refusal> {
-    for group in [Group::Once, Group::Length, Group::Rotation, Group::Motion, Group::Machine] {
-        if let Some((other, place)) = codes.g(group)
-            && other != code
-            && !matches!(other.tenths, 40 | 281 | 301 | 430 | 490 | 690 | 800 | 921..=923)
-        {
-            return Err(Refusal::new(place.max(column), Reason::Both(code, other)));
-        }
-    }
-    Ok(())
 }

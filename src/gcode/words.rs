@@ -2,11 +2,12 @@
 
 use super::error::{Reason, Refusal};
 use super::offsets::is_whole;
-use super::{AXES, Code, LETTERS};
+use super::{AXES, Code, LETTERS, WORDS};
+use crate::machine::Quantity;
 use heapless::Vec;
 
-/// Most words of a line.
-pub const MOST: usize = 48;
+/// Longest dwell that a word may ask for, s.
+pub const LONGEST_DWELL: f64 = Quantity::Dwell.range().greatest;
 
 /// A letter, its number, and where it stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,7 +25,7 @@ pub struct Word {
 /// The words of a line.
 #[derive(Clone, Debug, Default)]
 pub struct Words {
-    list: Vec<Word, MOST>,
+    list: Vec<Word, WORDS>,
 }
 
 impl Words {
@@ -114,6 +115,18 @@ impl Words {
     pub fn axis_column(&self) -> u32 {
         let word = self.list.iter().find(|word| LETTERS.contains(&char::from(word.letter)));
         word.or(self.list.first()).map_or(1, |word| word.column)
+    }
+
+    /// A refusal that blames the axis word it is about.
+    pub fn blame(&self, reason: Reason) -> Refusal {
+        let column = match reason {
+            Reason::Coordinate { axis, .. } => {
+                self.column(LETTERS.get(axis).copied().unwrap_or('X'))
+            }
+            Reason::NoAxis(letter) => self.column(letter),
+            _ => self.axis_column(),
+        };
+        Refusal::new(column, reason)
     }
 
     /// A code takes whatever is there, with or without numbers.

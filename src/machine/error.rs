@@ -44,8 +44,8 @@ impl fmt::Display for ConfigError {
                     "{name} limit of axis {axis} is {value} {unit}; it must be {least} to {greatest}"
                 )
             }
-            Self::Start { axis, error: RangeError { value, .. } } => {
-                write!(f, "start of axis {axis} is {value} mm; it must be within +-1e6")
+            Self::Start { axis, error: RangeError { value, least, greatest } } => {
+                write!(f, "start of axis {axis} is {value} mm; it must be {least} to {greatest}")
             }
             Self::Setting { quantity, error: RangeError { value, least, greatest } } => {
                 let (name, unit) = quantity.words();
