@@ -55,7 +55,8 @@ impl<S: Scalar, const N: usize> Blend<S, N> {
         let allowed = tolerance * S::of(budget::BLEND);
         let mut reach = most;
         for round in 0..ROUNDS {
-            let off = Self::new(before, after, reach).distance(before, after, reach);
+            let blend = Self::new(before, after, reach);
+            let off = blend.distance(before, after, reach) + blend.rest();
             if off <= allowed {
                 return reach;
             }
@@ -77,6 +78,16 @@ impl<S: Scalar, const N: usize> Blend<S, N> {
             worst = worst.greatest(sides.gap(&self.curve, u));
         }
         worst
+    }
+
+    /// How far a motion that rests or starts within a cell leaves the blend, mm: by the greatest second derivative at the
+    /// ends of the cells, which is curvature times length squared.
+    fn rest(&self) -> S {
+        let mut bend = S::ZERO;
+        for index in 0..=CELLS {
+            bend = bend.greatest(norm(&self.curve.second(Self::parameter(index))));
+        }
+        bend * S::of(budget::REST / f64::from(u16::from(CELLS) * u16::from(CELLS)))
     }
 
     /// Node number `index`, 0 to [`CELLS`].

@@ -12,10 +12,10 @@
 //! | place | geometry | rest within a cell | rounding |
 //! |---|---|---|---|
 //! | corner of lines | [`CORNER`] x [`SWING`] | [`CORNER_REST`] | [`ROUNDING`] |
-//! | joint that is passed | [`PASSED`], by either side | | [`PASSED_ROUNDING`] |
-//! | blend | [`BLEND`] between the samples as well: [`BLEND_GAPS`] | | [`ROUNDING`] |
+//! | joint that is passed | [`PASSED`], by either side | within it | [`PASSED_ROUNDING`] |
+//! | blend | [`BLEND`] with what it keeps free for rests ([`REST`]); between samples [`BLEND_GAPS`] | | [`ROUNDING`] |
 //! | body of an arc | | [`ARC`] | [`ARC_ROUNDING`] |
-//! | run | [`RUN`] with what it keeps free for rests ([`RUN_REST`]) | | [`ROUNDING`] |
+//! | run | [`RUN`] with what it keeps free for rests ([`REST`]) | | [`ROUNDING`] |
 //!
 //! A rest is where the motion starts or stops within a cell, by an operator's command or because no block has come:
 //! there it follows the cell less closely than where it passes. The corner of the paper ([`super::corner`]) uses the
@@ -35,13 +35,12 @@ pub const SWING: f64 = 0.95;
 /// By how much a motion that rests or starts within a cell leaves the shape of a corner (`profile::compile` tests it).
 pub const CORNER_REST: f64 = 0.04;
 
-/// Joint that is simply passed: the curves of the cells on either side of it, each.
+/// Joint that is simply passed: the motions over the cells on either side of it, each (`profile::compile` tests it).
 pub const PASSED: f64 = 0.48;
 /// What is left there.
 pub const PASSED_ROUNDING: f64 = 0.04;
 
-/// Blend: the greatest distance at the places where it is measured. (A rest within a blend is not counted: at a joint
-/// that is nearly tangent it leaves the band by up to a tenth of it.)
+/// Blend: the greatest distance at the places where it is measured. What a rest takes ([`REST`]) is counted with it.
 pub const BLEND: f64 = 0.95;
 /// What the distance may grow by between two such places.
 pub const BLEND_GAPS: f64 = 0.04;
@@ -54,9 +53,9 @@ pub const ARC_ROUNDING: f64 = 0.03;
 
 /// Run: the bound of the distance between spline and poly-line.
 pub const RUN: f64 = 0.99;
-/// A motion that comes to rest within a cell of a run, or starts there, leaves the spline by up to this share of
+/// A motion that comes to rest within a cell of a run or blend, or starts there, leaves the curve by up to this share of
 /// curvature times length squared (`profile::compile` tests it): the bound counts it with the distance.
-pub const RUN_REST: f64 = 1.0 / 96.0;
+pub const REST: f64 = 1.0 / 96.0;
 
 /// Rounding in `f32`: coordinates are exact, but offsets of some tolerances are rounded to a few millionths of
 /// themselves, and lengths of a path, of which directions and tolerances are shares, more coarsely.

@@ -87,7 +87,7 @@ impl<S: Scalar, const N: usize> Hermite<S, N> {
     }
 
     /// Second derivative by u.
-    fn second(&self, u: S) -> Vector<S, N> {
+    pub fn second(&self, u: S) -> Vector<S, N> {
         let c = &self.coefficients;
         from_fn(|i| {
             ((S::of(20.0) * c[4][i] * u + S::of(12.0) * c[3][i]) * u + S::of(6.0) * c[2][i]) * u

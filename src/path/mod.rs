@@ -32,7 +32,7 @@ mod feed;
 mod half;
 mod helix;
 pub(crate) mod hermite;
-mod joint;
+pub(crate) mod joint;
 mod leg;
 pub(crate) mod node;
 pub(crate) mod queued;

@@ -92,9 +92,14 @@ pub fn standstill<S: Scalar, const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machine::{AxisLimits, Limits};
+    use crate::block::Turn;
+    use crate::machine::{AxisLimits, CornerMode, Limits};
+    use crate::number::{Interval, Length};
+    use crate::path::blend::{self, Blend};
     use crate::path::corner::Corner;
+    use crate::path::joint::{BentLengths, mean_node, passes};
     use crate::path::node::Programmed;
+    use crate::path::segment::Segment;
     use crate::path::swing;
     use crate::path::transition::Transition;
     use crate::profile::law::PathState;
@@ -142,6 +147,125 @@ mod tests {
                             let off = off(&a, 1.0).min(off(&b, -1.0));
                             assert!(off <= band * 0.999, "{degrees} {room} {index}: {off}");
                         }
+                    }
+                }
+            }
+        }
+    }
+
+    /// The same in a blend from a line into an arc, at any turn between them.
+    #[test]
+    fn a_rest_in_any_cell_of_a_blend_keeps_the_band() {
+        let band = 0.01f64;
+        let axis = AxisLimits::linear(1e3, 1e4, 1e6);
+        let limits = Limits::new([axis; 2]).unwrap();
+        let mm = |p: [f64; 2]| p.map(|x| Coord::from_mm(x).unwrap());
+        let joint = mm([0.0, 0.0]);
+        let line = Segment::<f64, 2>::line(mm([-40.0, 0.0]), joint).unwrap();
+        for (degrees, radius) in [0.0f64, 1.0, 5.0, 20.0, 45.0, 90.0, 130.0]
+            .into_iter()
+            .flat_map(|degrees| [0.5, 3.0, 10.0, 50.0].map(|radius| (degrees, radius)))
+        {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            let centre = [-radius * sin, radius * cos];
+            // A quarter of a circle.
+            let end = mm([centre[0] + radius * cos, centre[1] + radius * sin]);
+            let (x, y) = (mm(centre)[0], mm(centre)[1]);
+            let arc = Segment::arc(joint, end, (0, 1), (x, y), Turn::CounterClockwise, 0).unwrap();
+            let most = 0.5 * line.length.min(arc.longest_angle() * 3.0);
+            let reach = Blend::longest_reach(&line, &arc, band, most);
+            assert!(reach > 0.0);
+            let blend = Blend::new(&line, &arc, reach);
+            // From the line before the joint, the arc behind it, or the joint.
+            let off = |p: [f64; 2]| {
+                let to_joint = p[0].hypot(p[1]);
+                let beside_line = if p[0] < 0.0 { p[1].abs() } else { to_joint };
+                let behind = p[0] * cos + p[1] * sin > 0.0;
+                let gap = ((p[0] - centre[0]).hypot(p[1] - centre[1]) - radius).abs();
+                beside_line.min(if behind { gap } else { to_joint })
+            };
+            for index in 0..blend::CELLS {
+                let (from, to) = (blend.node(index), blend.node(index + 1));
+                let programmed = Programmed { feed: 1.0, rapid: false, tag: 0 };
+                let cell = blend.cell(index, &from, programmed);
+                let view = View::unbound([&from, &to], &cell, &limits);
+                let push = 2.0 / 3.0 / cell.length;
+                for (start, end) in [
+                    (PathState { b: 1.0, a: -push }, PathState::REST),
+                    (PathState::REST, PathState { b: 1.0, a: push }),
+                    (PathState { b: 1.0, a: 0.0 }, PathState { b: 1.0, a: 0.0 }),
+                ] {
+                    let law = Law::new(cell.length, start, end).unwrap();
+                    let place = Placement {
+                        serial: NodeSerial::ZERO,
+                        arc_length: ArcLength::ZERO,
+                        sequel: Sequel::Motion,
+                    };
+                    let piece = piece(&view, &law, place);
+                    for k in 0..=40 {
+                        let at = piece.at(law.time * f64::from(k) / 40.0);
+                        let off = off([at.position_mm(0), at.position_mm(1)]);
+                        assert!(off <= band * 0.999, "{degrees} {radius} {index}: {off}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// The same in the cells on either side of a joint that is simply passed: lines of any lengths, and a turn as great as
+    /// the band allows.
+    #[test]
+    fn a_rest_beside_a_joint_that_is_passed_keeps_the_band() {
+        let band = 0.01f64;
+        let limits = Limits::new([AxisLimits::linear(1e3, 1e4, 1e6); 2]).unwrap();
+        for (before, after) in [(10.0f64, 10.0f64), (10.0, 30.0), (30.0, 10.0), (3.0, 10.0)] {
+            let mm = |p: [f64; 2]| p.map(|x| Coord::from_mm(x).unwrap());
+            let joint = mm([0.0, 0.0]);
+            let line = Segment::<f64, 2>::line(mm([-before, 0.0]), joint).unwrap();
+            let frame_in = line.end_frame();
+            let (next, out) = (0..100)
+                .map(|k| 0.05 * 0.95f64.powi(k))
+                .map(|turn| [turn.cos(), turn.sin()])
+                .map(|out| (Segment::line(joint, mm(out.map(|x| x * after))).unwrap(), out))
+                .find(|(next, _)| {
+                    let frames = (&frame_in, &next.start_frame());
+                    passes(&line, next, frames, band, CornerMode::Band)
+                })
+                .unwrap();
+            let frame_out = next.start_frame();
+            let lengths = BentLengths::new(line.length, next.length);
+            let node = mean_node(joint, &frame_in, &frame_out, lengths);
+            let programmed = Programmed { feed: 1.0, rapid: false, tag: 0 };
+            for (segment, from, to, direction) in [
+                (&line, line.node(Length::ZERO), node, [1.0, 0.0]),
+                (&next, node, next.node(next.exact_length), out),
+            ] {
+                let whole = Interval { from: Length::ZERO, to: segment.exact_length };
+                let mut cell = segment.cell(whole, programmed);
+                for i in 0..2 {
+                    cell.tangent_offset[i] += (direction[i] - from.tangent[i]) * cell.length;
+                }
+                cell.straight = false;
+                let view = View::unbound([&from, &to], &cell, &limits);
+                let push = 2.0 / 3.0 / cell.length;
+                for (start, end) in [
+                    (PathState { b: 1.0, a: -push }, PathState::REST),
+                    (PathState::REST, PathState { b: 1.0, a: push }),
+                    (PathState { b: 1.0, a: 0.0 }, PathState { b: 1.0, a: 0.0 }),
+                ] {
+                    let law = Law::new(cell.length, start, end).unwrap();
+                    let place = Placement {
+                        serial: NodeSerial::ZERO,
+                        arc_length: ArcLength::ZERO,
+                        sequel: Sequel::Motion,
+                    };
+                    let piece = piece(&view, &law, place);
+                    for k in 0..=40 {
+                        let at = piece.at(law.time * f64::from(k) / 40.0);
+                        let p = [at.position_mm(0), at.position_mm(1)];
+                        let off = (p[0] * direction[1] - p[1] * direction[0]).abs();
+                        // The other joint of the line may ask for as much.
+                        assert!(off <= band * 0.5, "{before} {after}: {off}");
                     }
                 }
             }

@@ -150,7 +150,7 @@ impl<S: Scalar, const N: usize> TrialSpan<S, N> {
         }
         let gap: S = widest.to_mm();
         let edges = base.edges();
-        let rest = base.local.step() * base.local.step() * S::of(budget::RUN_REST);
+        let rest = base.local.step() * base.local.step() * S::of(budget::REST);
         let span = Span::new(&base.local, gap * gap * S::of(0.125) + rest);
         let sag = span.slack(&edges);
         let holds = |miss: S| miss + sag <= base.radius;
