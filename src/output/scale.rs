@@ -3,7 +3,7 @@
 use crate::number::Coord;
 use core::fmt;
 
-/// How many steps make how much way, exactly: `steps` per `nm` nanometres (1e-6 degrees).
+/// Steps per length, exactly: `steps` per `nm` nanometres (1e-6 degrees).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Scale {
@@ -18,7 +18,7 @@ pub struct Scale {
 pub struct ScaleError {
     /// Steps given.
     pub steps: u32,
-    /// Way given, nm.
+    /// Length given, nm.
     pub nm: u32,
 }
 

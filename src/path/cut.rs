@@ -123,7 +123,7 @@ pub fn next_piece<S: Scalar>(done: S, left: S, ends: EndSizes<S>, longest: S) ->
     }
 }
 
-/// The node at which the next cell of a body ends, of which so much is left, by its arc length along the segment.
+/// The node at which the next cell of a body ends, of which the interval is uncut, by its arc length along the segment.
 pub fn next_cut<S: Scalar, const N: usize>(
     segment: &Segment<S, N>,
     block: &QueuedBlock<S, N>,

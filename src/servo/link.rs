@@ -1,4 +1,4 @@
-//! The way from planner to interpolator: plans, handed over whole.
+//! The hand-over from planner to interpolator: whole plans, never parts of one.
 //!
 //! Two plan buffers are used in turn. The planner writes a complete plan - from a place that still
 //! lies ahead (the branch) to a stop - into the buffer that is not being executed, and offers it. A

@@ -45,7 +45,7 @@ const MOST_REPAIR: f64 = 4.0;
 const REPAIRS: u32 = 8;
 /// Share of the radius that weights aim at; the rest is for what a few sweeps leave over.
 const TARGET: f64 = 0.98;
-/// A spline that has become longer to run by this factor has been wound up: the sweeps are taken back. The
+/// A spline that has become longer to run by this factor has curled up: the sweeps are taken back. The
 /// measure knows neither feeds nor accelerations; good sweeps raise it by a tenth at times.
 const WOUND_UP: f64 = 1.3;
 /// Rounds in which moves are shortened where they lead out of the band.

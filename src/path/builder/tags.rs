@@ -34,7 +34,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         marks.into_iter().find(|mark| mark.s > s).map_or(own, |mark| mark.tag)
     }
 
-    /// Where a cell of the front block ends, of which so much is left, that would end at `next`, and where the next one would begin without
+    /// Where a cell of the front block ends, of which the interval is uncut, that would end at `next`, and where the next one would begin without
     /// what pieces end between: at the end of a piece if that is near, else at one before.
     pub(super) fn to_mark(
         &self,

@@ -71,7 +71,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         self.draft.is_some()
     }
 
-    /// The draft is finished, and out of hand.
+    /// The draft is finished.
     pub fn mark_offered(&mut self) {
         debug_assert!(self.has_draft());
         if let Some(draft) = &mut self.draft {
