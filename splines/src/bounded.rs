@@ -24,7 +24,7 @@
 //! The *time* is that of the thesis's trajectory generator ([`Trajectory`]) over eight places per span, forty
 //! where it turns much.
 
-use crate::bspline::{Spline, bezier_curvature};
+use crate::bspline::{Spline, append, bezier_curvature};
 use crate::error::SplineError;
 use crate::trajectory::{Low, Lows, Trajectory};
 use core::array::from_fn;
@@ -240,7 +240,7 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
         for k in first..first + spans + 3 {
             let mut pole = Pole::new(sub(&at(k + 1), &at(k)));
             pole.shift = spline.controls().get(k % m).map_or_else(zero, |now| sub(now, &at(k)));
-            let _ = self.poles.push(pole);
+            append(&mut self.poles, pole);
         }
         for k in 0..spans {
             let local = given.local((first + k) % m);
@@ -248,7 +248,7 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
             let mut span = Span::new(&local, gap * gap * S::of(0.125));
             span.first_check = (k * SPAN_CHECKS) as u16;
             span.checks = SPAN_CHECKS as u16;
-            let _ = self.spans.push(span);
+            append(&mut self.spans, span);
         }
     }
 
@@ -268,7 +268,7 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
             for j in 0..SPAN_CHECKS {
                 let at = gap * S::from_u32(j as u32);
                 let radius = options.radius * S::of(SHARE);
-                let _ = self.checks.push(CheckPoint::still(local.values(at), radius));
+                append(&mut self.checks, CheckPoint::still(local.values(at), radius));
             }
         }
         self.set_most_curls(CURL_SHARE);
@@ -317,7 +317,7 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
         let n = self.spans.len();
         let mut curls: Vec<S, SIZE> = Vec::new();
         for (k, span) in self.spans.iter().enumerate() {
-            let _ = curls.push(span.curl(&edges(&self.poles, k, |_| zero())));
+            append(&mut curls, span.curl(&edges(&self.poles, k, |_| zero())));
         }
         let greatest = curls.iter().fold(S::ZERO, |most, curl| most.greatest(*curl));
         for (k, span) in self.spans.iter_mut().enumerate() {

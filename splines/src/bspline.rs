@@ -27,12 +27,18 @@ pub struct Spline<S, const N: usize, const CAP: usize> {
     closed: bool,
 }
 
+/// Adds an item to a list that has room for it, by the sizes that its owner has checked.
+pub fn append<T, const CAP: usize>(list: &mut Vec<T, CAP>, item: T) {
+    let added = list.push(item);
+    debug_assert!(added.is_ok(), "a list without room");
+}
+
 /// Puts something into a list that has room for it.
 fn insert<T, const CAP: usize>(list: &mut Vec<T, CAP>, at: usize, mut new: T) {
     for old in list.iter_mut().skip(at) {
         core::mem::swap(old, &mut new);
     }
-    let _ = list.push(new);
+    append(list, new);
 }
 
 fn in_order<S: Scalar>(knots: &[S]) -> Result<(), SplineError> {

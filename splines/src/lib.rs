@@ -9,7 +9,7 @@
 //!
 //! To run a spline, give its spans ([`Spline::bezier`]) to a planner as cubic blocks.
 //!
-//! What does not belong here: anything that the core itself needs on the way of a block to a setpoint.
+//! What does not belong here: anything that the core itself needs between a block and a setpoint.
 //! Rational curves and file formats are the host's.
 #![no_std]
 

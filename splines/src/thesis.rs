@@ -29,7 +29,7 @@
 //! - *No end*: if no point has a direction the spline is straight; then, and after
 //!   `most_iterations`, what there is is the result.
 
-use crate::bspline::Spline;
+use crate::bspline::{Spline, append};
 use crate::error::SplineError;
 use heapless::Vec;
 use splineway::machine::Quantity;
@@ -183,12 +183,12 @@ pub fn categories<S: Scalar, const N: usize, const CAP: usize>(
     };
     let mut sides: Vec<bool, CAP> = Vec::new();
     for i in 0..m {
-        let _ = sides.push(one_side(i));
+        append(&mut sides, one_side(i));
     }
     for (i, side) in sides.iter().enumerate() {
         let next = neighbour(spline, i, 1).and_then(|next| sides.get(next));
         let primary = *side && next == Some(&true);
-        let _ = kinds.push(if primary { Kind::Primary } else { Kind::Ripple });
+        append(&mut kinds, if primary { Kind::Primary } else { Kind::Ripple });
     }
     for i in 0..m {
         let kind = |by: isize| neighbour(spline, i, by).and_then(|j| kinds.get(j));
@@ -203,7 +203,7 @@ pub fn categories<S: Scalar, const N: usize, const CAP: usize>(
     let mut out: Vec<Category, CAP> = Vec::new();
     for kind in &kinds {
         let ripple = *kind == Kind::Ripple;
-        let _ = out.push(if ripple { Category::Ripple } else { Category::Ring });
+        append(&mut out, if ripple { Category::Ripple } else { Category::Ring });
     }
     let kind = |i: usize| kinds.get(i).copied().unwrap_or(Kind::Ripple);
     let ends_before = |i: usize| -> bool {
@@ -298,7 +298,7 @@ pub fn directions<S: Scalar, const N: usize, const CAP: usize>(
     for i in 0..m {
         let category = categories.get(i).filter(|category| same && known(category));
         let Some(category) = category else {
-            let _ = out.push(zero());
+            append(&mut out, zero());
             continue;
         };
         let direction = match *category {
@@ -312,7 +312,7 @@ pub fn directions<S: Scalar, const N: usize, const CAP: usize>(
                 normalised(&mix(-S::ONE, &bisector(i), S::of(APEX_SHARE), &apex(first, second)))
             }
         };
-        let _ = out.push(direction);
+        append(&mut out, direction);
     }
     out
 }
@@ -408,7 +408,7 @@ pub fn smooth<S: Scalar, const N: usize, const CAP: usize>(
     // The mock iteration (section 3.7).
     let mut move_by: Vec<S, CAP> = Vec::new();
     for _ in 0..start.controls().len() {
-        let _ = move_by.push(radius);
+        append(&mut move_by, radius);
     }
     let (mut next, mut difference) = (start.clone(), start.clone());
     shift(spline, &heading, &move_by, &mut next);
