@@ -15,8 +15,8 @@
 
 use super::law::{Law, PathState};
 use super::problem::Problem;
+use super::problem::Stretch;
 use super::rows::{Axis, View};
-use super::solver::Stretch;
 use crate::number::{Scalar, cube_root};
 use core::ops::Range;
 

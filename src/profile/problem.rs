@@ -9,7 +9,6 @@ use super::barrier::{CellEnds, Model, Slack, add_damping, add_time_curvature, by
 use super::law::{Law, PathState};
 use super::relaxation::Relaxation;
 use super::rows::{View, rows, time_gradient};
-use super::solver::Stretch;
 use super::tridiagonal::BlockRow;
 use super::window::{Station, Window};
 use crate::machine::Limits;
@@ -32,6 +31,15 @@ pub enum Objective<S> {
     PenalisedTime,
     /// `weight` times the integral of v^2 over the path, s per mm^3/s^2.
     SpeedSquared { weight: S },
+}
+
+/// A stretch of the window: stations strictly between the two are free.
+#[derive(Clone, Copy, Debug)]
+pub struct Stretch {
+    pub first: usize,
+    pub last: usize,
+    /// Whether it ends only because no more is known.
+    pub open: bool,
 }
 
 /// What there is to do, without the memory it is done in: a value that may be kept while the problem is laid

@@ -5,6 +5,7 @@
 //! ([`Problem::guess`], [`Problem::seed`]), for the states of least time ([`Problem::find`]), for better ones
 //! ([`Problem::improve`]), and whether those at hand keep the limits ([`Problem::holds`]).
 
+pub use super::problem::Stretch;
 use super::problem::{Objective, Problem, Task};
 use super::relaxation::Relaxation;
 use super::tridiagonal::BlockRow;
@@ -23,15 +24,6 @@ pub enum Aim {
     Slow,
     /// The least speed everywhere: the motion brakes as hard as the limits allow, and creeps on.
     Halt,
-}
-
-/// A stretch of the window: stations strictly between the two are free.
-#[derive(Clone, Copy, Debug)]
-pub struct Stretch {
-    pub first: usize,
-    pub last: usize,
-    /// Whether it ends only because no more is known.
-    pub open: bool,
 }
 
 /// Workspace of the method: the Newton system of a whole window.
