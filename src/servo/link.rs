@@ -30,7 +30,7 @@
 //!   cycle that is counted.
 //!
 //! A withdrawal publishes nothing, and cycles and starvations are single numbers that nothing hangs on: relaxed. The
-//! tests of `models.rs` try every interleaving, and fail if any one of these orderings is weakened.
+//! tests of `models.rs` try every interleaving of at most three preemptions, and fail if any one of these orderings is weakened.
 
 use super::control::Requests;
 use super::interleave::{Fault, is_planted, point};

@@ -1,4 +1,5 @@
-//! What contexts share, under every interleaving and every value that the memory model lets a load see.
+//! What contexts share, under every interleaving of at most three preemptions and every value that the memory model
+//! lets a load see; a look at the timeline is tried once, not eight times.
 //!
 //! `RUSTFLAGS="--cfg loom" cargo test --release --lib --features wire models`. Every model must hold as the code stands;
 //! each ordering that is stronger than relaxed is then weakened by itself, half by half, and each known bug of the

@@ -1,6 +1,6 @@
 //! Studies: what the core is compared with, and the figures of its documents.
 //!
-//! [`baseline`]: other controllers' speed laws. [`reference`]: the least time along a fixed path, by another method;
+//! [`baseline`]: other controllers' speed laws. [`mod@reference`]: the least time along a fixed path, by another method;
 //! [`geometry`] records such a path. [`stop`]: the
 //! shortest stop on a path that was run. [`corners`]: the corner transitions of the literature. [`smoothing`]: the
 //! cases of Naseath (2007). [`figures`]: times, deviations and costs of paths, judged.

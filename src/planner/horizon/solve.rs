@@ -35,11 +35,12 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         // From the plan as it stands, and slow speeds behind it.
         self.take_agreed(stretch.first..new);
         let limits = self.config.limits;
-        let found = self.solver.on(&mut self.window, &limits, stretch).seed(new);
-        if found {
-            self.improve(stretch, Aim::Time);
+        if !self.solver.on(&mut self.window, &limits, stretch).seed(new) {
+            return false;
         }
-        found
+        self.improve(stretch, Aim::Time);
+        // The part before may break a limit by a rounding, and what is improved from there may too.
+        self.holds(stretch)
     }
 
     /// The same by a guess at the stations from index `new` on, which need not lead to a motion.
