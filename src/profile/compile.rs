@@ -104,6 +104,29 @@ mod tests {
     use crate::path::transition::Transition;
     use crate::profile::law::PathState;
 
+    /// Places, mm, that a motion over a cell passes which stops at its end, starts at its beginning, or is steady.
+    fn see_motions(view: &View<'_, f64, 2>, mut see: impl FnMut([f64; 2])) {
+        // Constant jerk to or from rest: 2 v^2 = 3 |a| h.
+        let push = 2.0 / 3.0 / view.cell.length;
+        for (start, end) in [
+            (PathState { b: 1.0, a: -push }, PathState::REST),
+            (PathState::REST, PathState { b: 1.0, a: push }),
+            (PathState { b: 1.0, a: 0.0 }, PathState { b: 1.0, a: 0.0 }),
+        ] {
+            let law = Law::new(view.cell.length, start, end).unwrap();
+            let place = Placement {
+                serial: NodeSerial::ZERO,
+                arc_length: ArcLength::ZERO,
+                sequel: Sequel::Motion,
+            };
+            let piece = piece(view, &law, place);
+            for k in 0..=40 {
+                let at = piece.at(law.time * f64::from(k) / 40.0);
+                see([at.position_mm(0), at.position_mm(1)]);
+            }
+        }
+    }
+
     /// A motion that comes to rest in a cell, or starts there, follows the cell's spline less closely
     /// than one that passes: in a corner it must stay inside the band all the same.
     #[test]
@@ -123,31 +146,15 @@ mod tests {
                     let programmed = Programmed { feed: 1.0, rapid: false, tag: 0 };
                     let cell = transition.cell(index, &from, programmed);
                     let view = View::unbound([&from, &to], &cell, &limits);
-                    // Constant jerk to or from rest: 2 v^2 = 3 |a| h.
-                    let push = 2.0 / 3.0 / cell.length;
-                    for (start, end) in [
-                        (PathState { b: 1.0, a: -push }, PathState::REST),
-                        (PathState::REST, PathState { b: 1.0, a: push }),
-                    ] {
-                        let law = Law::new(cell.length, start, end).unwrap();
-                        let place = Placement {
-                            serial: NodeSerial::ZERO,
-                            arc_length: ArcLength::ZERO,
-                            sequel: Sequel::Motion,
+                    see_motions(&view, |p| {
+                        let off = |d: &[f64; 2], sign: f64| {
+                            let along = (p[0] * d[0] + p[1] * d[1]) * sign;
+                            let beside = (p[0] * d[1] - p[1] * d[0]).abs();
+                            if along > 0.0 { p[0].hypot(p[1]) } else { beside }
                         };
-                        let piece = piece(&view, &law, place);
-                        for k in 0..=20 {
-                            let at = piece.at(law.time * f64::from(k) / 20.0);
-                            let p = [at.position_mm(0), at.position_mm(1)];
-                            let off = |d: &[f64; 2], sign: f64| {
-                                let along = (p[0] * d[0] + p[1] * d[1]) * sign;
-                                let beside = (p[0] * d[1] - p[1] * d[0]).abs();
-                                if along > 0.0 { p[0].hypot(p[1]) } else { beside }
-                            };
-                            let off = off(&a, 1.0).min(off(&b, -1.0));
-                            assert!(off <= band * 0.999, "{degrees} {room} {index}: {off}");
-                        }
-                    }
+                        let off = off(&a, 1.0).min(off(&b, -1.0));
+                        assert!(off <= band * 0.999, "{degrees} {room} {index}: {off}");
+                    });
                 }
             }
         }
@@ -189,25 +196,10 @@ mod tests {
                 let programmed = Programmed { feed: 1.0, rapid: false, tag: 0 };
                 let cell = blend.cell(index, &from, programmed);
                 let view = View::unbound([&from, &to], &cell, &limits);
-                let push = 2.0 / 3.0 / cell.length;
-                for (start, end) in [
-                    (PathState { b: 1.0, a: -push }, PathState::REST),
-                    (PathState::REST, PathState { b: 1.0, a: push }),
-                    (PathState { b: 1.0, a: 0.0 }, PathState { b: 1.0, a: 0.0 }),
-                ] {
-                    let law = Law::new(cell.length, start, end).unwrap();
-                    let place = Placement {
-                        serial: NodeSerial::ZERO,
-                        arc_length: ArcLength::ZERO,
-                        sequel: Sequel::Motion,
-                    };
-                    let piece = piece(&view, &law, place);
-                    for k in 0..=40 {
-                        let at = piece.at(law.time * f64::from(k) / 40.0);
-                        let off = off([at.position_mm(0), at.position_mm(1)]);
-                        assert!(off <= band * 0.999, "{degrees} {radius} {index}: {off}");
-                    }
-                }
+                see_motions(&view, |at| {
+                    let off = off(at);
+                    assert!(off <= band * 0.999, "{degrees} {radius} {index}: {off}");
+                });
             }
         }
     }
@@ -247,27 +239,11 @@ mod tests {
                 }
                 cell.straight = false;
                 let view = View::unbound([&from, &to], &cell, &limits);
-                let push = 2.0 / 3.0 / cell.length;
-                for (start, end) in [
-                    (PathState { b: 1.0, a: -push }, PathState::REST),
-                    (PathState::REST, PathState { b: 1.0, a: push }),
-                    (PathState { b: 1.0, a: 0.0 }, PathState { b: 1.0, a: 0.0 }),
-                ] {
-                    let law = Law::new(cell.length, start, end).unwrap();
-                    let place = Placement {
-                        serial: NodeSerial::ZERO,
-                        arc_length: ArcLength::ZERO,
-                        sequel: Sequel::Motion,
-                    };
-                    let piece = piece(&view, &law, place);
-                    for k in 0..=40 {
-                        let at = piece.at(law.time * f64::from(k) / 40.0);
-                        let p = [at.position_mm(0), at.position_mm(1)];
-                        let off = (p[0] * direction[1] - p[1] * direction[0]).abs();
-                        // The other joint of the line may ask for as much.
-                        assert!(off <= band * 0.5, "{before} {after}: {off}");
-                    }
-                }
+                see_motions(&view, |at| {
+                    let off = (at[0] * direction[1] - at[1] * direction[0]).abs();
+                    // The other joint of the line may ask for as much.
+                    assert!(off <= band * 0.5, "{before} {after}: {off}");
+                });
             }
         }
     }

@@ -1,11 +1,12 @@
 //! The image: the file of frames, the timer that counts, the text that comes out.
 
 use cortex_m_rt::entry;
-use cortex_m_semihosting::{debug, hprintln, syscall};
+use cortex_m_semihosting::{debug, hprintln};
 use panic_semihosting as _;
 use splineway::wire::Inlet;
 use splineway::{BLOCKS, Link, NODES, Scalar};
 use splineway_emulator::{Meter, Outcome, Part, Setup};
+use splineway_semihosting::{Bytes, File};
 
 /// Counter of TIM2. In QEMU it counts nanoseconds, and an instruction takes 64.
 const COUNTER: *const u32 = 0x4000_0024 as *const u32;
@@ -63,57 +64,17 @@ impl Meter for Timer {
     }
 }
 
-/// A file of the host.
-struct File {
-    handle: usize,
-    buffer: [u8; 1024],
-    next: usize,
-    end: usize,
-}
-
-impl File {
-    /// Opens the file that is the image's second argument.
-    fn argument() -> Option<Self> {
-        let mut line = [0u8; 256];
-        let mut block = [line.as_mut_ptr() as usize, line.len()];
-        // SAFETY: SYS_GET_CMDLINE writes at most the given length to the buffer.
-        if unsafe { cortex_m_semihosting::syscall1(0x15, block.as_mut_ptr() as usize) } != 0 {
-            return None;
-        }
-        let text = line.split(|&byte| byte == 0).next()?;
-        let name = text.iter().position(|&byte| byte == b' ')? + 1;
-        let length = text.len() - name;
-        // SAFETY: SYS_OPEN reads a string that ends in zero, as `line` does.
-        let handle = unsafe { syscall!(OPEN, line.as_ptr() as usize + name, 1, length) };
-        (handle != usize::MAX).then_some(Self { handle, buffer: [0; 1024], next: 0, end: 0 })
-    }
-
-    fn byte(&mut self) -> Option<u8> {
-        if self.next == self.end {
-            // SAFETY: SYS_READ writes at most the given length to the buffer.
-            let left = unsafe {
-                syscall!(READ, self.handle, self.buffer.as_mut_ptr() as usize, self.buffer.len())
-            };
-            self.next = 0;
-            self.end = self.buffer.len().saturating_sub(left);
-        }
-        let byte = *self.buffer[..self.end].get(self.next)?;
-        self.next += 1;
-        Some(byte)
-    }
-}
-
 #[inline(never)]
 fn run<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
     setup: &Setup,
-    file: &mut File,
+    file: &mut Bytes,
 ) -> Option<()> {
     let mut link = Link::<S, N, BLOCKS, NODES>::new();
     let mut timer = Timer::calibrated();
     let outcome = splineway_emulator::run::<S, N, BLOCKS, NODES>(
         &mut link,
         setup,
-        &mut || file.byte(),
+        &mut || file.next(),
         &mut timer,
     )
     .ok()?;
@@ -137,13 +98,9 @@ fn print(outcome: &Outcome, timer: &Timer) {
 }
 
 fn go() -> Option<()> {
-    let mut file = File::argument()?;
+    let mut file = File::read_from(1)?.bytes();
     let mut inlet = Inlet::new();
-    let setup: Setup = loop {
-        if let Some(setup) = inlet.push(file.byte()?) {
-            break setup;
-        }
-    };
+    let setup: Setup = file.by_ref().find_map(|byte| inlet.push(byte))?;
     match setup.axes {
         3 => run::<f32, 3, BLOCKS, NODES>(&setup, &mut file),
         6 => run::<f32, 6, 8, 56>(&setup, &mut file),

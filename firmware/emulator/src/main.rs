@@ -5,7 +5,7 @@
 //! argument; it comes by semihosting. Instructions are counted with a timer: under QEMU's `-icount
 //! shift=6` every instruction takes 64 ns.
 #![cfg_attr(target_os = "none", no_std, no_main)]
-// Semihosting, and the registers of a timer.
+// The register of a timer.
 #![cfg_attr(target_os = "none", allow(unsafe_code))]
 
 #[cfg(target_os = "none")]

@@ -4,11 +4,12 @@ use core::cell::RefCell;
 use cortex_m::interrupt::{self, Mutex};
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::{entry, exception};
-use cortex_m_semihosting::{debug, hprintln, syscall};
+use cortex_m_semihosting::{debug, hprintln};
 use panic_semihosting as _;
 use splineway::wire::{Events, Inlet};
 use splineway::{Coord, Link};
 use splineway_realtime::{AXES, EVENTS, Line, Loop, Servo, Setup, round};
+use splineway_semihosting::{Bytes, File};
 
 /// Counts of the system timer in a second.
 const SYSTEM_HZ: f32 = 168.0e6;
@@ -63,64 +64,6 @@ fn SysTick() {
     });
 }
 
-/// A file of the host, whose name is a word of the command line.
-struct File {
-    handle: usize,
-}
-
-impl File {
-    fn open(word: usize, mode: usize) -> Option<Self> {
-        let mut line = [0u8; 256];
-        let mut block = [line.as_mut_ptr() as usize, line.len()];
-        // SAFETY: SYS_GET_CMDLINE writes at most the given length to the buffer.
-        if unsafe { cortex_m_semihosting::syscall1(0x15, block.as_mut_ptr() as usize) } != 0 {
-            return None;
-        }
-        let end = line.iter().position(|&byte| byte == 0)?;
-        let before: usize =
-            line[..end].split(|&byte| byte == b' ').take(word).map(|word| word.len() + 1).sum();
-        let length = line[before..end].iter().take_while(|&&byte| byte != b' ').count();
-        line[before + length] = 0;
-        // SAFETY: SYS_OPEN reads a string of that length which ends in zero.
-        let handle = unsafe { syscall!(OPEN, line.as_ptr() as usize + before, mode, length) };
-        (handle != usize::MAX).then_some(Self { handle })
-    }
-
-    /// Reads on; returns how much there was.
-    fn read(&mut self, bytes: &mut [u8]) -> usize {
-        // SAFETY: SYS_READ writes at most the given length to the buffer.
-        let left = unsafe { syscall!(READ, self.handle, bytes.as_mut_ptr() as usize, bytes.len()) };
-        bytes.len() - left
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        // SAFETY: SYS_WRITE reads the given length from the buffer.
-        unsafe { syscall!(WRITE, self.handle, bytes.as_ptr() as usize, bytes.len()) };
-    }
-}
-
-/// The frames in a file.
-struct Frames {
-    file: File,
-    buffer: [u8; 512],
-    next: usize,
-    end: usize,
-}
-
-impl Iterator for Frames {
-    type Item = u8;
-
-    fn next(&mut self) -> Option<u8> {
-        if self.next == self.end {
-            self.next = 0;
-            self.end = self.file.read(&mut self.buffer);
-        }
-        let byte = *self.buffer[..self.end].get(self.next)?;
-        self.next += 1;
-        Some(byte)
-    }
-}
-
 /// Costs of the background; times in ns, without what the interrupt took.
 #[derive(Default)]
 struct Cost {
@@ -153,13 +96,13 @@ impl Cost {
 }
 
 /// Runs the frames, with planning that takes time. `None`: the setup cannot be used.
-fn run(setup: &Setup, frames: Frames) -> Option<()> {
+fn run(setup: &Setup, frames: Bytes) -> Option<()> {
     let link: &'static mut Link<f32, AXES> = cortex_m::singleton!(: Link<f32, AXES> = Link::new())?;
     let events: &'static Events<EVENTS> = cortex_m::singleton!(: Events<EVENTS> = Events::new())?;
     let mut made = link.split(setup.config().ok()?, [Coord::ZERO; AXES]).ok()?;
     let (planner, interpolator) = (&mut made.0, made.1);
     let servo = Servo::new(interpolator, planner.controls(), events, setup);
-    let samples = File::open(2, 5)?;
+    let samples = File::write_to(2)?;
     let machine = Machine { servo, samples, spent: 0, worst: 0, missed: 0, moved: 0 };
     interrupt::free(|cs| MACHINE.borrow(cs).replace(Some(machine)));
     let mut background = Loop::new(planner, events);
@@ -217,8 +160,7 @@ fn run(setup: &Setup, frames: Frames) -> Option<()> {
 }
 
 fn go() -> Option<()> {
-    let file = File::open(1, 1)?;
-    let mut frames = Frames { file, buffer: [0; 512], next: 0, end: 0 };
+    let mut frames = File::read_from(1)?.bytes();
     let mut inlet = Inlet::new();
     let setup: Setup = frames.by_ref().find_map(|byte| inlet.push(byte))?;
     run(&setup, frames)

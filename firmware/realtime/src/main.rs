@@ -5,7 +5,7 @@
 //! takes 8 ns, which is fair for a Cortex-M4F at 168 MHz that needs 1.35 cycles for one. Flash waits, contention on
 //! buses and the entry of interrupts are not modelled. A run is the same every time.
 #![cfg_attr(target_os = "none", no_std, no_main)]
-// Semihosting, the register of a timer.
+// The register of a timer.
 #![cfg_attr(target_os = "none", allow(unsafe_code))]
 
 #[cfg(target_os = "none")]

@@ -1,6 +1,7 @@
 //! Firmware images: built, and run in QEMU.
 
 use anyhow::{Result, ensure};
+use std::collections::HashMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -100,4 +101,12 @@ impl Image {
                 .arg(&self.file),
         )
     }
+}
+
+/// The numbers in what an image says: words `name=number`.
+pub fn values(text: &str) -> HashMap<String, u64> {
+    text.split_whitespace()
+        .filter_map(|word| word.split_once('='))
+        .filter_map(|(name, value)| Some((name.to_owned(), value.parse().ok()?)))
+        .collect()
 }

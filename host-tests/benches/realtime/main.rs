@@ -18,12 +18,15 @@ mod built;
 #[path = "../common/mod.rs"]
 mod common;
 mod run;
+#[path = "../common/session.rs"]
+mod session;
 
 use anyhow::{Context, Result, ensure};
 use built::{Image, Missing};
 use run::Run;
-use splineway_realtime::{Due, Order, Setup};
-use splineway_simulator::program::{self, Program, ReadOptions};
+use session::Machine;
+use splineway_realtime::{AXES, Due, Order, Setup};
+use splineway_simulator::program::Program;
 use splineway_studies::stop::{Limits, Moment, shortest};
 use std::path::Path;
 
@@ -81,20 +84,12 @@ struct Job<'a> {
 
 impl<'a> Job<'a> {
     fn new(image: &'a Image, path: &Path, lead: f32) -> Result<Self> {
-        let program = program::read(
-            path,
-            ReadOptions { feed: 100.0, segments: Some(500), ..ReadOptions::DEFAULT },
-        )?;
-        let header = program.header;
-        let limit = |value: Option<f64>, else_: f64| value.unwrap_or(else_) as f32;
+        let program = session::read(path)?;
+        let Machine { limits, tolerance, cycle } = Machine::of(&program);
         let setup = Setup {
-            limits: [
-                limit(header.map(|h| h.velocity), 200.0),
-                limit(header.map(|h| h.acceleration), 2000.0),
-                limit(header.map(|h| h.jerk), 50_000.0),
-            ],
-            tolerance: limit(header.map(|h| h.tolerance), 0.01),
-            cycle: limit(header.map(|h| h.cycle), 0.001),
+            limits,
+            tolerance,
+            cycle,
             lead,
             most_cycles: 120_000,
             linger: 0,
@@ -104,11 +99,11 @@ impl<'a> Job<'a> {
     }
 
     fn real(&self, setup: &Setup) -> Result<Run> {
-        run::real(self.image, &run::frames(&self.program, setup)?)
+        run::real(self.image, &session::frames(&self.program, setup, AXES)?)
     }
 
     fn zero(&self) -> Result<Run> {
-        run::zero(&self.setup, &run::frames(&self.program, &self.setup)?)
+        run::zero(&self.setup, &session::frames(&self.program, &self.setup, AXES)?)
     }
 
     fn limits(&self) -> Limits {

@@ -1,12 +1,10 @@
 //! One run, in the emulator or here.
 
-use crate::built::Image;
+use crate::built::{self, Image};
 use anyhow::{Context, Result, ensure};
-use splineway::wire::{self, Events, FRAME, Opening, Request, VERSION};
+use splineway::wire::{Events, Inlet};
 use splineway::{Coord, Link};
-use splineway_host::stream;
 use splineway_realtime::{AXES, Line, Loop, Sample, Servo, Setup, round};
-use splineway_simulator::program::Program;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -45,24 +43,6 @@ impl Run {
     }
 }
 
-/// The frames of a run: the setup, then a session.
-pub fn frames(program: &Program, setup: &Setup) -> Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    let mut frame = |message: &dyn Fn(&mut [u8]) -> Option<usize>| -> Result<()> {
-        let mut out = [0; FRAME];
-        let length = message(&mut out).context("a message is too long")?;
-        bytes.extend_from_slice(&out[..length]);
-        Ok(())
-    };
-    frame(&|out| wire::encode(setup, out))?;
-    let opening = Opening { version: VERSION, session: 1, silence: 0, abort: false };
-    frame(&|out| wire::encode(&Request::Open(opening), out))?;
-    for (item, number) in stream::items(&program.with_approach(), AXES)?.into_iter().zip(0..) {
-        frame(&|out| wire::encode(&Request::Item { session: 1, number, item: item.clone() }, out))?;
-    }
-    Ok(bytes)
-}
-
 /// In the emulator, where planning takes time.
 pub fn real(image: &Image, bytes: &[u8]) -> Result<Run> {
     let folder = tempfile::tempdir()?;
@@ -71,11 +51,7 @@ pub fn real(image: &Image, bytes: &[u8]) -> Result<Run> {
     let name = |path: &Path| path.to_str().map(str::to_owned).context("the name of a file");
     let arguments = [name(&frames)?, name(&samples)?];
     let text = image.emulate(&arguments, 3)?;
-    let values: HashMap<String, u64> = text
-        .split_whitespace()
-        .filter_map(|word| word.split_once('='))
-        .filter_map(|(name, value)| Some((name.to_owned(), value.parse().ok()?)))
-        .collect();
+    let values = built::values(&text);
     ensure!(values.contains_key("missed"), "the image says: {text}");
     let bytes = std::fs::read(&samples)?;
     let (chunks, _) = bytes.as_chunks::<{ Sample::SIZE }>();
@@ -86,7 +62,7 @@ pub fn real(image: &Image, bytes: &[u8]) -> Result<Run> {
 /// Here, where planning takes no time: one round a servo cycle.
 pub fn zero(setup: &Setup, bytes: &[u8]) -> Result<Run> {
     let mut bytes = bytes.iter().copied();
-    let mut inlet = wire::Inlet::new();
+    let mut inlet = Inlet::new();
     let _: Setup = bytes.find_map(|byte| inlet.push(byte)).context("no setup")?;
     let mut link = Box::new(Link::<f32, AXES>::new());
     let (mut planner, interpolator) = link.split(setup.config()?, [Coord::ZERO; AXES])?;

@@ -1,10 +1,9 @@
 //! What is measured of an image: symbols, sizes, stacks, setpoints, instructions.
 
-use super::built::{Image, output, root, thumb};
+use super::built::{Image, output, root, thumb, values};
 use super::stack::Stacks;
 use anyhow::{Context, Result, bail, ensure};
 use splineway_emulator::Outcome;
-use std::collections::HashMap;
 use std::path::Path;
 use std::process::Command;
 
@@ -120,11 +119,7 @@ impl Image {
     pub fn run(&self, file: &Path) -> Result<Answer> {
         let name = file.to_str().context("the name of a temporary file")?;
         let text = self.emulate(&[name.to_owned()], 6)?;
-        let values: HashMap<&str, u64> = text
-            .split_whitespace()
-            .filter_map(|word| word.split_once('='))
-            .filter_map(|(name, value)| Some((name, value.parse().ok()?)))
-            .collect();
+        let values = values(&text);
         let get = |name: &str| {
             values.get(name).copied().with_context(|| format!("no {name} in what it says: {text}"))
         };

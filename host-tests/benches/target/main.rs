@@ -15,15 +15,17 @@ mod built;
 #[path = "../common/mod.rs"]
 mod common;
 mod image;
+#[path = "../common/session.rs"]
+mod session;
 mod stack;
 
 use anyhow::{Context, Result, ensure};
 use built::Image;
+use session::Machine;
 use splineway::Link;
-use splineway::wire::{self, FRAME, Inlet, Opening, Request, VERSION};
+use splineway::wire::Inlet;
 use splineway_emulator::{Meter, Outcome, Part, Setup};
-use splineway_host::stream;
-use splineway_simulator::program::{self, Course, Point, Program, ReadOptions};
+use splineway_simulator::program::{Course, Point, Program};
 use std::path::{Path, PathBuf};
 
 /// Goals, as the README states them.
@@ -61,26 +63,6 @@ fn doubled(program: &Program) -> Program {
     out
 }
 
-fn frame(bytes: &mut Vec<u8>, message: &impl serde::Serialize) -> Result<()> {
-    let mut out = [0; FRAME];
-    let length = wire::encode(message, &mut out).context("a message is too long")?;
-    bytes.extend_from_slice(&out[..length]);
-    Ok(())
-}
-
-/// A program as the frames of a session, after its setup.
-fn frames(program: &Program, setup: &Setup) -> Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    frame(&mut bytes, setup)?;
-    let opening = Opening { version: VERSION, session: 1, silence: 0, abort: false };
-    frame(&mut bytes, &Request::Open(opening))?;
-    let items = stream::items(&program.with_approach(), usize::from(setup.axes))?;
-    for (item, number) in items.into_iter().zip(0..) {
-        frame(&mut bytes, &Request::Item { session: 1, number, item })?;
-    }
-    Ok(bytes)
-}
-
 fn on_host<const N: usize, const BLOCKS: usize, const NODES: usize>(
     bytes: &[u8],
 ) -> Result<Outcome> {
@@ -98,26 +80,13 @@ fn on_host<const N: usize, const BLOCKS: usize, const NODES: usize>(
 
 /// Runs a path on host and target; gives a goal that was missed.
 fn compare(emulator: &Image, path: &Path, six: bool) -> Result<Option<String>> {
-    let program = program::read(
-        path,
-        ReadOptions { feed: 100.0, segments: Some(500), ..ReadOptions::DEFAULT },
-    )?;
+    let program = session::read(path)?;
     let program = if six { doubled(&program) } else { program };
     let axes = if six { 6 } else { 3 };
     ensure!(program.axes().len() == axes, "{}: it has more than 3 axes", path.display());
-    let header = program.header;
-    let limit = |value: Option<f64>, else_: f64| value.unwrap_or(else_) as f32;
-    let setup = Setup {
-        axes: axes as u8,
-        limits: [
-            limit(header.map(|h| h.velocity), 200.0),
-            limit(header.map(|h| h.acceleration), 2000.0),
-            limit(header.map(|h| h.jerk), 50_000.0),
-        ],
-        tolerance: limit(header.map(|h| h.tolerance), 0.01),
-        cycle: limit(header.map(|h| h.cycle), 0.001),
-    };
-    let bytes = frames(&program, &setup)?;
+    let Machine { limits, tolerance, cycle } = Machine::of(&program);
+    let setup = Setup { axes: axes as u8, limits, tolerance, cycle };
+    let bytes = session::frames(&program, &setup, axes)?;
     let host = if six { on_host::<6, 8, 56>(&bytes) } else { on_host::<3, 16, 64>(&bytes) }?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     let file = std::env::temp_dir().join(format!("splineway-{}-{name}.frames", std::process::id()));
