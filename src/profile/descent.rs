@@ -1,6 +1,6 @@
 //! Least time over a stretch, by Newton's method on time and barrier.
 //!
-//! There are two methods. [`Problem::find`] starts from a guess that need not keep the limits
+//! There are two methods ([`super::solving`]). [`Problem::find`] starts from a guess that need not keep the limits
 //! ([`super::guess`]), under a relaxed barrier ([`Relaxation`]): no limit stands in the way of a step, so
 //! that the number of steps hardly depends on the path. While mu falls, so does the share of a
 //! limit from which on the barrier is relaxed; it ends when all limits hold. [`Problem::improve`]
@@ -8,8 +8,7 @@
 //! hold, so it may be stopped after any number of steps. It serves where an answer is owed that is
 //! valid whatever happens, and when the other has failed.
 //!
-//! Either is a [`Descent`], which takes one Newton step at a time and is plain data between two: it may be laid aside
-//! after any step.
+//! Either is a [`Descent`], which takes one Newton step at a time and is plain data between two.
 //!
 //! Work of either: at most `iterations` steps, each one pass with gradients over the cells of the
 //! stretch and at most [`TRIES`] + 2 without; one and a half times as many for an aim other than
@@ -34,9 +33,7 @@
 //! The method, and the words, are those of Boyd and Vandenberghe, Convex Optimization (2004), chapters 9 and 11: mu is 1 / t
 //! there, the Newton decrement bounds what is left to gain.
 
-use super::problem::{Objective, Probe, Problem, Weights};
-use super::relaxation::Relaxation;
-use super::solver::Aim;
+use super::problem::{Probe, Problem, Weights};
 use super::tridiagonal::solve;
 use crate::number::Scalar;
 use core::ops::ControlFlow;
@@ -61,9 +58,6 @@ const LAST_MU: f64 = 5.0e-5;
 /// a corner of the limits and stay there.
 const FIRST_MU: f64 = 7.5e-4;
 const FIRST_SHARE: f64 = 0.05;
-/// mu at the end of a halt, as a share of the first: by then the creep that the barrier leaves is
-/// a few per cent of the speed at its start.
-const HALT_SHARE: f64 = 1.0e-3;
 /// Steps in a row that found nothing better, with more damping each time, before mu falls.
 const MOST_FAILURES: u32 = 4;
 /// Damping after the first step that a limit has shortened.
@@ -71,7 +65,7 @@ const LEAST_DAMPING: f64 = 0.01;
 
 /// How fast the barrier gives way.
 #[derive(Debug)]
-struct Schedule {
+pub(super) struct Schedule {
     /// By what mu falls.
     fall: f64,
     /// It falls when the decrement squared is less than this many mu, or after the first whole step with a new mu.
@@ -79,12 +73,12 @@ struct Schedule {
 }
 
 /// Where the limits are kept, the states must stay near the centre of what is left.
-const STRICT: Schedule = Schedule { fall: 0.3, small: 10.0 };
+pub(super) const STRICT: Schedule = Schedule { fall: 0.3, small: 10.0 };
 /// Where they may be broken, there is no need to.
-const RELAXED: Schedule = Schedule { fall: 0.4, small: 160.0 };
+pub(super) const RELAXED: Schedule = Schedule { fall: 0.4, small: 160.0 };
 
 /// Share of a limit from which on the barrier is relaxed, at first.
-const FIRST_DELTA: f64 = 0.3;
+pub(super) const FIRST_DELTA: f64 = 0.3;
 /// By what this share falls, with mu.
 const DELTA_FALL: f64 = 0.3;
 /// Its least value while mu falls.
@@ -94,14 +88,14 @@ const SHARPEN: f64 = 60.0;
 
 /// What the barrier parameter runs through.
 #[derive(Clone, Copy, Debug)]
-struct MuRange<S> {
-    first: S,
-    last: S,
+pub(super) struct MuRange<S> {
+    pub first: S,
+    pub last: S,
 }
 
 /// Why there is no further step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum End {
+pub(super) enum End {
     /// The states are those that were looked for, or as near as can be.
     Settled,
     /// The states cannot be evaluated: nothing has been done.
@@ -109,8 +103,8 @@ enum End {
 }
 
 /// How far the method has got with a problem.
-#[derive(Debug)]
-struct Descent<S> {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Descent<S> {
     weights: Weights<S>,
     last_mu: S,
     schedule: &'static Schedule,
@@ -128,14 +122,15 @@ struct Search<S> {
 }
 
 impl<S: Scalar> Descent<S> {
-    fn new(range: MuRange<S>, schedule: &'static Schedule) -> Self {
+    pub(super) fn new(range: MuRange<S>, schedule: &'static Schedule) -> Self {
         let weights = Weights { mu: range.first, mu_curvature: range.first, damping: S::ZERO };
         Self { weights, last_mu: range.last, schedule, failures: 0 }
     }
 
     /// One Newton step.
-    #[inline]
-    fn step<const N: usize, const NODES: usize>(
+    // Once in the image, however often it is called.
+    #[inline(never)]
+    pub(super) fn step<const N: usize, const NODES: usize>(
         &mut self,
         problem: &mut Problem<'_, S, N, NODES>,
     ) -> ControlFlow<End> {
@@ -195,65 +190,13 @@ impl<S: Scalar> Descent<S> {
 }
 
 impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
-    /// Improves the states. If they keep all limits, they still do; else they may or may not.
-    /// Returns how many steps were taken.
-    pub fn improve(mut self, iterations: u16, aim: Aim) -> u16 {
-        let mut range = self.mu_range();
-        match aim {
-            Aim::Time => {}
-            Aim::Slow => self.task.objective = Objective::PenalisedTime,
-            Aim::Halt => {
-                // A halt costs as much at first as it takes time.
-                let time = self.time().unwrap_or(S::ONE);
-                self.task.objective = Objective::SpeedSquared { weight: S::ONE };
-                let weight = time / self.speed_squared().greatest(S::of(1.0e-9));
-                self.task.objective = Objective::SpeedSquared { weight };
-                range.last = range.first * S::of(HALT_SHARE);
-            }
-        }
-        // Answers to an operator are rare, and start farther from what is asked for.
-        let more = if aim == Aim::Time { 0 } else { iterations / 2 };
-        // In `f32` a cut may break a limit by its rounding: then no strict step could be taken.
-        let strict = self.holds();
-        if !strict {
-            self.task.relaxation = Relaxation::new(S::of(FIRST_DELTA));
-        }
-        self.descend(
-            Descent::new(range, if strict { &STRICT } else { &RELAXED }),
-            iterations + more,
-        )
-    }
-
-    /// Takes the states, which may break limits, to those of least time. Returns how
-    /// many steps were taken, and whether all limits hold now.
-    pub fn find(mut self, iterations: u16) -> (u16, bool) {
-        let descent = Descent::new(self.mu_range(), &RELAXED);
-        self.task.relaxation = Relaxation::new(S::of(FIRST_DELTA));
-        let steps = self.descend(descent, iterations);
-        (steps, self.holds())
-    }
-
     /// First and last mu.
-    fn mu_range(&self) -> MuRange<S> {
+    pub(super) fn mu_range(&self) -> MuRange<S> {
         let scale = self.limits.time_scale();
         let cells = S::from_u32(self.cells().len() as u32);
         let time = self.time().unwrap_or(S::ZERO);
         let first = (scale * S::of(FIRST_MU)).greatest(time / cells * S::of(FIRST_SHARE));
         MuRange { first, last: scale * S::of(LAST_MU) }
-    }
-
-    /// Steps until the method ends or there have been so many. Returns how many were taken.
-    // Once in the image, however often it is called.
-    #[inline(never)]
-    fn descend(&mut self, mut descent: Descent<S>, iterations: u16) -> u16 {
-        for steps in 0..iterations {
-            match descent.step(self) {
-                ControlFlow::Continue(()) => {}
-                ControlFlow::Break(End::Lost) => return steps,
-                ControlFlow::Break(End::Settled) => return steps + 1,
-            }
-        }
-        iterations
     }
 
     /// Looks along the step for states that are no worse than those at hand, which are worth `here`.

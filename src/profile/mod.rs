@@ -8,7 +8,7 @@
 //!
 //! What [`bounds`] a cell besides its shape is set when it comes into the window. A [`solver`] is the workspace, a [`problem`] what it is put to: what is minimised, and its second-order model of
 //! [`barrier`] ([`relaxation`]) and time. It is solved by Newton's method ([`descent`], on a block [`tridiagonal`]
-//! system) from a [`guess`]. What comes out is made pieces of motion by [`compile`].
+//! system) from a [`guess`], step by step ([`solving`]). What comes out is made pieces of motion by [`compile`].
 
 mod barrier;
 pub(crate) mod bounds;
@@ -22,6 +22,7 @@ mod problem;
 mod relaxation;
 pub(crate) mod rows;
 pub(crate) mod solver;
+pub(crate) mod solving;
 #[cfg(test)]
 mod tests;
 mod tridiagonal;

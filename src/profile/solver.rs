@@ -3,7 +3,8 @@
 //! [`Solver`] is memory, nothing else. What is to be solved, with all that it takes, is one value: a [`Problem`], made by
 //! [`Solver::on`] of a stretch of a window and the limits. It is asked for first states
 //! ([`Problem::guess`], [`Problem::seed`]), for the states of least time ([`Problem::find`]), for better ones
-//! ([`Problem::improve`]), and whether those at hand keep the limits ([`Problem::holds`]).
+//! ([`Problem::improve`]), and whether those at hand keep the limits ([`Problem::holds`]). What is looked for step by
+//! step is a [`Solving`](super::solving::Solving) meanwhile.
 
 pub use super::problem::Stretch;
 use super::problem::{Objective, Problem, Task};
@@ -45,6 +46,16 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
     ) -> Problem<'a, S, N, NODES> {
         debug_assert!(stretch.first <= stretch.last && stretch.last < window.len());
         let task = Task { stretch, objective: Objective::Time, relaxation: Relaxation::STRICT };
+        self.take_up(window, limits, task)
+    }
+
+    /// A task that has been laid aside.
+    pub(super) fn take_up<'a, const N: usize>(
+        &'a mut self,
+        window: &'a mut Window<S, N, NODES>,
+        limits: &'a Limits<S, N>,
+        task: Task<S>,
+    ) -> Problem<'a, S, N, NODES> {
         Problem { rows: &mut self.rows, window, limits, task }
     }
 }

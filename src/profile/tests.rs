@@ -4,6 +4,7 @@ use super::bounds::Pace;
 use super::law::{Law, PathState};
 use super::problem::{Objective, Probe, Weights};
 use super::solver::{Aim, Solver, Stretch};
+use super::solving::Solving;
 use super::window::Window;
 use crate::machine::{AxisLimits, Limits};
 use crate::number::serial::NodeSerial;
@@ -114,13 +115,25 @@ fn a_short_straight_takes_hardly_longer_than_jerk_alone_asks_for() {
     let mut solver = Solver::new();
     let limits = limits();
     let stretch = Stretch { first: 0, last: lengths.len(), open: false };
-    let mut problem = solver.on(&mut window, &limits, stretch);
-    problem.guess(1);
-    let (steps, holds) = problem.find(40);
+    solver.on(&mut window, &limits, stretch).guess(1);
+    let solving = solver.on(&mut window, &limits, stretch).find(40);
+    let steps = solve(&mut solver, &mut window, solving);
+    let holds = solver.on(&mut window, &limits, stretch).holds();
     assert!(holds && steps < 40, "{steps}");
     let time = solver.on(&mut window, &limits, stretch).time().unwrap();
     let least = by_jerk(length);
     assert!(time >= least && time < 1.03 * least, "{time} {least}");
+}
+
+/// All steps; how many there were.
+fn solve(
+    solver: &mut Solver<f64, NODES>,
+    window: &mut Window<f64, 2, NODES>,
+    mut solving: Solving<f64>,
+) -> u32 {
+    let mut steps = 0;
+    while solving.step(solver, window, &limits(), &mut steps) {}
+    steps
 }
 
 /// Cells of very unequal lengths, from rest to rest.
@@ -138,8 +151,9 @@ fn an_improvement_keeps_the_limits_after_any_number_of_steps() {
     for iterations in 0..25 {
         let (mut window, stretch) = uneven();
         assert!(solver.on(&mut window, &limits, stretch).seed(1));
-        let steps = solver.on(&mut window, &limits, stretch).improve(iterations, Aim::Time);
-        assert!(steps <= iterations);
+        let solving = solver.on(&mut window, &limits, stretch).improve(iterations, Aim::Time);
+        let steps = solve(&mut solver, &mut window, solving);
+        assert!(steps <= u32::from(iterations));
         let mut problem = solver.on(&mut window, &limits, stretch);
         assert!(problem.holds(), "after {iterations}");
         let time = problem.time().unwrap();
@@ -159,14 +173,17 @@ fn a_halt_leaves_little_speed() {
     let (limits, mut solver) = (limits(), Solver::new());
     let (mut window, stretch) = uneven();
     solver.on(&mut window, &limits, stretch).guess(1);
-    assert!(solver.on(&mut window, &limits, stretch).find(40).1);
+    let solving = solver.on(&mut window, &limits, stretch).find(40);
+    solve(&mut solver, &mut window, solving);
+    assert!(solver.on(&mut window, &limits, stretch).holds());
     // From where it is fastest on.
     let speed = |window: &Window<f64, 2, NODES>, i: usize| window.get(i).unwrap().state.b.sqrt();
     let first =
         (0..stretch.last).max_by(|a, b| speed(&window, *a).total_cmp(&speed(&window, *b))).unwrap();
     let rest = Stretch { first, ..stretch };
     let before = speed(&window, stretch.last - 1);
-    solver.on(&mut window, &limits, rest).improve(40, Aim::Halt);
+    let solving = solver.on(&mut window, &limits, rest).improve(40, Aim::Halt);
+    solve(&mut solver, &mut window, solving);
     assert!(solver.on(&mut window, &limits, rest).holds());
     assert!(speed(&window, stretch.last - 1) < before);
 }

@@ -5,6 +5,7 @@ use crate::machine::Config;
 use crate::number::Scalar;
 use crate::profile::law::Law;
 use crate::profile::solver::{Aim, Stretch};
+use crate::profile::solving::Solving;
 use core::ops::Range;
 
 /// Share by which a bound lies above a speed that exceeds what is asked for; the limits of the axes
@@ -17,13 +18,37 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         self.solver.on(&mut self.window, &self.config.limits, stretch).holds()
     }
 
-    /// Improves the states of a stretch for an aim, and counts the steps.
+    /// To improve the states of a stretch for an aim.
+    pub fn begin_improving(&mut self, stretch: Stretch, aim: Aim) -> Solving<S> {
+        let Config { limits, iterations, .. } = self.config;
+        self.solver.on(&mut self.window, &limits, stretch).improve(iterations, aim)
+    }
+
+    /// To find states for a stretch, from a guess at the stations from index `new` on, which need not lead to a motion.
+    pub fn begin_finding(&mut self, stretch: Stretch, new: usize) -> Solving<S> {
+        let Config { limits, iterations, .. } = self.config;
+        let mut problem = self.solver.on(&mut self.window, &limits, stretch);
+        problem.guess(new);
+        problem.find(iterations)
+    }
+
+    /// One Newton step. Whether there is another to take.
     // Once in the image, however often it is called.
     #[inline(never)]
+    pub fn go_on(&mut self, solving: &mut Solving<S>) -> bool {
+        solving.step(&mut self.solver, &mut self.window, &self.config.limits, &mut self.steps)
+    }
+
+    /// All steps of a problem.
+    pub fn solve(&mut self, mut solving: Solving<S>) {
+        // Bounded by the iterations that are set.
+        while self.go_on(&mut solving) {}
+    }
+
+    /// Improves the states of a stretch for an aim.
     pub fn improve(&mut self, stretch: Stretch, aim: Aim) {
-        let Config { limits, iterations, .. } = self.config;
-        let steps = self.solver.on(&mut self.window, &limits, stretch).improve(iterations, aim);
-        self.steps += u32::from(steps);
+        let solving = self.begin_improving(stretch, aim);
+        self.solve(solving);
     }
 
     /// Gives the stations of a stretch from index `new` on states, and improves those before.
@@ -43,16 +68,11 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         self.holds(stretch)
     }
 
-    /// The same by a guess at the stations from index `new` on, which need not lead to a motion.
-    // Once in the image, however often it is called.
-    #[inline(never)]
+    /// The same by a guess at the stations from index `new` on.
     pub fn find_from_guess(&mut self, stretch: Stretch, new: usize) -> bool {
-        let Config { limits, iterations, .. } = self.config;
-        let mut problem = self.solver.on(&mut self.window, &limits, stretch);
-        problem.guess(new);
-        let (steps, found) = problem.find(iterations);
-        self.steps += u32::from(steps);
-        found
+        let solving = self.begin_finding(stretch, new);
+        self.solve(solving);
+        self.holds(stretch)
     }
 
     /// Gives stations the states of the plan that is being executed.
