@@ -116,9 +116,8 @@
 //!
 //! # Memory
 //!
-//! Nothing is allocated: a `Link<S, N, BLOCKS, NODES>` holds 2 x `NODES` pieces, a
-//! `Planner<S, N, BLOCKS, NODES>` `BLOCKS` blocks, a stretch of spline of fixed size, and `NODES` nodes
-//! with the solver's workspace. A dense run takes few nodes for many lines, so `BLOCKS` may be small.
+//! Nothing is allocated: a `Link<S, N, BLOCKS, NODES>` holds 2 x `NODES` pieces, `BLOCKS` blocks, a stretch of spline of
+//! fixed size, and `NODES` nodes with the solver's workspace; what is made of it are handles. A dense run takes few nodes for many lines, so `BLOCKS` may be small.
 //! `size_of` tells the bytes; `docs/figures.md` has a table.
 #![no_std]
 #![deny(unsafe_code)]
@@ -152,5 +151,5 @@ pub mod wire;
 pub use block::{Block, Feed, Motion, PushError, Turn};
 pub use machine::{AxisLimits, BLOCKS, Config, ConfigError, CornerMode, Limits, NODES};
 pub use number::{Coord, RangeError, Scalar};
-pub use planner::{Counters, Planner, Progress};
-pub use servo::{Activity, Controls, Interpolator, Link, Setpoint};
+pub use planner::{Counters, Link, Planner, Progress};
+pub use servo::{Activity, Controls, Interpolator, Setpoint};

@@ -23,8 +23,8 @@ pub use types::*;
 use crate::block::{Block, Motion, Turn};
 use crate::machine::defaults;
 use crate::number::Coord;
-use crate::planner::Planner;
-use crate::servo::{Controls, Interpolator, Link};
+use crate::planner::{Link, Planner};
+use crate::servo::{Controls, Interpolator};
 use convert::{config, coord, coords, feed, refusal, tolerance};
 use core::mem::MaybeUninit;
 
@@ -144,8 +144,7 @@ pub unsafe extern "C" fn splineway_init(
             Err(result) => return result,
         };
         let Some(start) = coords(start) else { return splineway_result::COORDINATE };
-        // As `Link::new()`, which is all zeros (tested below), but without a copy on the stack.
-        (&raw mut (*core).link).write_bytes(0, 1);
+        (&raw mut (*core).link).write(MaybeUninit::new(Link::new()));
         let link = (*core).link.assume_init_mut();
         let Ok((planner, interpolator)) = link.split(settings, start) else {
             return splineway_result::CONFIG;
@@ -396,22 +395,4 @@ pub unsafe extern "C" fn splineway_single_block(
 #[unsafe(no_mangle)]
 pub extern "C" fn splineway_result_text(result: i32) -> *const core::ffi::c_char {
     splineway_result::text(result).as_ptr()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// What `splineway_init` relies on.
-    #[test]
-    fn an_empty_link_is_all_zeros() {
-        let link =
-            std::boxed::Box::new(
-                Link::<f32, SPLINEWAY_AXES, SPLINEWAY_BLOCKS, SPLINEWAY_NODES>::new(),
-            );
-        // It is made of 32-bit atomics throughout, so it has no padding.
-        let words = size_of_val(&*link) / 4;
-        let first = (&raw const *link).cast::<u32>();
-        assert!((0..words).all(|k| unsafe { first.add(k).read() } == 0));
-    }
 }

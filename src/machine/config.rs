@@ -54,6 +54,18 @@ pub struct Config<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Config<S, N> {
+    /// The memory of one: all zeros, which [`Config::check`] refuses.
+    pub(crate) const UNSET: Self = Self {
+        limits: Limits::UNSET,
+        cycle: S::ZERO,
+        tolerance: S::ZERO,
+        corner: CornerMode::Band,
+        lead: S::ZERO,
+        start_delay: S::ZERO,
+        iterations: 0,
+        sweeps: 0,
+    };
+
     /// The settings of [`defaults`]: 1 ms servo cycle, 0.01 mm tolerance, full band corners.
     pub fn new(limits: Limits<S, N>) -> Self {
         Self {

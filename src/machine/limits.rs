@@ -41,6 +41,10 @@ pub struct Limits<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Limits<S, N> {
+    /// The memory of some that are not known.
+    pub(crate) const UNSET: Self =
+        Self { axes: [AxisLimits::linear(S::ZERO, S::ZERO, S::ZERO); N] };
+
     /// Checks and keeps the limits.
     ///
     /// # Errors

@@ -19,8 +19,8 @@ pub(crate) struct Ramp<S> {
 }
 
 impl<S: Scalar> Ramp<S> {
-    /// A ramp of no length.
-    pub const NONE: Self = Self { jerk: S::ONE, time: S::ZERO };
+    /// The memory of one.
+    pub const UNSET: Self = Self { jerk: S::ZERO, time: S::ZERO };
 
     /// Along a unit direction.
     pub fn new<const N: usize>(limits: &Limits<S, N>, direction: &Vector<S, N>) -> Self {

@@ -9,6 +9,7 @@ pub(crate) mod atomic;
 mod coord;
 mod length;
 pub mod list;
+pub(crate) mod optional;
 pub mod quadrature;
 mod range;
 mod root;

@@ -39,6 +39,12 @@ impl<const N: usize> Sleeve<N> {
     pub const NONE: Self =
         Self { direction: [0.0; N], straight: [Bounds::NONE; N], rounded: [Bounds::NONE; N] };
 
+    /// The memory of one.
+    pub const UNSET: Self = {
+        let bounds = [Bounds { low: 0.0, high: 0.0 }; N];
+        Self { direction: [0.0; N], straight: bounds, rounded: bounds }
+    };
+
     /// The sleeve of a line.
     pub fn of(start: &[Coord; N], end: &[Coord; N]) -> Self {
         let step: [f64; N] = from_fn(|i| end[i].minus(start[i]));

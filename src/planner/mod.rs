@@ -1,6 +1,6 @@
 //! The background side: blocks in, plans out.
 //!
-//! - [`Planner`] is the producer's handle.
+//! - [`Planner`] is the producer's handle, on the memory of a [`Link`].
 //! - [`phase`]: what it is doing, as one value, with all its transitions.
 //! - [`horizon`]: the path ahead, the plan agreed on it, and the draft of the next.
 //! - [`ahead`]: blocks cut into cells, and plans that go on as far as is known.
@@ -10,6 +10,7 @@
 mod ahead;
 mod command;
 mod horizon;
+mod link;
 mod offer;
 mod phase;
 #[cfg(test)]
@@ -17,18 +18,15 @@ mod tests;
 
 use self::command::Answered;
 use self::horizon::Horizon;
+pub use self::link::Link;
 use self::phase::{Phase, Rest};
 
-use crate::block::range::check_coordinates;
-use crate::block::{Block, BlockError, PushError};
-use crate::machine::{Config, ConfigError};
-use crate::number::vector::zero;
+use crate::block::{Block, PushError};
 use crate::number::{Coord, Scalar};
 use crate::path::builder::Builder;
-use crate::path::node::Node;
+use crate::servo::Controls;
 use crate::servo::control::Requests;
-use crate::servo::link::{Origin, PlanSide};
-use crate::servo::{Controls, Interpolator, Link};
+use crate::servo::link::PlanSide;
 
 /// What a call of [`Planner::poll`] came to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,8 +83,8 @@ pub struct Planner<
 > {
     side: PlanSide<'a, S, N>,
     requests: &'a Requests,
-    builder: Builder<S, N, BLOCKS>,
-    horizon: Horizon<S, N, NODES>,
+    builder: &'a mut Builder<S, N, BLOCKS>,
+    horizon: &'a mut Horizon<S, N, NODES>,
     phase: Phase,
     answered: Answered,
     /// Whether the producer has said that no more blocks come for now.
@@ -94,59 +92,6 @@ pub struct Planner<
     /// Servo cycles after which an answer to a command takes effect: more after one that came too late.
     reaction: u32,
     counters: Counters,
-}
-
-impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Link<S, N, BLOCKS, NODES> {
-    /// The two handles of a core that rests at `start`: the planner for the background, the interpolator for the
-    /// servo interrupt. Both are `Send`. What an earlier split has left in the link is forgotten.
-    ///
-    /// Cost: writes the planner once (its size is `size_of::<Planner<..>>()`), where the result is bound.
-    ///
-    /// # Errors
-    /// [`ConfigError`] if a setting or the start is out of its range; the link is unchanged.
-    // Not inlined, the planner is made on the stack and copied twice: 75 kB on the target.
-    #[allow(clippy::inline_always)]
-    #[inline(always)]
-    pub fn split(
-        &mut self,
-        config: Config<S, N>,
-        start: [Coord; N],
-    ) -> Result<(Planner<'_, S, N, BLOCKS, NODES>, Interpolator<'_, S, N>), ConfigError> {
-        self.split_from(config, start, Origin::ZERO)
-    }
-
-    /// The same with numbers that count on from others than 0.
-    #[allow(clippy::inline_always)]
-    #[inline(always)]
-    fn split_from(
-        &mut self,
-        config: Config<S, N>,
-        start: [Coord; N],
-        origin: Origin,
-    ) -> Result<(Planner<'_, S, N, BLOCKS, NODES>, Interpolator<'_, S, N>), ConfigError> {
-        const { assert!(N >= 1 && N <= 9, "1 to 9 axes") };
-        config.check()?;
-        if let Err(BlockError::Coordinate { axis, error }) = check_coordinates(&start) {
-            return Err(ConfigError::Start { axis, error });
-        }
-        let (plan, servo, requests) = self.ends(origin);
-        let node = Node { at: start, tangent: zero(), curvature: zero() };
-        // Built where it is returned to: it is large.
-        Ok((
-            Planner {
-                side: plan,
-                requests,
-                builder: Builder::new(start),
-                horizon: Horizon::new(config, node, origin.node),
-                phase: Phase::Resting(Rest::IDLE),
-                answered: Answered::default(),
-                finished: false,
-                reaction: 0,
-                counters: Counters::default(),
-            },
-            Interpolator::new(servo, (origin.node, start), config.cycle),
-        ))
-    }
 }
 
 impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>

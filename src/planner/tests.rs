@@ -8,10 +8,11 @@ use crate::block::Block;
 use crate::machine::{AxisLimits, Config, Limits};
 use crate::number::Coord;
 use crate::number::serial::{CycleSerial, NodeSerial};
+use crate::planner::Link;
 use crate::profile::solver::Aim;
 use crate::servo::control::Overrides;
 use crate::servo::link::Origin;
-use crate::servo::{Activity, Interpolator, Link};
+use crate::servo::{Activity, Interpolator};
 use std::boxed::Box;
 use std::format;
 use std::string::String;
@@ -263,7 +264,7 @@ fn a_plan_that_comes_too_late_leaves_everything_as_it_was() {
     feed(&mut core.0, &mut &straight()[..]);
     in_motion(&mut core, 120);
     let (planner, interpolator) = &mut core;
-    let (before, phase, reaction) = (picture(&planner.horizon), planner.phase, planner.reaction);
+    let (before, phase, reaction) = (picture(planner.horizon), planner.phase, planner.reaction);
     let moment = planner.moment().unwrap();
     interpolator.tick();
     let made = planner.horizon.draft(|draft| {
@@ -274,11 +275,11 @@ fn a_plan_that_comes_too_late_leaves_everything_as_it_was() {
     });
     assert!(planner.offer(made));
     assert_eq!(planner.phase.halt(), Some(Halt::Hold));
-    assert_ne!(picture(&planner.horizon), before);
+    assert_ne!(picture(planner.horizon), before);
     interpolator.tick();
     planner.hear();
     assert_eq!(planner.counters().late, 1);
-    assert_eq!(picture(&planner.horizon), before);
+    assert_eq!(picture(planner.horizon), before);
     assert!(planner.reaction > reaction, "the next answer is given more time");
     assert_eq!(follows(planner).unwrap().halt, phase.halt());
     run_until(&mut core, |_, progress| progress == Progress::Done);
@@ -305,10 +306,10 @@ fn a_draft_that_is_dropped_leaves_no_trace() {
             break;
         }
         if cycle % 37 == 0 && follows(&core.0).is_some() {
-            let before = picture(&core.0.horizon);
+            let before = picture(core.0.horizon);
             let moment = core.0.moment();
             for which in 0..5 {
-                let horizon = &mut core.0.horizon;
+                let horizon = &mut *core.0.horizon;
                 let made: Option<()> = horizon.draft(|draft| {
                     if which == 4 {
                         draft.try_overrides(Overrides { feed: 30, rapid: 50 });

@@ -85,7 +85,8 @@ fn cells<S: Scalar>(
 ) {
     let (mut here, mut tangent) = ([Coord::ZERO; AXES], [1.0, 0.0, 0.0]);
     let start = Node { at: here, tangent: tangent.map(S::of), curvature: [S::ZERO; AXES] };
-    let mut builder = Builder::<S, AXES, 16>::new(here);
+    let mut builder = Builder::<S, AXES, 16>::EMPTY;
+    builder.restart(here);
     let radius = draws.power(-1.5, 2.0);
     let first = draws.unit() < 0.5;
     for n in 0..5 {

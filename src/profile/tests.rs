@@ -33,7 +33,8 @@ fn straight<S: Scalar>(lengths: &[f64], first: NodeSerial) -> Window<S, 2, NODES
         tangent: [S::ONE, S::ZERO],
         curvature: [S::ZERO; 2],
     };
-    let mut window = Window::new(node(0.0), first);
+    let mut window = Window::EMPTY;
+    window.begin(node(0.0), first);
     let mut x = 0.0;
     for (i, length) in lengths.iter().enumerate() {
         x += length;

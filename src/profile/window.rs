@@ -38,8 +38,11 @@ pub struct Window<S, const N: usize, const NODES: usize> {
 }
 
 impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
-    /// A window that rests at one node, whose running number is `first`.
-    pub fn new(node: Node<S, N>, first: NodeSerial) -> Self {
+    /// The memory of one, without a node.
+    pub const EMPTY: Self = Self { stations: Deque::new(), first: NodeSerial::ZERO };
+
+    /// Forgets everything, and rests at one node, whose running number is `first`.
+    pub fn begin(&mut self, node: Node<S, N>, first: NodeSerial) {
         // Fourteen nodes are kept free for what answers to commands add. With fewer than 48 the others do not
         // hold the distance to a stop over the cells of corners and arcs: it is slower than a stop at every corner.
         const {
@@ -48,7 +51,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
                 "a window of fewer than 48 nodes is slower than stopping at every corner"
             );
         };
-        let mut stations = Deque::new();
         let cell = Cell {
             length: S::ZERO,
             tangent_offset: [S::ZERO; N],
@@ -57,7 +59,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
             event: None,
             straight: true,
         };
-        let _ = stations.push_back(Station {
+        self.stations.clear();
+        self.first = first;
+        let _ = self.stations.push_back(Station {
             node,
             cell,
             bounds: Bounds::default(),
@@ -67,7 +71,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
             state: PathState::REST,
             agreed: PathState::REST,
         });
-        Self { stations, first }
     }
 
     /// Number of stations, at least 1.

@@ -1,18 +1,14 @@
 //! One setpoint per servo cycle.
 
-use super::link::{Ahead, ServoSide, Timeline};
+use super::link::{ServoSide, Timeline};
 use super::piece::Slot;
-use super::setpoint::{Activity, Setpoint};
+use super::setpoint::{Place, Setpoint};
 use crate::number::serial::{CycleSerial, NodeSerial};
 use crate::number::{Coord, Scalar};
 
-/// Pieces that may begin within one servo cycle: each lasts at least a quarter of one.
-const PIECES_PER_TICK: usize = 6;
-
 /// The interrupt's handle: call [`Interpolator::tick`] once per servo cycle.
 ///
-/// Work per tick: one piece evaluated where it lies, at most six begun; no waiting, no division, no
-/// root. `docs/target.md` has the number of instructions.
+/// Work per tick: one piece evaluated where it lies, a few begun, no waiting, no division, no root. `docs/target.md` has the number of instructions, seen and proved.
 pub struct Interpolator<'a, S: Scalar, const N: usize> {
     side: ServoSide<'a, S, N>,
     cycle: S,
@@ -28,8 +24,23 @@ pub struct Interpolator<'a, S: Scalar, const N: usize> {
     event: bool,
     /// Node at which the next piece starts.
     serial: NodeSerial,
-    /// Setpoint while at rest.
-    rest: Setpoint<S, N>,
+    /// Where the motion rests if nothing follows.
+    rest: Place<S, N>,
+}
+
+/// Pieces of a plan that may begin within one servo cycle: each lasts a quarter of one, but for its rounding.
+const PIECES_PER_TICK: usize = 5;
+/// Pieces of the plan under way that may begin in the servo cycle in which another branches off: behind more, which are
+/// short, the other is refused in the next cycle, as one that comes too late.
+const BEFORE_BRANCH: usize = 2;
+
+/// How far into a piece the end of servo cycle `began` is.
+#[derive(Clone, Copy)]
+struct Entry<S> {
+    began: CycleSerial,
+    lag: S,
+    /// Servo cycles since then.
+    count: u32,
 }
 
 impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
@@ -47,7 +58,7 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
             count: 0,
             event: false,
             serial: node,
-            rest: Setpoint { origin: start, ..Setpoint::REST },
+            rest: Place { origin: start, ..Place::ZERO },
         }
     }
 
@@ -55,82 +66,146 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
     pub fn tick(&mut self) -> Setpoint<S, N> {
         let last = self.side.cycles();
         self.side.count_cycle();
-        // A plan that branches off where the last cycle ended, or a start from rest: either way the
-        // time of the new piece counts from there.
-        if self.side.change_over(last) || self.piece.is_none() {
-            let ahead = self.side.ahead(self.serial);
-            self.begin(ahead, S::ZERO, last);
+        let changes = self.side.change_over(last, self.serial);
+        match self.piece {
+            Some(piece) if !changes => {
+                self.count = self.count.wrapping_add(1);
+                let t = self.lag + S::from_u32(self.count) * self.cycle;
+                if t < self.time { self.show(piece, t) } else { self.leave(piece, t, last.next()) }
+            }
+            // The time of a plan that branches off where the last cycle ended, and of a start from rest, counts from there.
+            _ => self.start(last),
         }
-        self.count = self.count.wrapping_add(1);
-        let mut t = self.lag + S::from_u32(self.count) * self.cycle;
-        for _ in 0..PIECES_PER_TICK {
-            let Some(piece) = self.piece else { return self.rest };
-            if t < self.time {
-                if self.event {
-                    return self.report_event(piece);
-                }
-                return piece.at(t);
-            }
-            // On to the next one, `t` seconds into it.
-            let ahead = self.side.ahead(self.serial);
-            if ahead.may_rest {
-                // Now: the planner may write over it as soon as a new plan is taken.
-                self.rest(piece);
-            }
-            let starves = piece.starves();
-            t = t - self.time;
-            self.begin(ahead, t, last.next());
-            if self.piece.is_none() && starves {
-                self.side.count_starved();
-            }
-        }
-        debug_assert!(self.piece.is_none(), "pieces shorter than their least duration");
-        // Never reached while pieces keep it; shorter ones would only be slow.
-        self.piece.map_or(self.rest, |piece| piece.at(S::ZERO))
     }
 
-    /// The setpoint at the beginning of an event, once.
-    #[cold]
-    fn report_event(&mut self, piece: &Slot<S, N>) -> Setpoint<S, N> {
-        self.event = false;
-        Setpoint { activity: Activity::Event, ..piece.at(S::ZERO) }
+    // All that follow end with the setpoint, so that none is copied.
+
+    #[inline]
+    fn show(&mut self, piece: &'a Slot<S, N>, t: S) -> Setpoint<S, N> {
+        // The setpoint at the beginning of an event, once.
+        let event = core::mem::take(&mut self.event);
+        piece.at(if event { S::ZERO } else { t }, event)
     }
 
-    /// Notes where the motion rests if nothing follows the piece.
-    #[cold]
-    fn rest(&mut self, piece: &Slot<S, N>) {
-        let last = piece.at(self.time);
-        let Setpoint { origin, offset, path_origin, path_offset, tag, .. } = last;
-        self.rest = Setpoint { origin, offset, path_origin, path_offset, tag, ..Setpoint::REST };
-    }
-
-    /// Takes up the next piece, `over` seconds into it at the end of servo cycle `now`.
-    fn begin(&mut self, ahead: Ahead, over: S, now: CycleSerial) {
-        self.piece = self.side.next(ahead);
-        self.lag = over;
-        self.count = 0;
-        if let Some(piece) = self.piece {
-            let serial = piece.serial();
-            self.time = piece.time();
-            self.event = piece.has_event();
-            self.side.report(&Timeline { serial, began: now, lag: over });
-            self.serial = serial.next();
-        } else {
-            self.side.report(&Timeline { serial: self.serial, began: now, lag: S::ZERO });
+    /// From the node at which the motion is to the end of the servo cycle after `last`.
+    #[inline(never)]
+    fn start(&mut self, last: CycleSerial) -> Setpoint<S, N> {
+        if let Some(offer) = self.side.ahead(self.serial).at(self.serial) {
+            self.side.take(offer);
         }
+        self.enter(false, self.cycle, Entry { began: last, lag: S::ZERO, count: 1 })
+    }
+
+    /// From a piece that has ended to the one that is under way at the end of servo cycle `now`, `t` seconds from its
+    /// beginning.
+    #[inline(never)]
+    fn leave(&mut self, piece: &'a Slot<S, N>, t: S, now: CycleSerial) -> Setpoint<S, N> {
+        let ahead = self.side.ahead(self.serial);
+        let following = self.side.following(ahead.pieces);
+        let (piece, t, passed) = self.walk::<BEFORE_BRANCH>(piece, t, following);
+        self.side.pass(passed);
+        let entry = Entry { began: now, lag: t, count: 0 };
+        if t < self.time {
+            return self.report(piece, t, entry);
+        }
+        self.serial = piece.serial().next();
+        let starves = piece.starves();
+        let offer = ahead.at(self.serial);
+        // Now: the planner may write over it as soon as a new plan is taken.
+        if self.side.may_end(offer) {
+            piece.place(self.time, &mut self.rest);
+        }
+        if let Some(offer) = offer {
+            self.side.take(offer);
+        }
+        let t = t - self.time;
+        self.enter(starves, t, Entry { lag: t, ..entry })
+    }
+
+    /// Into the next piece of the plan, whose beginning is `t` seconds before the end of the servo cycle. `starves`: what
+    /// it means if there is none.
+    #[inline(never)]
+    fn enter(&mut self, starves: bool, t: S, entry: Entry<S>) -> Setpoint<S, N> {
+        let following = self.side.following(usize::MAX);
+        let Some((first, following)) = following.split_first() else {
+            return self.stop(starves, entry.began);
+        };
+        self.time = first.time();
+        if t < self.time {
+            self.side.pass(1);
+            return self.report(first, t, entry);
+        }
+        let now = self.side.cycles();
+        let (piece, t, passed) = self.walk::<{ PIECES_PER_TICK - 1 }>(first, t, following);
+        self.side.pass(1 + passed);
+        if t < self.time || self.side.lasts() {
+            return self.report(piece, t, Entry { began: now, lag: t, count: 0 });
+        }
+        self.serial = piece.serial().next();
+        piece.place(self.time, &mut self.rest);
+        self.stop(piece.starves(), now)
+    }
+
+    /// On from a piece that ends before the servo cycle does, over `MOST` more at most. Returns also how many they were.
+    // Its loop is unrolled by the compiler: the bound of a tick (see `docs/target.md`) knows none.
+    #[inline]
+    fn walk<const MOST: usize>(
+        &mut self,
+        mut piece: &'a Slot<S, N>,
+        mut t: S,
+        following: &'a [Slot<S, N>],
+    ) -> (&'a Slot<S, N>, S, usize) {
+        let mut time = self.time;
+        let mut passed = 0;
+        let mut following = following.iter();
+        for _ in 0..MOST {
+            let Some(next) = following.next() else { break };
+            t = t - time;
+            time = next.time();
+            piece = next;
+            passed += 1;
+            if t < time {
+                break;
+            }
+        }
+        self.time = time;
+        (piece, t, passed)
+    }
+
+    /// A piece is under way.
+    fn report(&mut self, piece: &'a Slot<S, N>, t: S, entry: Entry<S>) -> Setpoint<S, N> {
+        let serial = piece.serial();
+        self.serial = serial.next();
+        self.piece = Some(piece);
+        self.event = piece.has_event();
+        Entry { lag: self.lag, count: self.count, .. } = entry;
+        self.side.report(&Timeline { serial, began: entry.began, lag: entry.lag });
+        debug_assert!(t < self.time, "pieces shorter than their least duration");
+        self.show(piece, t)
+    }
+
+    /// Nothing follows.
+    fn stop(&mut self, starves: bool, now: CycleSerial) -> Setpoint<S, N> {
+        self.piece = None;
+        if starves {
+            self.side.count_starved();
+        }
+        self.side.report(&Timeline { serial: self.serial, began: now, lag: S::ZERO });
+        self.rest.setpoint()
     }
 }
 
 // Of one context; `models.rs` has those of several.
 #[cfg(all(test, not(loom)))]
 mod tests {
-    use super::super::link::{Branch, Link, Origin, PlanSide};
+    use super::super::link::{Branch, Channel, Origin, PlanSide};
     use super::super::piece::{Piece, Sequel};
+    use super::super::setpoint::Activity;
     use super::*;
     use crate::number::ArcLength;
     use std::vec::Vec;
 
-    type Core = Link<f64, 1, 4, 8>;
+    type Core = Channel<f64, 1, 8>;
 
     /// Both ends, at a servo cycle of 1 s.
     fn ends(link: &mut Core, origin: Origin) -> (PlanSide<'_, f64, 1>, Interpolator<'_, f64, 1>) {

@@ -51,7 +51,7 @@ pub enum Branch {
 }
 
 /// What has become of an offer: the low two bits of [`Flags::offer`]; the others count offers.
-/// Taken is 0, so that an empty link is all zeros and takes no room in the image.
+/// Taken is 0, so that an empty channel is all zeros and takes no room in the image.
 const TAKEN: u32 = 0;
 const OPEN: u32 = 1;
 const REFUSED: u32 = 2;
@@ -117,33 +117,15 @@ impl<S: Scalar> Flags<S> {
     }
 }
 
-/// Shared memory of a core's two sides, and the one place where its size is named: `N` axes, a look-ahead of
-/// `BLOCKS` blocks, a planning window of `NODES` nodes. It holds `NODES` pieces twice, and what an operator asks
-/// for; [`Link::split`] gives the two handles.
-///
-/// In firmware a `static`, in no need of a start-up copy: an empty link is all zeros. A type that names no sizes,
-/// `Link<f32, 3>`, has [`BLOCKS`](crate::BLOCKS) and [`NODES`](crate::NODES).
-pub struct Link<
-    S: Scalar,
-    const N: usize,
-    const BLOCKS: usize = { crate::machine::BLOCKS },
-    const NODES: usize = { crate::machine::NODES },
-> {
+/// What a core's two sides share: `NODES` pieces twice, and what an operator asks for.
+pub struct Channel<S: Scalar, const N: usize, const NODES: usize> {
     plans: [[Slot<S, N>; NODES]; 2],
     flags: Flags<S>,
     requests: Requests,
 }
 
-impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Default
-    for Link<S, N, BLOCKS, NODES>
-{
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Link<S, N, BLOCKS, NODES> {
-    /// An empty link; it can live in a `static`.
+impl<S: Scalar, const N: usize, const NODES: usize> Channel<S, N, NODES> {
+    /// An empty one: all zeros.
     pub const fn new() -> Self {
         Self {
             plans: [const { [const { Slot::EMPTY }; NODES] }; 2],
@@ -153,10 +135,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Link<S,
     }
 
     /// Forgets everything and gives both ends.
-    pub(crate) fn ends(
-        &mut self,
-        origin: Origin,
-    ) -> (PlanSide<'_, S, N>, ServoSide<'_, S, N>, &Requests) {
+    pub fn ends(&mut self, origin: Origin) -> (PlanSide<'_, S, N>, ServoSide<'_, S, N>, &Requests) {
         // What is left in the plan buffers is never read: their lengths are 0.
         self.flags = Flags::new(origin);
         self.requests = Requests::new();
@@ -218,7 +197,7 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
         }
         lag.load();
         for slot in self.plans.into_iter().flatten() {
-            slot.at(S::ZERO);
+            slot.at(S::ZERO, false);
             (slot.serial(), slot.time(), slot.has_event());
         }
     }
@@ -316,10 +295,17 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
 /// What the interrupt has found at a node.
 #[derive(Clone, Copy, Debug)]
 pub struct Ahead {
-    /// An offer, and what is to be said to it.
-    decide: Option<(u32, u32)>,
-    /// Whether there may be no next piece.
-    pub may_rest: bool,
+    /// The offer that branches off ahead, and the node where it does.
+    offer: Option<(u32, NodeSerial)>,
+    /// Pieces of the plan under way before that.
+    pub pieces: usize,
+}
+
+impl Ahead {
+    /// The offer that branches off at this node.
+    pub fn at(self, serial: NodeSerial) -> Option<u32> {
+        self.offer.filter(|(_, node)| *node == serial).map(|(offer, _)| offer)
+    }
 }
 
 /// The interrupt's end.
@@ -363,47 +349,61 @@ impl<'a, S: Scalar, const N: usize> ServoSide<'a, S, N> {
         done
     }
 
-    /// Whether a new plan has just been taken that branches off at the end of servo cycle `last`.
-    pub fn change_over(&mut self, last: CycleSerial) -> bool {
-        let Some((offer, Branch::Cycle(cycle))) = self.open() else { return false };
-        if cycle.is_before(last) {
+    /// Whether a new plan has just been taken that branches off at the end of servo cycle `last`. One that branched off
+    /// before, or before the end of the piece under way, which is node `serial`, is refused.
+    pub fn change_over(&mut self, last: CycleSerial, serial: NodeSerial) -> bool {
+        let Some((offer, branch)) = self.open() else { return false };
+        let late = match branch {
+            Branch::Cycle(cycle) if cycle == last => return self.decide(offer, TAKEN),
+            Branch::Cycle(cycle) => cycle.is_before(last),
+            Branch::Node(node) => node.is_before(serial),
+        };
+        if late {
             self.decide(offer, REFUSED);
         }
-        cycle == last && self.decide(offer, TAKEN)
+        false
     }
 
-    /// What comes at node `serial`: to be asked before [`ServoSide::next`].
+    /// What comes from node `serial` on, where the next piece begins.
     pub fn ahead(&self, serial: NodeSerial) -> Ahead {
-        let lasts = |plan: usize, next: usize| next < self.length(plan);
-        if let Some((offer, Branch::Node(node))) = self.open() {
-            if node == serial {
-                // Taken or withdrawn: either plan may be the one.
-                let goes_on = lasts(1 - self.active, 0) && lasts(self.active, self.next);
-                return Ahead { decide: Some((offer, TAKEN)), may_rest: !goes_on };
-            }
-            if node.is_before(serial) {
-                let may_rest = !lasts(self.active, self.next);
-                return Ahead { decide: Some((offer, REFUSED)), may_rest };
-            }
-        }
-        Ahead { decide: None, may_rest: !lasts(self.active, self.next) }
+        let none = Ahead { offer: None, pieces: usize::MAX };
+        let Some((offer, Branch::Node(node))) = self.open() else { return none };
+        let Some(pieces) = node.since(serial) else { return none };
+        Ahead { offer: Some((offer, node)), pieces: pieces as usize }
+    }
+
+    /// Whether nothing may follow, whatever becomes of an offer that branches off here.
+    pub fn may_end(&self, offer: Option<u32>) -> bool {
+        // Taken or withdrawn: either plan may be the one.
+        !self.lasts() || (offer.is_some() && self.length(1 - self.active) == 0)
+    }
+
+    /// Takes an offer, if it still stands.
+    pub fn take(&mut self, offer: u32) {
+        self.decide(offer, TAKEN);
+    }
+
+    /// Whether the plan under way has another piece.
+    pub fn lasts(&self) -> bool {
+        self.next < self.length(self.active)
     }
 
     fn length(&self, plan: usize) -> usize {
         self.flags.lengths[plan & 1].load(Relaxed) as usize
     }
 
-    /// The next piece: of the new plan if one branches off here, else of the present one.
-    pub fn next(&mut self, ahead: Ahead) -> Option<&'a Slot<S, N>> {
-        if let Some((offer, verdict)) = ahead.decide {
-            self.decide(offer, verdict);
-        }
-        if self.next >= self.length(self.active) {
-            return None;
-        }
-        let slot = self.plans[self.active & 1].get(self.next)?;
-        self.next += 1;
-        Some(slot)
+    /// The next pieces of the plan under way, at most `count` of them.
+    #[inline]
+    pub fn following(&self, count: usize) -> &'a [Slot<S, N>] {
+        let left = self.length(self.active).saturating_sub(self.next);
+        let plan: &'a [Slot<S, N>] = self.plans[self.active & 1];
+        plan.get(self.next..).and_then(|plan| plan.get(..left.min(count))).unwrap_or(&[])
+    }
+
+    /// So many of them are behind, or under way.
+    #[inline]
+    pub fn pass(&mut self, count: usize) {
+        self.next += count;
     }
 
     /// Reports the piece that is taken up, or that there is none.

@@ -1,7 +1,7 @@
 //! The interrupt side: pieces of motion in, one setpoint per servo cycle out.
 //!
 //! Nothing in here plans. A piece is a polynomial per axis; the [`Interpolator`] evaluates it
-//! and moves on to the next; the [`Link`] carries whole plans over from the planner, each ending
+//! and moves on to the next; a [`Link`](crate::Link) carries whole plans over from the planner, each ending
 //! at rest, so that the interrupt can always come to a stop with what it has.
 
 pub(crate) mod control;
@@ -19,5 +19,4 @@ mod setpoint;
 
 pub use control::Controls;
 pub use interpolator::Interpolator;
-pub use link::Link;
 pub use setpoint::{Activity, Setpoint};

@@ -6,7 +6,7 @@
 //! protocol planted: a model must fail, or the place is listed with the reason why it may.
 
 use super::interleave::Fault;
-use super::link::{Branch, Link, Origin, PlanSide, ServoSide};
+use super::link::{Branch, Channel, Origin, PlanSide, ServoSide};
 use super::piece::{Piece, Sequel};
 use super::{Activity, Controls, Interpolator, Setpoint};
 use crate::number::atomic::modelled::{Half, forget, leave_out, met};
@@ -30,7 +30,7 @@ pub fn is_planted(fault: Fault) -> bool {
     PLANTED.load(SeqCst) == fault as u8 + 1
 }
 
-type Core = Link<f32, 1, 4, 2>;
+type Core = Channel<f32, 1, 2>;
 
 /// Both ends of a link at rest in zero; the model checker knows of every atomic before a second thread does.
 fn core() -> (PlanSide<'static, f32, 1>, Interpolator<'static, f32, 1>, &'static Requests) {

@@ -1,11 +1,12 @@
 //! One piece of motion: a quintic per axis over a short time.
 
 use super::interleave::point;
-use super::setpoint::{Activity, Setpoint};
+use super::setpoint::{Activity, Place, Setpoint};
 use crate::number::atomic::AtomicU32;
 use crate::number::serial::NodeSerial;
 use crate::number::shared::Shared;
 use crate::number::{ArcLength, Coord, Scalar};
+use core::array::from_fn;
 use core::sync::atomic::Ordering::Relaxed;
 
 /// What follows a piece in its plan.
@@ -50,7 +51,7 @@ impl<S: Scalar, const N: usize> Piece<S, N> {
     pub fn at(&self, t: S) -> Setpoint<S, N> {
         let slot = Slot::EMPTY;
         slot.store(self);
-        slot.at(t)
+        slot.at(t, false)
     }
 }
 
@@ -124,17 +125,11 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
     }
 
     /// The setpoint `t` seconds after the start: position, velocity and acceleration by one Horner
-    /// scheme with derivatives, 13 multiplications and 12 additions per axis, no division, no root.
-    // Not inlined, the setpoint is copied once more: a third of a tick.
-    #[allow(clippy::inline_always)]
-    #[inline(always)]
-    pub fn at(&self, t: S) -> Setpoint<S, N> {
-        let mut at = Setpoint {
-            path_origin: self.arc_length.load(),
-            tag: self.tag.load(Relaxed),
-            ..Setpoint::REST
-        };
-        for i in 0..N {
+    /// scheme with derivatives, 13 multiplications and 12 additions per axis, no division, no root. With `event` its
+    /// activity is one.
+    #[inline(never)]
+    pub fn at(&self, t: S, event: bool) -> Setpoint<S, N> {
+        let axes: [[S; 3]; N] = from_fn(|i| {
             let [c1, c2, c3, c4, c5] = &self.axes[i];
             // Every sum takes in the one above it as it has just become: `d` runs one step of the scheme
             // ahead, `e` two.
@@ -147,11 +142,8 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
                 e = e * t + d;
             }
             p = p * t + c1.load();
-            at.origin[i] = self.origin[i].load();
-            at.offset[i] = p * t;
-            at.velocity[i] = d * t + p;
-            at.acceleration[i] = e + e;
-        }
+            [p * t, d * t + p, e + e]
+        });
         let [c1, c2, c3, c4] = self.path.each_ref().map(Shared::load);
         let mut distance = c4;
         let mut speed = distance;
@@ -159,11 +151,46 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
             distance = distance * t + c;
             speed = speed * t + distance;
         }
-        at.path_offset = distance * t;
-        at.path_speed = speed;
         let dwells = c1 == S::ZERO && c3 == S::ZERO && c4 == S::ZERO;
-        at.activity = if dwells { Activity::Dwelling } else { Activity::Running };
-        at
+        Setpoint {
+            origin: self.origin.each_ref().map(Shared::load),
+            offset: axes.map(|[offset, ..]| offset),
+            velocity: axes.map(|[_, velocity, _]| velocity),
+            acceleration: axes.map(|[.., acceleration]| acceleration),
+            path_origin: self.arc_length.load(),
+            path_offset: distance * t,
+            path_speed: speed,
+            tag: self.tag.load(Relaxed),
+            activity: if event {
+                Activity::Event
+            } else if dwells {
+                Activity::Dwelling
+            } else {
+                Activity::Running
+            },
+        }
+    }
+
+    /// Writes the place of [`Slot::at`] alone, to the bit.
+    #[inline(never)]
+    pub fn place(&self, t: S, place: &mut Place<S, N>) {
+        for i in 0..N {
+            let [c1, c2, c3, c4, c5] = &self.axes[i];
+            let mut p = c5.load();
+            for c in [c4, c3, c2, c1] {
+                p = p * t + c.load();
+            }
+            place.origin[i] = self.origin[i].load();
+            place.offset[i] = p * t;
+        }
+        let [c1, c2, c3, c4] = &self.path;
+        let mut distance = c4.load();
+        for c in [c3, c2, c1] {
+            distance = distance * t + c.load();
+        }
+        place.path_origin = self.arc_length.load();
+        place.path_offset = distance * t;
+        place.tag = self.tag.load(Relaxed);
     }
 }
 
@@ -208,6 +235,20 @@ mod tests {
             let speed = a + t * (2.0 * b + t * (3.0 * c + t * 4.0 * d));
             assert!((setpoint.path_speed - speed).abs() < 1e-14);
             assert_eq!((setpoint.tag, setpoint.activity), (42, Activity::Running));
+        }
+    }
+
+    #[test]
+    fn a_place_is_that_of_the_setpoint_to_the_bit() {
+        let slot = Slot::EMPTY;
+        slot.store(&piece());
+        for t in [0.0, 0.1, 0.25] {
+            let (at, mut place) = (slot.at(t, true), Place::ZERO);
+            slot.place(t, &mut place);
+            assert_eq!(at.activity, Activity::Event);
+            assert_eq!((at.origin, at.offset), (place.origin, place.offset));
+            assert_eq!((at.path_origin, at.path_offset), (place.path_origin, place.path_offset));
+            assert_eq!(at.tag, place.tag);
         }
     }
 

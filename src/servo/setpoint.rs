@@ -87,3 +87,31 @@ impl<S: Scalar, const N: usize> Setpoint<S, N> {
         self.path_origin.to_mm() + self.path_offset.to_f64()
     }
 }
+
+/// A place on the path, as in a [`Setpoint`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place<S, const N: usize> {
+    pub origin: [Coord; N],
+    pub offset: [S; N],
+    pub path_origin: ArcLength,
+    pub path_offset: S,
+    pub tag: u32,
+}
+
+impl<S: Scalar, const N: usize> Place<S, N> {
+    /// The origin.
+    pub const ZERO: Self = Self {
+        origin: [Coord::ZERO; N],
+        offset: [S::ZERO; N],
+        path_origin: ArcLength::ZERO,
+        path_offset: S::ZERO,
+        tag: 0,
+    };
+
+    /// At rest there.
+    #[inline]
+    pub fn setpoint(&self) -> Setpoint<S, N> {
+        let Self { origin, offset, path_origin, path_offset, tag } = *self;
+        Setpoint { origin, offset, path_origin, path_offset, tag, ..Setpoint::REST }
+    }
+}

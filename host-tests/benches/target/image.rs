@@ -1,7 +1,7 @@
 //! What is measured of an image: symbols, sizes, stacks, setpoints, instructions.
 
 use super::built::{Image, output, root, thumb, values};
-use super::stack::Stacks;
+use super::listing::Listing;
 use anyhow::{Context, Result, bail, ensure};
 use splineway_emulator::Outcome;
 use std::path::Path;
@@ -12,8 +12,8 @@ pub struct Size {
     pub own: u64,
     pub libm: u64,
     pub other: u64,
+    /// RAM of a core.
     pub link: u64,
-    pub planner: u64,
 }
 
 /// What a run in the emulator came to; counts are instructions.
@@ -26,7 +26,7 @@ pub struct Answer {
 }
 
 impl Image {
-    /// The example in C with the library for C, both for the target, linked to one image.
+    /// The example in C with the library for C, both for the target, linked to one image with every function of it.
     pub fn build_c() -> Result<Self> {
         let root = root();
         thumb(
@@ -54,15 +54,26 @@ impl Image {
                 .arg("-o")
                 .arg(&object),
         )?;
+        let library = Self { file: folder.join("libsplineway.a") };
         output(
             Command::new("arm-none-eabi-ld")
                 .args(["--entry", "example_run", "--gc-sections", "-z", "noexecstack"])
+                .args(library.entries()?.iter().flat_map(|name| ["--undefined", name.as_str()]))
                 .arg(&object)
-                .arg(folder.join("libsplineway.a"))
+                .arg(&library.file)
                 .arg("-o")
                 .arg(&file),
         )?;
         Ok(Self { file })
+    }
+
+    /// The functions of the interface for C.
+    pub fn entries(&self) -> Result<Vec<String>> {
+        let names = output(Command::new("arm-none-eabi-nm").arg("--extern-only").arg(&self.file))?;
+        let names = names.lines().filter_map(|line| line.split_once(" T splineway_"));
+        let names: Vec<_> = names.map(|(_, name)| format!("splineway_{name}")).collect();
+        ensure!(!names.is_empty(), "there is no function for C");
+        Ok(names)
     }
 
     /// No symbol of a panic or of an allocator.
@@ -76,7 +87,7 @@ impl Image {
 
     pub fn size(&self) -> Result<Size> {
         let text = output(Command::new("arm-none-eabi-nm").args(["-C", "-S"]).arg(&self.file))?;
-        let mut size = Size { own: 0, libm: 0, other: 0, link: 0, planner: 0 };
+        let mut size = Size { own: 0, libm: 0, other: 0, link: 0 };
         for line in text.lines() {
             let mut words = line.splitn(4, ' ');
             let (Some(_), Some(bytes), Some(kind), Some(name)) =
@@ -86,9 +97,8 @@ impl Image {
             };
             let Ok(bytes) = u64::from_str_radix(bytes, 16) else { continue };
             if name.contains("LINK_3") {
+                ensure!(kind == "b", "an empty core is not all zeros: it takes its size in flash");
                 size.link = bytes;
-            } else if name.contains("PLANNER_3") {
-                size.planner = bytes;
             }
             // Instances for six axes; sizes of 16 or 64 are none.
             let six = ["<6>", "<6,", " 6>", " 6,", "_6"].iter().any(|six| name.contains(six));
@@ -107,12 +117,10 @@ impl Image {
         Ok(size)
     }
 
-    /// Most stack that entry points need, bytes.
-    pub fn stacks(&self, entries: &[&'static str]) -> Result<Vec<(&'static str, u32)>> {
+    /// Its machine code.
+    pub fn listing(&self) -> Result<Listing> {
         let mut command = Command::new("arm-none-eabi-objdump");
-        let text = output(command.args(["-d", "-C", "--no-show-raw-insn"]).arg(&self.file))?;
-        let stacks = Stacks::read(&text)?;
-        entries.iter().map(|&entry| Ok((entry, stacks.worst(entry)?))).collect()
+        Listing::read(&output(command.args(["-d", "-C", "--no-show-raw-insn"]).arg(&self.file))?)
     }
 
     /// Runs the image on a file in QEMU.

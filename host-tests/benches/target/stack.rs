@@ -1,19 +1,16 @@
-//! Greatest stack of a function with all it calls, from a disassembly (GNU objdump of Thumb-2 code).
+//! Greatest stack of a function with all it calls, from a disassembly.
 
-use anyhow::{Context, Result, ensure};
-use std::collections::{BTreeMap, BTreeSet};
+use super::listing::{Instruction, Listing};
+use anyhow::{Result, ensure};
+use std::collections::BTreeSet;
 
+/// What a function does to the stack.
 #[derive(Default)]
-struct Function {
-    name: String,
+struct Use {
     frame: u32,
     calls: BTreeSet<u32>,
     /// It calls by pointer, or moves the stack pointer by a register.
     opaque: bool,
-}
-
-pub struct Stacks {
-    functions: BTreeMap<u32, Function>,
 }
 
 /// Bytes of a register list.
@@ -39,8 +36,9 @@ fn immediate(text: &str) -> Option<u32> {
     digits[..end].parse().ok()
 }
 
-impl Function {
-    fn add(&mut self, mnemonic: &str, operands: &str) {
+impl Use {
+    fn add(&mut self, line: &Instruction) {
+        let (mnemonic, operands) = (line.mnemonic.as_str(), line.operands.as_str());
         let pushes = mnemonic.starts_with("push")
             || mnemonic.starts_with("vpush")
             || (mnemonic.starts_with("stmdb") && operands.starts_with("sp!"));
@@ -60,55 +58,32 @@ impl Function {
         let branches = mnemonic.starts_with('b') && !mnemonic.starts_with("bic");
         let compares = mnemonic.starts_with("cb");
         if (branches || compares)
-            && let Some((before, name)) = operands.split_once(" <")
-            && !name.contains("+0x")
-            && let Some(address) = before.rsplit([' ', ',']).next()
-            && let Ok(address) = u32::from_str_radix(address, 16)
+            && !operands.contains("+0x")
+            && let Some(address) = line.target()
         {
             self.calls.insert(address);
         }
     }
 }
 
-impl Stacks {
-    pub fn read(text: &str) -> Result<Self> {
-        let mut functions = BTreeMap::new();
-        let mut current: Option<(u32, Function)> = None;
-        for line in text.lines() {
-            if let Some((address, name)) = line.strip_suffix(">:").and_then(|l| l.split_once(" <"))
-            {
-                functions.extend(current.take());
-                let address = u32::from_str_radix(address, 16)?;
-                current =
-                    Some((address, Function { name: name.to_owned(), ..Function::default() }));
-            } else if let Some((_, function)) = &mut current {
-                let mut parts = line.split('\t').skip(1);
-                let mnemonic = parts.next().unwrap_or("").trim();
-                function.add(mnemonic, parts.next().unwrap_or(""));
-            }
-        }
-        functions.extend(current);
-        ensure!(!functions.is_empty(), "the disassembly is empty");
-        Ok(Self { functions })
-    }
+/// Most bytes that the function with this name needs, with all it calls.
+pub fn worst(listing: &Listing, entry: &str) -> Result<u32> {
+    depth(listing, listing.find(entry)?, &mut Vec::new())
+}
 
-    /// Most bytes that the function with this name needs, with all it calls.
-    pub fn worst(&self, entry: &str) -> Result<u32> {
-        let found = self.functions.iter().find(|(_, function)| function.name == entry);
-        let (&address, _) = found.with_context(|| format!("there is no {entry}"))?;
-        self.depth(address, &mut Vec::new())
+fn depth(listing: &Listing, address: u32, above: &mut Vec<u32>) -> Result<u32> {
+    let Some(function) = listing.get(address) else { return Ok(0) };
+    ensure!(!above.contains(&address), "{} calls itself", function.name);
+    let mut used = Use::default();
+    for line in &function.code {
+        used.add(line);
     }
-
-    fn depth(&self, address: u32, above: &mut Vec<u32>) -> Result<u32> {
-        let Some(function) = self.functions.get(&address) else { return Ok(0) };
-        ensure!(!above.contains(&address), "{} calls itself", function.name);
-        ensure!(!function.opaque, "{}: its stack or its calls cannot be told", function.name);
-        above.push(address);
-        let mut deepest = 0;
-        for &call in function.calls.iter().filter(|&&call| call != address) {
-            deepest = deepest.max(self.depth(call, above)?);
-        }
-        above.pop();
-        Ok(function.frame + deepest)
+    ensure!(!used.opaque, "{}: its stack or its calls cannot be told", function.name);
+    above.push(address);
+    let mut deepest = 0;
+    for &call in used.calls.iter().filter(|&&call| call != address) {
+        deepest = deepest.max(depth(listing, call, above)?);
     }
+    above.pop();
+    Ok(used.frame + deepest)
 }

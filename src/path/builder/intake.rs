@@ -38,7 +38,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         if let Some(chords) = Chords::new(self.end, block, config).map_err(reject)? {
             // The first chord is checked as the block is, by its feed; the others are what it is.
             self.take(&chords.line(), Some(chords.whole()), config)?;
-            self.chords = chords.advanced();
+            self.chords.set(chords.advanced());
             self.take_chords(config);
             return Ok(());
         }
@@ -48,14 +48,14 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// Takes chords of the curve that was accepted last as long as there is room.
     pub(super) fn take_chords(&mut self, config: &Config<S, N>) {
         for _ in 0..BLOCKS {
-            let Some(chords) = self.chords else { return };
+            let Some(chords) = self.chords.as_ref().copied() else { return };
             if self.queue.is_full() {
                 return;
             }
             // Its fields are those of the first, and its end lies between control points.
             let taken = self.take(&chords.line(), Some(chords.whole()), config);
             debug_assert!(taken.is_ok(), "a chord of a curve that was accepted is refused");
-            self.chords = chords.advanced();
+            self.chords.set(chords.advanced());
         }
     }
 

@@ -20,6 +20,7 @@ use super::run::Run;
 use super::segment::Segment;
 use super::straight::{Marks, Sleeve};
 use super::transition::Transition;
+use crate::number::optional::Optional;
 use crate::number::{Coord, Interval, Length, Scalar};
 use heapless::Deque;
 
@@ -73,7 +74,7 @@ struct Front<S, const N: usize> {
 pub struct Builder<S, const N: usize, const BLOCKS: usize> {
     queue: Deque<QueuedBlock<S, N>, BLOCKS>,
     /// The rest of a curve that has been accepted last.
-    chords: Option<Chords<S, N>>,
+    chords: Optional<Chords<S, N>>,
     /// Where the last block, a line, may run on to.
     sleeve: Sleeve<N>,
     /// Marks of the queued lines, in order.
@@ -95,29 +96,29 @@ pub struct Builder<S, const N: usize, const BLOCKS: usize> {
 }
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
-    pub fn new(start: [Coord; N]) -> Self {
-        const { assert!(BLOCKS >= 4, "a look-ahead of fewer than 4 blocks cannot share legs") };
-        Self {
-            queue: Deque::new(),
-            chords: None,
-            sleeve: Sleeve::NONE,
-            marks: Marks::new(),
-            end: start,
-            closed: false,
-            stage: Stage::Waiting,
-            kept: Length::ZERO,
-            half: None,
-            run: Run::new(),
-            run_from: Length::ZERO,
-            rested: true,
-        }
-    }
+    /// The memory of one: all zeros. It works from [`Builder::restart`] on.
+    pub const EMPTY: Self = Self {
+        queue: Deque::new(),
+        chords: Optional::NONE,
+        sleeve: Sleeve::UNSET,
+        marks: Marks::new(),
+        end: [Coord::ZERO; N],
+        closed: false,
+        stage: Stage::Waiting,
+        kept: Length::ZERO,
+        half: None,
+        run: Run::new(),
+        run_from: Length::ZERO,
+        rested: false,
+    };
 
     /// Forgets everything and starts anew at a point. (In place: a new one would take its size of stack.)
     pub fn restart(&mut self, start: [Coord; N]) {
+        const { assert!(BLOCKS >= 4, "a look-ahead of fewer than 4 blocks cannot share legs") };
         self.queue.clear();
+        self.sleeve = Sleeve::NONE;
         self.marks.clear();
-        self.chords = None;
+        self.chords.set(None);
         self.end = start;
         self.closed = false;
         self.stage = Stage::Waiting;
@@ -145,7 +146,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
 
     /// No more blocks for now: the path ends, at rest, where the last block ends.
     pub fn close(&mut self) {
-        self.closed = self.chords.is_none();
+        self.closed = !self.chords.is_some();
     }
 
     /// Whether the joint behind the front block has not been decided.

@@ -91,7 +91,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
 
     /// Ends the spline at its last knot.
     fn tie(&mut self, end: Length) -> bool {
-        if self.end == Some(Tie::Smooth) {
+        if self.end.as_ref() == Some(&Tie::Smooth) {
             let step = self.spline.last_step();
             let more = [end + step, end + step * 2];
             if self.spline.allows(&self.polyline, &more) {
@@ -102,7 +102,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
                 self.knots = KnotState::Tied;
                 return true;
             }
-            self.end = Some(Tie::Rest);
+            self.end.set(Some(Tie::Rest));
         }
         self.tie_at_rest();
         self.knots = KnotState::Tied;

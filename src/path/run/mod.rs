@@ -25,6 +25,7 @@ use super::cut::Emitted;
 use super::leg::Leg;
 use super::node::Node;
 use crate::machine::Ramp;
+use crate::number::optional::Optional;
 use crate::number::vector::zero;
 use crate::number::{Coord, Interval, Length, Scalar};
 use heapless::Deque;
@@ -58,7 +59,7 @@ pub struct Run<S, const N: usize> {
     /// The next vertex to be looked at.
     next: VertexSerial,
     start: Tie,
-    end: Option<Tie>,
+    end: Optional<Tie>,
     /// How the machine gets going along its first line.
     ramp: Ramp<S>,
     /// Longest span next to a smooth start, mm.
@@ -81,12 +82,12 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             spline: SlidingSpline::new(),
             dominant: Deque::new(),
             newest: VertexSerial::ZERO,
-            next: VertexSerial::ZERO.next(),
+            next: VertexSerial::ZERO,
             start: Tie::Rest,
-            end: None,
-            ramp: Ramp::NONE,
+            end: Optional::NONE,
+            ramp: Ramp::UNSET,
             beside: S::ZERO,
-            knots: KnotState::Tied,
+            knots: KnotState::New,
             handed: 0,
             ready: 0,
             part: 0,
@@ -109,7 +110,8 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         self.dominant.clear();
         self.pieces.clear();
         (self.newest, self.next) = (VertexSerial::ZERO, VertexSerial::ZERO.next());
-        (self.start, self.end) = (tie, None);
+        self.start = tie;
+        self.end.set(None);
         (self.ramp, self.beside) = (ramp, beside);
         self.knots = KnotState::New;
         (self.handed, self.ready) = (0, 0);
@@ -129,7 +131,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
 
     /// Whether a line can be taken.
     pub fn has_room(&self) -> bool {
-        self.end.is_none() && self.polyline.has_room() && self.dominant.len() + 3 <= WAITING
+        !self.end.is_some() && self.polyline.has_room() && self.dominant.len() + 3 <= WAITING
     }
 
     /// Arc length at the end of the last line taken.
@@ -171,7 +173,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         self.polyline.push(at, leg);
         self.polyline.settle();
         self.look(true);
-        self.end = Some(tie);
+        self.end.set(Some(tie));
         if tie == Tie::Rest
             && let Some(last) = self.dominant.back_mut()
         {
@@ -241,7 +243,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         let at_end = self.handed == self.spline.spans.len();
         let rest = match self.knots {
             KnotState::Broken => at_end,
-            _ => at_end && self.end == Some(Tie::Rest),
+            _ => at_end && self.end.as_ref() == Some(&Tie::Rest),
         };
         Some(Emitted { from, cell, node, rest })
     }

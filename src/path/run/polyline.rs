@@ -1,5 +1,6 @@
 //! The programmed poly-line of a run, thinned a little, by its arc length.
 
+use crate::number::optional::Optional;
 use crate::number::serial::Serial;
 use crate::number::vector::{Vector, dot, norm, zero};
 use crate::number::{Coord, Interval, Length, Scalar};
@@ -41,7 +42,7 @@ pub struct Polyline<S, const N: usize> {
     /// Running number of the first vertex.
     first: VertexSerial,
     /// End of the line that is still growing.
-    growing: Option<Vertex<S, N>>,
+    growing: Optional<Vertex<S, N>>,
     /// Vertices left out on it.
     dropped: Vec<[Coord; N], DROPPED>,
     /// What was lost when some of those were forgotten, mm.
@@ -55,7 +56,7 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
         Self {
             vertices: Deque::new(),
             first: VertexSerial::ZERO,
-            growing: None,
+            growing: Optional::NONE,
             dropped: Vec::new(),
             forgotten: S::ZERO,
             brought: S::ZERO,
@@ -66,7 +67,7 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
     pub fn begin(&mut self, at: [Coord; N], leg: Leg<S>) {
         self.vertices.clear();
         self.first = VertexSerial::ZERO;
-        self.growing = None;
+        self.growing.set(None);
         self.clear_dropped();
         self.keep(Vertex { at, s: Length::ZERO, direction: zero(), leg });
     }
@@ -86,17 +87,17 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
     /// Takes a line to `at`. It becomes one with the line before if that is alike and all vertices
     /// between stay within a share of the tolerance.
     pub fn push(&mut self, at: [Coord; N], leg: Leg<S>) {
-        if let Some(last) = self.growing {
+        if let Some(last) = self.growing.as_ref().copied() {
             if let Some(longer) = self.longer(&last, at, &leg) {
                 self.keep_dropped(last.at, &leg);
                 self.brought = self.brought.greatest(leg.error);
-                self.growing = Some(longer);
+                self.growing.set(Some(longer));
                 return;
             }
             self.settle();
         }
         if let Some(last) = self.vertices.back() {
-            self.growing = Vertex::new(last, at, leg);
+            self.growing.set(Vertex::new(last, at, leg));
             self.brought = leg.error;
         }
     }

@@ -18,7 +18,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// A plan at other overrides: from the next servo cycle on, or else from a node on. Whether there is one.
     pub(super) fn retune(&mut self, overrides: Overrides, at: NodeSerial) -> bool {
         let (moment, halt) = (self.moment(), self.phase.halt());
-        let horizon = &mut self.horizon;
+        let horizon = &mut *self.horizon;
         let mut stops = false;
         let mut made = horizon.draft(|draft| {
             draft.try_overrides(overrides);

@@ -53,12 +53,12 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     pub fn draft<T>(&mut self, make: impl FnOnce(&mut Self) -> Option<T>) -> Option<T> {
         debug_assert!(!self.has_draft(), "one plan at a time");
         debug_assert!(self.is_as_agreed());
-        self.draft = Some(Draft {
+        self.draft.set(Some(Draft {
             stage: Stage::Making,
             overrides: self.overrides,
             replaced: None,
             added: heapless::Vec::new(),
-        });
+        }));
         let made = make(self);
         if made.is_none() {
             self.drop_draft();
@@ -74,7 +74,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// The draft is finished.
     pub fn mark_offered(&mut self) {
         debug_assert!(self.has_draft());
-        if let Some(draft) = &mut self.draft {
+        if let Some(draft) = self.draft.as_mut() {
             draft.stage = Stage::Offered;
         }
     }
@@ -82,7 +82,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// Makes the draft, which starts at node `first` and ends at node `end`, the agreed plan.
     pub fn commit(&mut self, first: NodeSerial, end: NodeSerial) {
         debug_assert!(self.draft.as_ref().is_some_and(|draft| draft.stage == Stage::Offered));
-        self.draft = None;
+        self.draft.set(None);
         self.end = end;
         // The part of the window before is the same in both plans.
         for i in self.window.clamped_index(first)..self.window.len() {
@@ -99,7 +99,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     pub fn drop_draft(&mut self) {
         debug_assert!(self.has_draft());
         self.take_back(0);
-        let Some(Draft { overrides, replaced, .. }) = &self.draft else { return };
+        let Some(Draft { overrides, replaced, .. }) = self.draft.as_ref() else { return };
         let paced = self.overrides == *overrides;
         self.overrides = *overrides;
         if let Some((serial, original)) = replaced {
@@ -108,7 +108,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
                 *station = *original;
             }
         }
-        self.draft = None;
+        self.draft.set(None);
         self.window.measure(0);
         let last = self.end_index();
         for i in 0..self.window.len() {

@@ -24,6 +24,7 @@ use self::draft::Draft;
 use super::phase::Halt;
 use crate::machine::Config;
 use crate::number::Scalar;
+use crate::number::optional::Optional;
 use crate::number::serial::{CycleSerial, NodeSerial};
 use crate::path::node::Node;
 use crate::profile::bounds::Pace;
@@ -67,26 +68,31 @@ pub struct Horizon<S: Scalar, const N: usize, const NODES: usize> {
     end: NodeSerial,
     /// Overrides in effect.
     overrides: Overrides,
-    draft: Option<Draft<S, N>>,
+    draft: Optional<Draft<S, N>>,
     /// Improvement steps so far.
     pub steps: u32,
 }
 
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
-    /// A horizon that rests at a node, whose running number is `first`.
-    // Built where it is kept: it is large.
-    #[allow(clippy::inline_always)]
-    #[inline(always)]
-    pub fn new(config: Config<S, N>, node: Node<S, N>, first: NodeSerial) -> Self {
-        Self {
-            config,
-            window: Window::new(node, first),
-            solver: Solver::new(),
-            end: first,
-            overrides: Overrides::PROGRAMMED,
-            draft: None,
-            steps: 0,
-        }
+    /// The memory of one: all zeros.
+    pub const EMPTY: Self = Self {
+        config: Config::UNSET,
+        window: Window::EMPTY,
+        solver: Solver::new(),
+        end: NodeSerial::ZERO,
+        overrides: Overrides { feed: 0, rapid: 0 },
+        draft: Optional::NONE,
+        steps: 0,
+    };
+
+    /// Forgets everything, and rests at a node, whose running number is `first`.
+    pub fn begin(&mut self, config: &Config<S, N>, node: Node<S, N>, first: NodeSerial) {
+        self.config = *config;
+        self.window.begin(node, first);
+        self.end = first;
+        self.overrides = Overrides::PROGRAMMED;
+        self.draft.set(None);
+        self.steps = 0;
     }
 
     /// Node at which the agreed plan ends.

@@ -35,7 +35,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// Keeps a station, which is about to be cut, for the case that the draft is dropped.
     pub(super) fn keep(&mut self, serial: NodeSerial, original: Station<S, N>) {
         debug_assert!(self.draft.as_ref().is_some_and(|draft| draft.replaced.is_none()));
-        if let Some(draft) = &mut self.draft {
+        if let Some(draft) = self.draft.as_mut() {
             draft.replaced = Some((serial, original));
         }
     }

@@ -1,18 +1,30 @@
 //! The image.
 
 use core::hint::black_box;
-use core::sync::atomic::AtomicU8;
 use cortex_m_rt::entry;
 use splineway::{
-    Activity, AxisLimits, Block, Config, Controls, Coord, Feed, Interpolator, Limits, Link, Motion,
-    Planner, Progress, PushError, Setpoint, Turn,
+    Activity, AxisLimits, Block, Config, ConfigError, Controls, Coord, Feed, Interpolator, Limits,
+    Link, Motion, Planner, Progress, PushError, Setpoint, Turn,
 };
 use splineway_proof as _;
 
 /// The entry points of a machine with a number of axes, under names that the measurement knows.
 macro_rules! machine {
-    ($axes:literal, $link:ident, $tick:ident, $poll:ident, $push:ident, $run:ident) => {
-        static mut $link: Link<f32, $axes> = Link::new();
+    ($axes:literal, $blocks:literal, $nodes:literal, $link:ident, $split:ident, $tick:ident, $poll:ident, $push:ident, $run:ident) => {
+        static mut $link: Link<f32, $axes, $blocks, $nodes> = Link::new();
+
+        #[inline(never)]
+        #[unsafe(no_mangle)]
+        fn $split<'a>(
+            link: &'a mut Link<f32, $axes, $blocks, $nodes>,
+            config: &Config<f32, $axes>,
+            start: &[Coord; $axes],
+        ) -> Result<
+            (Planner<'a, f32, $axes, $blocks, $nodes>, Interpolator<'a, f32, $axes>),
+            ConfigError,
+        > {
+            link.split(*config, *start)
+        }
 
         #[inline(never)]
         #[unsafe(no_mangle)]
@@ -22,14 +34,14 @@ macro_rules! machine {
 
         #[inline(never)]
         #[unsafe(no_mangle)]
-        fn $poll(planner: &mut Planner<'_, f32, $axes>) -> Progress {
+        fn $poll(planner: &mut Planner<'_, f32, $axes, $blocks, $nodes>) -> Progress {
             planner.poll()
         }
 
         #[inline(never)]
         #[unsafe(no_mangle)]
         fn $push(
-            planner: &mut Planner<'_, f32, $axes>,
+            planner: &mut Planner<'_, f32, $axes, $blocks, $nodes>,
             block: &Block<f32, $axes>,
         ) -> Result<(), PushError> {
             planner.push(block)
@@ -45,7 +57,7 @@ macro_rules! machine {
             // SAFETY: called once, and nothing else knows the link.
             let link = unsafe { &mut *(&raw mut $link) };
             let start = black_box([Coord::ZERO; $axes]);
-            let (mut planner, mut interpolator) = link.split(config, start).ok()?;
+            let (mut planner, mut interpolator) = $split(link, &config, &start).ok()?;
             let to = black_box([Coord::from_nm(black_box(1000)).ok()?; $axes]);
             let (plane, centre) = (black_box((0, 1)), black_box((to[0], to[1])));
             let turn = black_box(Turn::Clockwise);
@@ -84,12 +96,9 @@ macro_rules! machine {
     };
 }
 
-/// As large as a planner, to be measured.
-#[used]
-static PLANNER_3: [AtomicU8; size_of::<Planner<'_, f32, 3>>()] = [const { AtomicU8::new(0) }; _];
-
-machine!(3, LINK_3, tick_3, poll_3, push_3, run_3);
-machine!(6, LINK_6, tick_6, poll_6, push_6, run_6);
+machine!(3, 16, 64, LINK_3, split_3, tick_3, poll_3, push_3, run_3);
+// Smaller: both must fit.
+machine!(6, 8, 56, LINK_6, split_6, tick_6, poll_6, push_6, run_6);
 
 /// Every command of an operator.
 fn operate(controls: Controls<'_>) {

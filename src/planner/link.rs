@@ -1,0 +1,94 @@
+//! The memory of a core, and the two handles on it.
+
+use super::command::Answered;
+use super::horizon::Horizon;
+use super::phase::{Phase, Rest};
+use super::{Counters, Planner};
+use crate::block::BlockError;
+use crate::block::range::check_coordinates;
+use crate::machine::{Config, ConfigError};
+use crate::number::vector::zero;
+use crate::number::{Coord, Scalar};
+use crate::path::builder::Builder;
+use crate::path::node::Node;
+use crate::servo::Interpolator;
+use crate::servo::link::{Channel, Origin};
+
+/// The memory of a core, and the one place where its size is named: `N` axes, a look-ahead of `BLOCKS` blocks, a
+/// planning window of `NODES` nodes. [`Link::split`] gives the two handles.
+///
+/// In firmware a `static`, in no need of a start-up copy: an empty link is all zeros. A type that names no sizes,
+/// `Link<f32, 3>`, has [`BLOCKS`](crate::BLOCKS) and [`NODES`](crate::NODES).
+pub struct Link<
+    S: Scalar,
+    const N: usize,
+    const BLOCKS: usize = { crate::machine::BLOCKS },
+    const NODES: usize = { crate::machine::NODES },
+> {
+    /// The only part that the interrupt uses.
+    channel: Channel<S, N, NODES>,
+    builder: Builder<S, N, BLOCKS>,
+    horizon: Horizon<S, N, NODES>,
+}
+
+impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Default
+    for Link<S, N, BLOCKS, NODES>
+{
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Link<S, N, BLOCKS, NODES> {
+    /// An empty link; it can live in a `static`.
+    pub const fn new() -> Self {
+        Self { channel: Channel::new(), builder: Builder::EMPTY, horizon: Horizon::EMPTY }
+    }
+
+    /// The two handles of a core that rests at `start`: the planner for the background, the interpolator for the
+    /// servo interrupt. Both are `Send`. What an earlier split has left in the link is forgotten.
+    ///
+    /// Cost: a few thousand instructions; nothing large is moved.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if a setting or the start is out of its range; the link is unchanged.
+    pub fn split(
+        &mut self,
+        config: Config<S, N>,
+        start: [Coord; N],
+    ) -> Result<(Planner<'_, S, N, BLOCKS, NODES>, Interpolator<'_, S, N>), ConfigError> {
+        self.split_from(config, start, Origin::ZERO)
+    }
+
+    /// The same with numbers that count on from others than 0.
+    pub(super) fn split_from(
+        &mut self,
+        config: Config<S, N>,
+        start: [Coord; N],
+        origin: Origin,
+    ) -> Result<(Planner<'_, S, N, BLOCKS, NODES>, Interpolator<'_, S, N>), ConfigError> {
+        const { assert!(N >= 1 && N <= 9, "1 to 9 axes") };
+        config.check()?;
+        if let Err(BlockError::Coordinate { axis, error }) = check_coordinates(&start) {
+            return Err(ConfigError::Start { axis, error });
+        }
+        let Self { channel, builder, horizon } = self;
+        let (side, servo, requests) = channel.ends(origin);
+        builder.restart(start);
+        horizon.begin(&config, Node { at: start, tangent: zero(), curvature: zero() }, origin.node);
+        Ok((
+            Planner {
+                side,
+                requests,
+                builder,
+                horizon,
+                phase: Phase::Resting(Rest::IDLE),
+                answered: Answered::default(),
+                finished: false,
+                reaction: 0,
+                counters: Counters::default(),
+            },
+            Interpolator::new(servo, (origin.node, start), config.cycle),
+        ))
+    }
+}
