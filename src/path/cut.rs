@@ -18,6 +18,16 @@ const REST: f64 = 1.0001;
 /// (1.5: no path by more than 0.4 %; 3: 0.4 % longer.)
 const HALVED: f64 = 2.1;
 
+/// What asking for the next cell comes to.
+pub enum Cut<S, const N: usize> {
+    /// The cell.
+    Cell(Emitted<S, N>),
+    /// It is not known yet, but nearer than it was: ask again. Work that takes long is done in parts.
+    Working,
+    /// It is not known before more of the path is.
+    Nothing,
+}
+
 /// A cell, the nodes it starts and ends at, and whether the motion rests at the end.
 pub struct Emitted<S, const N: usize> {
     /// The node it starts at: the end of the last one, but after a stop with the direction in

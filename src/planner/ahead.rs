@@ -5,12 +5,15 @@ use super::phase::{Halt, Phase, Rest};
 use super::{Planner, Progress};
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
+use crate::path::cut::Cut;
 use crate::path::hermite;
 use crate::profile::solver::Stretch;
 use crate::servo::link::Branch;
 
 /// Room in the window for one more cell, and for the stations that a draft adds.
 const LEAST_ROOM: usize = 2 + ADDED;
+/// Parts of the work on a cell, at most and on average.
+const PARTS: usize = 16;
 /// A stop is imminent when less than this many leads remain.
 const URGENT_LEADS: f64 = 4.0;
 
@@ -20,14 +23,18 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// Cuts blocks into cells as long as there is room.
     pub(super) fn build(&mut self) {
         let pace = self.horizon.pace();
-        for _ in 0..NODES {
+        for _ in 0..PARTS * NODES {
             // A cell may have to be split in two.
             if self.horizon.window.room() < LEAST_ROOM {
                 return;
             }
             let Some(last) = self.horizon.window.last() else { return };
             let node = last.node;
-            let Some(cut) = self.builder.emit(&node, &self.horizon.config) else { return };
+            let cut = match self.builder.emit(&node, &self.horizon.config) {
+                Cut::Cell(cut) => cut,
+                Cut::Working => continue,
+                Cut::Nothing => return,
+            };
             self.counters.cells += 1;
             let before = self.horizon.window.serial(self.horizon.window.len() - 1);
             let lone = cut.rest && cut.cell.length > S::ZERO && self.may_rest_at(before);

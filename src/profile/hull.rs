@@ -10,7 +10,7 @@ use crate::machine::{AxisLimits, Config, Limits};
 use crate::number::serial::NodeSerial;
 use crate::number::{ArcLength, Coord, Interval, Length, Scalar};
 use crate::path::builder::Builder;
-use crate::path::cut::Emitted;
+use crate::path::cut::{Cut, Emitted};
 use crate::path::node::{Node, Programmed};
 use crate::path::segment::Segment;
 use crate::servo::piece::Sequel;
@@ -103,7 +103,11 @@ fn cells<S: Scalar>(
     builder.close();
     let mut last = start;
     for _ in 0..4000 {
-        let Some(cut) = builder.emit(&last, config) else { return };
+        let cut = match builder.emit(&last, config) {
+            Cut::Cell(cut) => cut,
+            Cut::Working => continue,
+            Cut::Nothing => return,
+        };
         if !cut.cell.straight {
             see(draws, &cut);
         }

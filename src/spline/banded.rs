@@ -12,6 +12,33 @@ pub struct System<S, const N: usize, const SIZE: usize> {
     right: [Vector<S, N>; SIZE],
 }
 
+/// Sum of weighted squares in the four control points of a span: kept apart until it is complete, for the registers hold it.
+pub(super) struct Sum<S, const N: usize> {
+    /// Upper triangle; the rest is not used.
+    rows: [[S; 4]; 4],
+    right: [Vector<S, N>; 4],
+}
+
+impl<S: Scalar, const N: usize> Sum<S, N> {
+    pub(super) const fn new() -> Self {
+        Self { rows: [[S::ZERO; 4]; 4], right: [[S::ZERO; N]; 4] }
+    }
+
+    /// Adds weight (row . x + value)^2 / 2.
+    #[inline]
+    pub(super) fn add(&mut self, weight: S, row: &[S; 4], value: &Vector<S, N>) {
+        for a in 0..4 {
+            let pull = weight * row[a];
+            for b in a..4 {
+                self.rows[a][b] += pull * row[b];
+            }
+            for (sum, x) in self.right[a].iter_mut().zip(value) {
+                *sum -= pull * *x;
+            }
+        }
+    }
+}
+
 impl<S: Scalar, const N: usize, const SIZE: usize> System<S, N, SIZE> {
     /// One that is empty: [`super::sweep::Tube::improve`] fills it.
     pub const fn new() -> Self {
@@ -29,17 +56,9 @@ impl<S: Scalar, const N: usize, const SIZE: usize> System<S, N, SIZE> {
         &self.right
     }
 
-    /// Adds weight (row . x + value)^2 / 2 for the four control points from `at` on, of which those
-    /// that are not `free` stay where they are.
+    /// Adds the squares of a span whose first control point is `at`; those that are not `free` stay where they are.
     #[inline]
-    pub(super) fn add(
-        &mut self,
-        at: usize,
-        free: &Range<usize>,
-        weight: S,
-        row: &[S; 4],
-        value: &Vector<S, N>,
-    ) {
+    pub(super) fn add(&mut self, at: usize, free: &Range<usize>, sum: &Sum<S, N>) {
         for a in 0..4 {
             let i = at + a;
             if !free.contains(&i) {
@@ -48,12 +67,11 @@ impl<S: Scalar, const N: usize, const SIZE: usize> System<S, N, SIZE> {
             let (Some(sums), Some(right)) = (self.rows.get_mut(i), self.right.get_mut(i)) else {
                 return;
             };
-            let pull = weight * row[a];
-            for (sum, x) in sums.iter_mut().zip(&row[a..]) {
-                *sum += pull * *x;
+            for (sum, x) in sums.iter_mut().zip(&sum.rows[a][a..]) {
+                *sum += *x;
             }
-            for (sum, x) in right.iter_mut().zip(value) {
-                *sum -= pull * *x;
+            for (sum, x) in right.iter_mut().zip(&sum.right[a]) {
+                *sum += *x;
             }
         }
     }

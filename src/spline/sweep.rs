@@ -17,8 +17,11 @@
 //! all axes, factored once per sweep, where the thesis tries one point at a time; *move distance*:
 //! all of it where the bound of [`super::tube`] allows it, else half of it, or none, for the control
 //! points around the place. So the path is inside the band after any number of sweeps, also none.
+//!
+//! All of this takes a while on a small processor, so it is done in steps ([`Smoothing`]), each of which costs one band
+//! system at most: between two of them the spline is as it was, with what is tried beside it.
 
-use super::banded::System;
+use super::banded::{Sum, System};
 use super::tube::{CheckPoint, Pole, Span, edges};
 use crate::number::Scalar;
 use crate::number::cube_root;
@@ -37,21 +40,27 @@ const MOST_WEIGHT: f64 = 1.0e4;
 const LEAST_CHANGE: f64 = 0.05;
 /// Greatest of it.
 const MOST_CHANGE: f64 = 4.0;
-/// Growth of the weight, by what the target is exceeded by, where sweeps have left the band in places.
-const REPAIR_GROWTH: f64 = 10.0;
-/// Most that a weight grows by there.
+/// Growth of the weight, by what the target is exceeded by, where sweeps have left the band in places. (Half: 15 % more
+/// repairs; twice: 0.7 % longer.)
+const REPAIR_GROWTH: f64 = 6.0;
+/// Most that a weight grows by there. (Half or twice: no path by more than 0.6 %.)
 const MOST_REPAIR: f64 = 4.0;
 /// Sweeps for that, at most.
-const REPAIRS: u32 = 8;
+const REPAIRS: u8 = 8;
+/// Control points on either side of such places that move with them. (Half or twice: no path by more than 0.4 %.)
+const REPAIR_MARGIN: usize = 2;
+/// Spans between the first and the last of such places up to which only they are repaired. (All of the spline at any
+/// time: twice the work for 0.1 %. Half: nothing; twice: a spline that is new is drawn into the tube by kinks.)
+const FEW_SPANS: usize = 10;
 /// Share of the radius that weights aim at; the rest is for what a few sweeps leave over.
 const TARGET: f64 = 0.98;
 /// A spline that has become longer to run by this factor has curled up: the sweeps are taken back. The
 /// measure knows neither feeds nor accelerations; good sweeps raise it by a tenth at times.
 const WOUND_UP: f64 = 1.3;
 /// Rounds in which moves are shortened where they lead out of the band.
-const ROUNDS: usize = 8;
+const ROUNDS: u8 = 8;
 /// Rounds in which they are halved; after that they are dropped.
-const HALVINGS: usize = 3;
+const HALVINGS: u8 = 3;
 
 /// Price of the third derivative by the reach, mm.
 pub fn price<S: Scalar>(reach: S) -> S {
@@ -106,6 +115,25 @@ pub struct Tube<'a, S, const N: usize> {
     pub derivative: Derivative,
 }
 
+/// A smoothing under way: what is left of it, between two steps.
+#[derive(Clone, Debug)]
+pub struct Smoothing<S> {
+    stage: Stage,
+    /// How long the spline took to run before.
+    hard: S,
+}
+
+/// What the next step of a smoothing does.
+#[derive(Clone, Debug)]
+enum Stage {
+    /// A sweep, of so many.
+    Sweeps(u16),
+    /// A sweep where the spline as tried is not inside the tube: of so many, and only these spans may be outside.
+    Repairs { left: u8, within: Range<usize> },
+    /// Moves are shortened where they lead out of the tube.
+    Shortening { round: u8 },
+}
+
 impl<S: Scalar, const N: usize> Tube<'_, S, N> {
     /// Smooths the spline by `sweeps` sweeps, and as many repairs as the tube asks for, up to
     /// eight; the `free` control points may move.
@@ -115,48 +143,73 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
         free: &Range<usize>,
         system: &mut System<S, N, SIZE>,
     ) {
+        let mut smoothing = self.begin(sweeps, free);
+        // Every turn is a sweep, a repair or a round.
+        while let Some(now) = smoothing {
+            smoothing = self.step(now, free, system);
+        }
+    }
+
+    /// Begins to smooth the spline as [`Tube::improve`] does; `None` if there is nothing to do.
+    pub fn begin(&mut self, sweeps: u16, free: &Range<usize>) -> Option<Smoothing<S>> {
         if free.is_empty() || sweeps == 0 {
-            return;
+            return None;
         }
-        let mut before = [[S::ZERO; N]; SIZE];
-        for (pole, before) in self.poles.iter_mut().zip(&mut before) {
+        for pole in &mut *self.poles {
             pole.trial = pole.shift;
-            *before = pole.shift;
         }
-        let hard = self.hardness();
-        self.measure();
-        for _ in 0..sweeps {
-            self.weigh(|ratio| {
-                let ratio = ratio.greatest(S::of(LEAST_CHANGE)).least(S::of(MOST_CHANGE));
-                ratio * ratio.sqrt()
-            });
-            self.sweep(system, free);
-        }
-        for _ in 0..REPAIRS {
-            if self.spans.iter().enumerate().all(|(k, span)| self.holds(k, span)) {
-                break;
+        self.measure(0..self.spans.len());
+        let hard = self.hardness(|pole| pole.shift);
+        Some(Smoothing { stage: Stage::Sweeps(sweeps), hard })
+    }
+
+    /// Goes on with a smoothing, of the same spline with the same `free` control points; `None` if that was the last step.
+    ///
+    /// Cost: one band system over the free control points, and every check point twice.
+    pub fn step<const SIZE: usize>(
+        &mut self,
+        Smoothing { stage, hard }: Smoothing<S>,
+        free: &Range<usize>,
+        system: &mut System<S, N, SIZE>,
+    ) -> Option<Smoothing<S>> {
+        let stage = match stage {
+            Stage::Sweeps(left) => {
+                self.sweep(system, free, |ratio| {
+                    let ratio = ratio.greatest(S::of(LEAST_CHANGE)).least(S::of(MOST_CHANGE));
+                    ratio * ratio.sqrt()
+                });
+                match left {
+                    0 | 1 => Stage::Repairs { left: REPAIRS, within: 0..self.spans.len() },
+                    _ => Stage::Sweeps(left - 1),
+                }
             }
-            self.weigh(|ratio| {
-                let growth = S::ONE + (ratio - S::ONE) * S::of(REPAIR_GROWTH);
-                growth.greatest(S::ONE).least(S::of(MOST_REPAIR))
-            });
-            self.sweep(system, free);
-        }
-        self.accept(free);
-        // Where the tube is much wider than the lines in it are long, that happens.
-        if self.reference == Reference::Lines && self.hardness() > hard * S::of(WOUND_UP) {
-            for (pole, before) in self.poles.iter_mut().zip(before) {
-                pole.shift = before;
+            Stage::Repairs { left, within } => {
+                let Some(outside) = self.outside(within) else { return self.take_on(hard) };
+                match left {
+                    0 => Stage::Shortening { round: 0 },
+                    _ => Stage::Repairs {
+                        left: left - 1,
+                        within: self.repair(system, free, outside),
+                    },
+                }
             }
-        }
+            Stage::Shortening { round: ROUNDS } => return None,
+            Stage::Shortening { round } => {
+                if !self.shorten(free, if round < HALVINGS { S::of(0.5) } else { S::ZERO }) {
+                    return self.take_on(hard);
+                }
+                Stage::Shortening { round: round + 1 }
+            }
+        };
+        Some(Smoothing { stage, hard })
     }
 
     /// How long the spline as it is takes, times the cube root of the jerk: at every place the speed is
     /// that which its third derivative allows, or which can be reached there.
-    fn hardness(&self) -> S {
+    fn hardness(&self, moved: impl Fn(&Pole<S, N>) -> Vector<S, N>) -> S {
         let mut sum = S::ZERO;
         for (k, span) in self.spans.iter().enumerate() {
-            let third = norm(&span.third(&edges(self.poles, k, |pole| pole.shift)));
+            let third = norm(&span.third(&edges(self.poles, k, &moved)));
             // From rest, constant jerk J leads to v = (9/2 J s^2)^(1/3).
             let reached = S::of(2.0 / 9.0) / (span.reach * span.reach).greatest(S::of(1.0e-12));
             sum += span.step * cube_root(third.greatest(reached));
@@ -164,9 +217,16 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
         sum
     }
 
-    /// Moves what is tried to the minimiser for the present weights.
-    fn sweep<const SIZE: usize>(&mut self, system: &mut System<S, N, SIZE>, free: &Range<usize>) {
-        self.assemble(system, free);
+    /// Moves what is tried of the `free` control points to the minimiser for new weights: `change` is the factor of a weight
+    /// by the distance over the target. Returns the spans that they are in.
+    fn sweep<const SIZE: usize>(
+        &mut self,
+        system: &mut System<S, N, SIZE>,
+        free: &Range<usize>,
+        change: impl Fn(S) -> S,
+    ) -> Range<usize> {
+        let spans = free.start.saturating_sub(3)..free.end.min(self.spans.len());
+        self.assemble(system, (free, &spans), change);
         system.solve(free);
         for (pole, step) in
             self.poles.iter_mut().zip(system.solution()).take(free.end).skip(free.start)
@@ -175,31 +235,48 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
                 *x += *dx;
             }
         }
-        self.measure();
+        self.measure(spans.clone());
+        spans
     }
 
-    /// The edges of the control polygon of a span, as tried.
-    fn trial_edges(&self, span: usize) -> [Vector<S, N>; 3] {
-        edges(self.poles, span, |pole| pole.trial)
+    /// Draws the spline back into the tube where it is outside. Returns the spans in which it may still be.
+    fn repair<const SIZE: usize>(
+        &mut self,
+        system: &mut System<S, N, SIZE>,
+        free: &Range<usize>,
+        outside: Range<usize>,
+    ) -> Range<usize> {
+        let near = if outside.len() <= FEW_SPANS {
+            let first = outside.start.saturating_sub(REPAIR_MARGIN).max(free.start);
+            first..(outside.end + 3 + REPAIR_MARGIN).min(free.end).max(first)
+        } else {
+            free.clone()
+        };
+        let moved = self.sweep(system, &near, |ratio| {
+            let growth = S::ONE + (ratio - S::ONE) * S::of(REPAIR_GROWTH);
+            growth.greatest(S::ONE).least(S::of(MOST_REPAIR))
+        });
+        outside.start.min(moved.start)..outside.end.max(moved.end)
     }
 
     /// What is kept free of the tube between the check points of a span, as tried.
-    fn slack(&self, k: usize, span: &Span<S>) -> S {
-        let edges = match self.reference {
-            Reference::Lines => self.trial_edges(k),
+    fn slack(&self, k: usize, span: &Span<S>, edges: &[Vector<S, N>; 3]) -> S {
+        match self.reference {
+            Reference::Lines => span.slack(edges),
             Reference::Itself => match some(self.poles, k) {
-                Some([a, b, c, d]) => {
-                    [sub(&b.trial, &a.trial), sub(&c.trial, &b.trial), sub(&d.trial, &c.trial)]
-                }
-                None => [[S::ZERO; N]; 3],
+                Some([a, b, c, d]) => span.slack(&[
+                    sub(&b.trial, &a.trial),
+                    sub(&c.trial, &b.trial),
+                    sub(&d.trial, &c.trial),
+                ]),
+                None => S::ZERO,
             },
-        };
-        span.slack(&edges)
+        }
     }
 
-    /// Distances at all check points, as tried.
-    fn measure(&mut self) {
-        for (k, span) in self.spans.iter().enumerate() {
+    /// Distances at the check points of some spans, as tried.
+    fn measure(&mut self, spans: Range<usize>) {
+        for (k, span) in self.spans.iter().enumerate().take(spans.end).skip(spans.start) {
             let Some(poles) = some::<_, 4>(self.poles, k) else { return };
             let shifts = poles.each_ref().map(|pole| pole.trial);
             for check in part_mut(self.checks, span.range()) {
@@ -208,48 +285,52 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
         }
     }
 
-    /// Weights by distances: `change` is the factor for a distance over the target.
-    fn weigh(&mut self, change: impl Fn(S) -> S) {
-        for (k, span) in self.spans.iter().enumerate() {
-            let sag = self.slack(k, span);
+    /// The system whose solution is the step from what is tried to the minimiser, for weights by the distances as measured.
+    fn assemble<const SIZE: usize>(
+        &mut self,
+        system: &mut System<S, N, SIZE>,
+        (free, spans): (&Range<usize>, &Range<usize>),
+        change: impl Fn(S) -> S,
+    ) {
+        system.clear(free);
+        for (k, span) in self.spans.iter().enumerate().take(spans.end).skip(spans.start) {
+            let edges = trial_edges(self.poles, k);
+            let mut sum = Sum::new();
+            match self.derivative {
+                Derivative::Third => sum.add(span.weight(), &span.thirds, &span.third(&edges)),
+                Derivative::Second => {
+                    // Only what bends the path is to vanish, not what changes the parameter's speed.
+                    for (row, value) in span.second_rows().iter().zip(span.across(&edges)) {
+                        sum.add(span.second_weight(), row, &value);
+                    }
+                }
+            }
+            let sag = self.slack(k, span, &edges);
             let stiffness = self.derivative.stiffness(span);
             let (least, most) = (stiffness * S::of(LEAST_WEIGHT), stiffness * S::of(MOST_WEIGHT));
             for check in part_mut(self.checks, span.range()) {
                 let ratio = (norm(&check.miss) + sag) / (check.radius * S::of(TARGET));
-                let weight = check.weight * change(ratio);
-                check.weight = weight.greatest(least).least(most);
+                check.weight = (check.weight * change(ratio)).greatest(least).least(most);
+                sum.add(check.weight, &check.basis, &check.miss);
             }
+            system.add(k, free, &sum);
         }
     }
 
-    /// The system whose solution is the step from what is tried to the minimiser.
-    fn assemble<const SIZE: usize>(&self, system: &mut System<S, N, SIZE>, free: &Range<usize>) {
-        system.clear(free);
-        for (k, span) in
-            self.spans.iter().enumerate().take(free.end).skip(free.start.saturating_sub(3))
-        {
-            let edges = self.trial_edges(k);
-            match self.derivative {
-                Derivative::Third => {
-                    let third = span.third(&edges);
-                    system.add(k, free, span.weight(), &span.thirds, &third);
-                }
-                Derivative::Second => {
-                    // Only what bends the path is to vanish, not what changes the parameter's speed.
-                    for (row, value) in span.second_rows().iter().zip(span.across(&edges)) {
-                        system.add(k, free, span.second_weight(), row, &value);
-                    }
-                }
-            }
-            for check in part(self.checks, span.range()) {
-                system.add(k, free, check.weight, &check.basis, &check.miss);
+    /// The spans from the first to the last that are outside the tube as tried and measured, of some; `None` if none is.
+    fn outside(&self, within: Range<usize>) -> Option<Range<usize>> {
+        let mut found: Option<Range<usize>> = None;
+        for (k, span) in self.spans.iter().enumerate().take(within.end).skip(within.start) {
+            if !self.holds(k, span) {
+                found = Some(found.map_or(k, |found| found.start)..k + 1);
             }
         }
+        found
     }
 
     /// Whether a span is inside the tube, as tried and measured, and goes on without a kink.
     fn holds(&self, k: usize, span: &Span<S>) -> bool {
-        let edges = self.trial_edges(k);
+        let edges = trial_edges(self.poles, k);
         let goes_on = match self.reference {
             Reference::Lines => span.goes_on(&edges),
             Reference::Itself => span.curl(&edges) <= span.most_curl,
@@ -257,39 +338,51 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
         if !goes_on {
             return false;
         }
-        let sag = self.slack(k, span);
+        let sag = self.slack(k, span, &edges);
         let own = part(self.checks, span.range());
         // The end of the span is the first place of the next one.
         let next = self.spans.get(k + 1).and_then(|s| self.checks.get(usize::from(s.first_check)));
         own.iter().chain(next).all(|check| norm(&check.miss) + sag <= check.radius)
     }
 
-    /// Takes on what was tried, as far as it is inside the tube.
-    fn accept(&mut self, free: &Range<usize>) {
-        for round in 0..ROUNDS {
-            let share = if round < HALVINGS { S::of(0.5) } else { S::ZERO };
-            let mut all = true;
-            for (k, span) in self.spans.iter().enumerate() {
-                if !self.holds(k, span) {
-                    all = false;
-                    for pole in some_mut::<_, 4>(self.poles, k).into_iter().flatten() {
-                        pole.back = true;
-                    }
+    /// Leaves of the moves of the `free` control points a `share`, where they lead out of the tube. Returns whether
+    /// any does.
+    fn shorten(&mut self, free: &Range<usize>, share: S) -> bool {
+        let mut any = false;
+        for (k, span) in self.spans.iter().enumerate() {
+            if !self.holds(k, span) {
+                any = true;
+                for pole in some_mut::<_, 4>(self.poles, k).into_iter().flatten() {
+                    pole.back = true;
                 }
             }
-            for (i, pole) in self.poles.iter_mut().enumerate() {
-                if core::mem::take(&mut pole.back) && free.contains(&i) {
-                    pole.trial =
-                        from_fn(|n| pole.shift[n] + share * (pole.trial[n] - pole.shift[n]));
-                }
-            }
-            if all {
-                for pole in &mut *self.poles {
-                    pole.shift = pole.trial;
-                }
-                return;
-            }
-            self.measure();
         }
+        for (i, pole) in self.poles.iter_mut().enumerate() {
+            if core::mem::take(&mut pole.back) && free.contains(&i) {
+                pole.trial = from_fn(|n| pole.shift[n] + share * (pole.trial[n] - pole.shift[n]));
+            }
+        }
+        if any {
+            self.measure(0..self.spans.len());
+        }
+        any
     }
+
+    /// Takes on what was tried and is inside the tube, unless that takes longer to run than before. The smoothing is over.
+    fn take_on(&mut self, hard: S) -> Option<Smoothing<S>> {
+        // Where the tube is much wider than the lines in it are long, that happens.
+        let wound_up = self.reference == Reference::Lines
+            && self.hardness(|pole| pole.trial) > hard * S::of(WOUND_UP);
+        if !wound_up {
+            for pole in &mut *self.poles {
+                pole.shift = pole.trial;
+            }
+        }
+        None
+    }
+}
+
+/// The edges of the control polygon of a span, as tried.
+fn trial_edges<S: Scalar, const N: usize>(poles: &[Pole<S, N>], span: usize) -> [Vector<S, N>; 3] {
+    edges(poles, span, |pole| pole.trial)
 }

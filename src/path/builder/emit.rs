@@ -5,7 +5,7 @@ use crate::machine::Config;
 use crate::number::{Interval, Length, Scalar};
 use crate::path::blend::{self, Blend};
 use crate::path::corner::Corner;
-use crate::path::cut::{Emitted, dwell_part, next_cut, standstill};
+use crate::path::cut::{Cut, Emitted, dwell_part, next_cut, standstill};
 use crate::path::joint::{BentLengths, mean_node};
 use crate::path::node::{Cell, Node};
 use crate::path::queued::{Joint, QueuedBlock};
@@ -13,19 +13,23 @@ use crate::path::transition::Transition;
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// The next cell, if enough is known to cut it. `last` is the node the last one ended at.
-    pub fn emit(&mut self, last: &Node<S, N>, config: &Config<S, N>) -> Option<Emitted<S, N>> {
-        let cut = self.cut(last, config);
-        debug_assert!(cut.as_ref().is_none_or(Emitted::holds), "a broken cell");
+    ///
+    /// Cost: bounded; of what takes long, a part.
+    pub fn emit(&mut self, last: &Node<S, N>, config: &Config<S, N>) -> Cut<S, N> {
+        let cut = self.cut(last, config).unwrap_or(Cut::Nothing);
+        debug_assert!(!matches!(&cut, Cut::Cell(cell) if !cell.holds()), "a broken cell");
         cut
     }
 
-    fn cut(&mut self, last: &Node<S, N>, config: &Config<S, N>) -> Option<Emitted<S, N>> {
+    fn cut(&mut self, last: &Node<S, N>, config: &Config<S, N>) -> Option<Cut<S, N>> {
         self.take_chords(config);
         // A finished stage leads to the next: body, joint, next block. Each turn of this loop
         // moves on by one of these, and a block has a body or a joint with cells, or is dropped.
         for _ in 0..4 * BLOCKS {
             let block = *self.queue.front()?;
-            let Some(segment) = block.segment else { return Some(self.stand(last, block, config)) };
+            let Some(segment) = block.segment else {
+                return Some(Cut::Cell(self.stand(last, block, config)));
+            };
             let front = Front { block, segment };
             match self.stage {
                 Stage::Waiting => {
@@ -35,9 +39,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                     self.start_front(&front, config);
                 }
                 Stage::Run { until } => {
-                    if let Some(cut) = self.run.next(last, self.rested, config.sweeps) {
-                        self.rested = cut.rest;
-                        return Some(cut);
+                    match self.run.next(last, self.rested, config.sweeps) {
+                        Cut::Cell(cell) => {
+                            self.rested = cell.rest;
+                            return Some(Cut::Cell(cell));
+                        }
+                        Cut::Working => return Some(Cut::Working),
+                        Cut::Nothing => {}
                     }
                     if let Some(s) = until {
                         if !self.run.is_done() {
@@ -49,7 +57,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                     }
                 }
                 Stage::Body(body) if body.s < body.until => {
-                    return Some(self.emit_body(&front, body, last, config));
+                    return Some(Cut::Cell(self.emit_body(&front, body, last, config)));
                 }
                 Stage::Body(body) if block.joint == Joint::Run => {
                     self.start_run(&front, body.s, config);
@@ -61,7 +69,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                     let programmed = self.programmed_beside(index, cells, front.segment.length)?;
                     let from = if self.rested { transition.node(index) } else { *last };
                     let cell = transition.cell(index, &from, programmed);
-                    return Some(self.moving(from, cell, transition.node(index + 1)));
+                    return Some(Cut::Cell(self.moving(from, cell, transition.node(index + 1))));
                 }
                 Stage::Blend { blend, index } if index < blend::CELLS => {
                     self.stage = Stage::Blend { blend, index: index + 1 };
@@ -69,7 +77,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                     let programmed = self.programmed_beside(index, blend::CELLS, length)?;
                     let from = if self.rested { blend.node(index) } else { *last };
                     let cell = blend.cell(index, &from, programmed);
-                    return Some(self.moving(from, cell, blend.node(index + 1)));
+                    return Some(Cut::Cell(self.moving(from, cell, blend.node(index + 1))));
                 }
                 Stage::Corner { .. } | Stage::Blend { .. } => self.next_block(),
             }

@@ -21,13 +21,14 @@ use self::knots::KnotState;
 use self::pieces::Pieces;
 use self::polyline::{Polyline, VertexSerial};
 use self::sliding::SlidingSpline;
-use super::cut::Emitted;
+use super::cut::{Cut, Emitted};
 use super::leg::Leg;
 use super::node::Node;
 use crate::machine::Ramp;
 use crate::number::optional::Optional;
 use crate::number::vector::zero;
 use crate::number::{Coord, Interval, Length, Scalar};
+use crate::spline::sweep::Smoothing;
 use heapless::Deque;
 
 /// Spans handed on at once.
@@ -52,6 +53,8 @@ pub struct Start<S, const N: usize> {
 pub struct Run<S, const N: usize> {
     polyline: Polyline<S, N>,
     spline: SlidingSpline<S, N>,
+    /// How far the spline has been smoothed, if it is being.
+    smoothing: Optional<Smoothing<S>>,
     /// Dominant points from the one that knots have been laid up to.
     dominant: Deque<DominantPoint<S, N>, WAITING>,
     /// Vertex of the poly-line at the newest dominant point.
@@ -80,6 +83,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         Self {
             polyline: Polyline::new(),
             spline: SlidingSpline::new(),
+            smoothing: Optional::NONE,
             dominant: Deque::new(),
             newest: VertexSerial::ZERO,
             next: VertexSerial::ZERO,
@@ -98,6 +102,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     /// Forgets the run.
     pub fn clear(&mut self) {
         self.spline.clear();
+        self.smoothing.set(None);
         self.knots = KnotState::Tied;
         (self.handed, self.ready, self.part) = (0, 0, 0);
     }
@@ -107,6 +112,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         let rest_size = ramp.first_cell(leg.programmed.feed);
         self.polyline.begin(at, leg);
         self.spline.clear();
+        self.smoothing.set(None);
         self.dominant.clear();
         self.pieces.clear();
         (self.newest, self.next) = (VertexSerial::ZERO, VertexSerial::ZERO.next());
@@ -196,34 +202,55 @@ impl<S: Scalar, const N: usize> Run<S, N> {
 
     /// The next cell, if there is one for good. `last` is the node it starts at; after a rest the
     /// spline's own direction counts.
-    pub fn next(&mut self, last: &Node<S, N>, rested: bool, sweeps: u16) -> Option<Emitted<S, N>> {
+    ///
+    /// Cost: one step of smoothing, or one cell; and the knots that there is room for.
+    pub fn next(&mut self, last: &Node<S, N>, rested: bool, sweeps: u16) -> Cut<S, N> {
         // Every turn hands on a cell, lays a knot, or makes spans ready.
         for _ in 0..4 * sliding::CONTROLS {
+            if let Some(now) = self.smoothing.take() {
+                self.smoothing.set(self.spline.smooth_on(now));
+                if !self.smoothing.is_some() {
+                    self.make_ready();
+                }
+                return Cut::Working;
+            }
             if self.handed < self.ready {
-                return self.hand(last, rested);
+                return self.hand(last, rested).map_or(Cut::Nothing, Cut::Cell);
             }
             if self.extend() {
                 continue;
             }
-            let tied = matches!(self.knots, KnotState::Tied | KnotState::Broken);
+            let tied = self.is_tied();
             if !tied && (self.knots == KnotState::New || self.spline.has_room()) {
-                return None;
+                return Cut::Nothing;
             }
             self.spline.release(self.handed);
             (self.handed, self.ready) = (0, 0);
-            let spans = self.spline.spans.len();
-            if spans == 0 {
+            if self.spline.spans.is_empty() {
                 if self.knots == KnotState::Tied {
-                    return None;
+                    return Cut::Nothing;
                 }
                 self.reopen();
                 continue;
             }
-            self.spline.improve(sweeps);
-            self.ready = if tied { spans.min(BATCH) } else { BATCH.min(spans - 1) };
-            self.spline.frozen = self.ready + 3;
+            self.smoothing.set(self.spline.begin_smoothing(sweeps));
+            if !self.smoothing.is_some() {
+                self.make_ready();
+            }
         }
-        None
+        Cut::Nothing
+    }
+
+    /// Whether the spline has its last knots.
+    fn is_tied(&self) -> bool {
+        matches!(self.knots, KnotState::Tied | KnotState::Broken)
+    }
+
+    /// The spline has been smoothed: its first spans may be handed on.
+    fn make_ready(&mut self) {
+        let spans = self.spline.spans.len();
+        self.ready = if self.is_tied() { spans.min(BATCH) } else { BATCH.min(spans - 1) };
+        self.spline.frozen = self.ready + 3;
     }
 
     /// Hands on a cell.

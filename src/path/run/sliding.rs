@@ -16,9 +16,10 @@ use crate::number::{Coord, Interval, Length, Scalar};
 use crate::path::leg::Leg;
 use crate::spline::banded::System;
 use crate::spline::basis::Local;
-use crate::spline::sweep::{Derivative, Reference, Tube, price};
+use crate::spline::sweep::{Derivative, Reference, Smoothing, Tube, price};
 use crate::spline::tube::{CheckPoint, Pole, Span, edges};
 use core::array::from_fn;
+use core::ops::Range;
 use heapless::Vec;
 
 /// Control points held.
@@ -315,11 +316,26 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         })
     }
 
-    /// Smooths the spline by `sweeps` sweeps; the control points that may move are those between
-    /// the frozen and the tied ones.
-    pub fn improve(&mut self, sweeps: u16) {
+    /// Begins to smooth the spline by `sweeps` sweeps; the control points that may move are those between
+    /// the frozen and the tied ones. `None` if there is nothing to do.
+    pub fn begin_smoothing(&mut self, sweeps: u16) -> Option<Smoothing<S>> {
+        let free = self.free();
+        self.tube().begin(sweeps, &free)
+    }
+
+    /// One step of a smoothing of the spline as it stands; `None` if that was the last.
+    pub fn smooth_on(&mut self, now: Smoothing<S>) -> Option<Smoothing<S>> {
         let mut system = System::<S, N, CONTROLS>::new();
-        let last = self.controls.len().saturating_sub(self.tied);
+        let free = self.free();
+        self.tube().step(now, &free, &mut system)
+    }
+
+    /// The control points that may move.
+    fn free(&self) -> Range<usize> {
+        self.frozen..self.controls.len().saturating_sub(self.tied)
+    }
+
+    fn tube(&mut self) -> Tube<'_, S, N> {
         Tube {
             poles: &mut self.poles,
             spans: &self.spans,
@@ -327,7 +343,6 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
             reference: Reference::Lines,
             derivative: Derivative::Third,
         }
-        .improve(sweeps, &(self.frozen..last), &mut system);
     }
 }
 
