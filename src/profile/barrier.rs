@@ -5,7 +5,7 @@
 
 use super::law::{Law, PathState};
 use super::relaxation::Relaxation;
-use super::rows::{Gradient, Sink};
+use super::rows::{End, Gradient, Sink};
 use crate::number::Scalar;
 use core::array::from_fn;
 
@@ -36,6 +36,21 @@ fn hinge<S: Scalar>(r: S) -> [S; 3] {
     ]
 }
 
+/// First and second derivatives over one cell.
+#[derive(Clone, Copy)]
+pub struct Sums<S> {
+    pub gradient: Gradient<S>,
+    /// Upper triangle, row by row.
+    pub hessian: [S; 10],
+}
+
+/// Slope and curvature of a function of one row.
+#[derive(Clone, Copy)]
+struct Bend<S> {
+    slope: S,
+    curvature: S,
+}
+
 /// Collects gradient and second derivatives of the barrier over one cell.
 pub struct Model<S> {
     /// Its value.
@@ -44,43 +59,89 @@ pub struct Model<S> {
     pub mu: S,
     /// Barrier parameter in the second derivatives.
     pub mu_curvature: S,
-    pub gradient: Gradient<S>,
-    /// Upper triangle, row by row.
-    pub hessian: [S; 10],
+    pub sums: Sums<S>,
 }
 
 /// Upper triangle of `weight` g g^T, row by row.
 #[inline]
 fn outer<S: Scalar>(weight: S, g: &Gradient<S>) -> [S; 10] {
     let [g0, g1, g2, g3] = *g;
-    let [r0, r1, r2, r3] = g.map(|x| weight * x);
+    let [r0, r1, r2, r3] = [weight * g0, weight * g1, weight * g2, weight * g3];
     [r0 * g0, r0 * g1, r0 * g2, r0 * g3, r1 * g1, r1 * g2, r1 * g3, r2 * g2, r2 * g3, r3 * g3]
 }
 
-impl<S: Scalar> Model<S> {
+impl<S: Scalar> Sums<S> {
+    /// Adds functions of rows by the gradients of these.
+    // A function of its own: so the sums stay in registers over all rows, and it is in the image once.
+    #[inline(never)]
+    fn add(&mut self, rows: &[(Bend<S>, Gradient<S>)]) {
+        let Self { mut gradient, mut hessian } = *self;
+        for (Bend { slope, curvature }, g) in rows {
+            for (sum, gi) in gradient.iter_mut().zip(g) {
+                *sum += *slope * *gi;
+            }
+            for (sum, part) in hessian.iter_mut().zip(outer(*curvature, g)) {
+                *sum += part;
+            }
+        }
+        *self = Self { gradient, hessian };
+    }
+
+    /// Adds a function of a row that depends on speed and acceleration at one end alone.
     #[inline]
-    fn add(&mut self, slope: S, curvature: S, g: &Gradient<S>) {
-        for (sum, gi) in self.gradient.iter_mut().zip(g) {
-            *sum += slope * *gi;
-        }
-        for (sum, part) in self.hessian.iter_mut().zip(outer(curvature, g)) {
-            *sum += part;
-        }
+    fn add_at(&mut self, end: End, Bend { slope, curvature }: Bend<S>, [by_v, by_a]: [S; 2]) {
+        let [g0, g1, g2, g3] = &mut self.gradient;
+        let [h00, h01, _, _, h11, _, _, h22, h23, h33] = &mut self.hessian;
+        let ([v, a], [vv, va, aa]) = match end {
+            End::Start => ([g0, g1], [h00, h01, h11]),
+            End::Finish => ([g2, g3], [h22, h23, h33]),
+        };
+        *v += slope * by_v;
+        *a += slope * by_a;
+        let weighted = curvature * by_v;
+        *vv += weighted * by_v;
+        *va += weighted * by_a;
+        *aa += curvature * by_a * by_a;
     }
 }
 
 impl<S: Scalar> Model<S> {
-    /// A row of which `left` is left.
+    /// The barrier's bend by x where `left` is left of a row x `scale` with one side.
     #[inline]
-    fn left(&mut self, left: S, sign: S, g: &Gradient<S>) {
-        let (slope, curvature) = if left >= self.slack.relaxation.delta() {
+    fn bend(&self, left: S, scale: S) -> Bend<S> {
+        let relaxation = &self.slack.relaxation;
+        let (slope, curvature) = if left >= relaxation.delta() {
             let per = S::ONE / left;
             (per, per * per)
         } else {
-            let relaxation = &self.slack.relaxation;
             (relaxation.one_sided.slope(relaxation.delta() - left), relaxation.one_sided.curvature)
         };
-        self.add(self.mu * slope * sign, self.mu_curvature * curvature, g);
+        self.weighed(slope, curvature, scale)
+    }
+
+    /// The same of a row with two sides that is worth `r`.
+    #[inline]
+    fn bend_of_two(&self, r: S, scale: S) -> Bend<S> {
+        let relaxation = &self.slack.relaxation;
+        let left = S::ONE - r * r;
+        let (slope, curvature) = if left >= relaxation.delta() {
+            // -ln(1 - r^2)
+            let per = S::ONE / left;
+            let slope = S::of(2.0) * r * per;
+            (slope, S::of(2.0) * per + slope * slope)
+        } else {
+            let slope = relaxation.two_sided.slope(r.abs() - relaxation.used());
+            (if r < S::ZERO { -slope } else { slope }, relaxation.two_sided.curvature)
+        };
+        self.weighed(slope, curvature, scale)
+    }
+
+    #[inline]
+    fn weighed(&self, slope: S, curvature: S, scale: S) -> Bend<S> {
+        Bend {
+            slope: self.mu * slope * scale,
+            curvature: self.mu_curvature * curvature * (scale * scale),
+        }
     }
 }
 
@@ -92,36 +153,48 @@ fn none<S: Scalar, const M: usize>() -> [Gradient<S>; M] {
 impl<S: Scalar> Sink<S> for Model<S> {
     const GRADIENT: bool = true;
     #[inline]
-    fn two_sided<const M: usize>(&mut self, r: [S; M], g: impl FnOnce() -> [Gradient<S>; M]) {
-        self.slack.two_sided(r, none);
-        for (r, g) in r.iter().zip(&g()) {
-            let r = *r;
-            let left = S::ONE - r * r;
-            let (slope, curvature) = if left >= self.slack.relaxation.delta() {
-                // -ln(1 - r^2)
-                let per = S::ONE / left;
-                let slope = S::of(2.0) * r * per;
-                (slope, S::of(2.0) * per + slope * slope)
-            } else {
-                let relaxation = &self.slack.relaxation;
-                let slope = relaxation.two_sided.slope(r.abs() - relaxation.used());
-                (if r < S::ZERO { -slope } else { slope }, relaxation.two_sided.curvature)
-            };
-            self.add(self.mu * slope, self.mu_curvature * curvature, g);
-        }
+    fn two_sided<const M: usize>(
+        &mut self,
+        r: [S; M],
+        scale: [S; M],
+        g: impl FnOnce() -> [Gradient<S>; M],
+    ) {
+        self.slack.two_sided(r, scale, none);
+        let g = g();
+        let rows: [_; M] = from_fn(|k| (self.bend_of_two(r[k], scale[k]), g[k]));
+        self.sums.add(&rows);
     }
     #[inline]
-    fn one_sided<const M: usize>(&mut self, r: [S; M], g: impl FnOnce() -> [Gradient<S>; M]) {
-        self.slack.one_sided(r, none);
-        for (r, g) in r.iter().zip(&g()) {
-            let r = *r;
-            self.left(S::ONE - r, S::ONE, g);
-        }
+    fn two_sided_at(&mut self, end: End, r: S, scale: S, g: [S; 2]) {
+        self.slack.two_sided_at(end, r, scale, g);
+        self.sums.add_at(end, self.bend_of_two(r, scale), g);
+    }
+    #[inline]
+    fn one_sided<const M: usize>(
+        &mut self,
+        r: [S; M],
+        scale: S,
+        g: impl FnOnce() -> [Gradient<S>; M],
+    ) {
+        self.slack.one_sided(r, scale, none);
+        let g = g();
+        let rows: [_; M] = from_fn(|k| (self.bend(S::ONE - r[k], scale), g[k]));
+        self.sums.add(&rows);
+    }
+    #[inline]
+    fn one_sided_at(&mut self, end: End, r: S, scale: S, g: [S; 2]) {
+        self.slack.one_sided_at(end, r, scale, g);
+        self.sums.add_at(end, self.bend(S::ONE - r, scale), g);
     }
     #[inline]
     fn positive(&mut self, r: S, g: impl FnOnce() -> Gradient<S>) {
         self.slack.positive(r, || [S::ZERO; 4]);
-        self.left(r, -S::ONE, &g());
+        self.sums.add(&[(self.bend(r, -S::ONE), g())]);
+    }
+    #[inline]
+    fn positive_at(&mut self, end: End, r: S, g: [S; 2]) {
+        self.slack.positive_at(end, r, g);
+        self.sums.add_at(end, self.bend(r, -S::ONE), g);
     }
     #[inline]
     fn penalised<const M: usize>(
@@ -131,11 +204,12 @@ impl<S: Scalar> Sink<S> for Model<S> {
         g: impl FnOnce() -> [Gradient<S>; M],
     ) {
         self.slack.penalised(r, weight, none);
-        for (r, g) in r.iter().zip(&g()) {
-            let r = *r;
-            let [_, slope, curvature] = hinge(r);
-            self.add(weight * slope, weight * curvature, g);
-        }
+        let g = g();
+        let rows: [_; M] = from_fn(|k| {
+            let [_, slope, curvature] = hinge(r[k]);
+            (Bend { slope: weight * slope, curvature: weight * curvature }, g[k])
+        });
+        self.sums.add(&rows);
     }
 }
 
@@ -211,7 +285,12 @@ impl<S: Scalar> Slack<S> {
 impl<S: Scalar> Sink<S> for Slack<S> {
     const GRADIENT: bool = false;
     #[inline]
-    fn two_sided<const M: usize>(&mut self, r: [S; M], _: impl FnOnce() -> [Gradient<S>; M]) {
+    fn two_sided<const M: usize>(
+        &mut self,
+        r: [S; M],
+        _: [S; M],
+        _: impl FnOnce() -> [Gradient<S>; M],
+    ) {
         let beyond = |relaxed: &Relaxation<S>, k: usize| {
             relaxed.two_sided.value(r[k].abs() - relaxed.used())
         };
@@ -222,7 +301,11 @@ impl<S: Scalar> Sink<S> for Slack<S> {
         self.take(slack, beyond);
     }
     #[inline]
-    fn one_sided<const M: usize>(&mut self, r: [S; M], _: impl FnOnce() -> [Gradient<S>; M]) {
+    fn two_sided_at(&mut self, _: End, r: S, scale: S, _: [S; 2]) {
+        self.two_sided([r], [scale], none);
+    }
+    #[inline]
+    fn one_sided<const M: usize>(&mut self, r: [S; M], _: S, _: impl FnOnce() -> [Gradient<S>; M]) {
         let mut slack = r;
         for s in &mut slack {
             *s = S::ONE - *s;
@@ -230,8 +313,16 @@ impl<S: Scalar> Sink<S> for Slack<S> {
         self.take(slack, |relaxed, k| relaxed.one_sided.value(relaxed.delta() - slack[k]));
     }
     #[inline]
+    fn one_sided_at(&mut self, _: End, r: S, scale: S, _: [S; 2]) {
+        self.one_sided([r], scale, none);
+    }
+    #[inline]
     fn positive(&mut self, r: S, _: impl FnOnce() -> Gradient<S>) {
         self.take([r], |relaxed, _| relaxed.one_sided.value(relaxed.delta() - r));
+    }
+    #[inline]
+    fn positive_at(&mut self, _: End, r: S, _: [S; 2]) {
+        self.positive(r, || [S::ZERO; 4]);
     }
     #[inline]
     fn penalised<const M: usize>(
@@ -259,11 +350,7 @@ pub struct CellEnds<S> {
 
 /// From derivatives by v to derivatives by b = v^2; those by fixed states vanish.
 #[inline]
-pub fn by_square<S: Scalar>(
-    model: &Model<S>,
-    law: &Law<S>,
-    [free0, free1]: [bool; 2],
-) -> (Gradient<S>, [S; 10]) {
+pub fn by_square<S: Scalar>(sums: &Sums<S>, law: &Law<S>, [free0, free1]: [bool; 2]) -> Sums<S> {
     let mut factor = [S::ZERO; 4];
     if free0 {
         factor[0] = S::of(0.5) / law.v0;
@@ -273,12 +360,12 @@ pub fn by_square<S: Scalar>(
         factor[2] = S::of(0.5) / law.v1;
         factor[3] = S::ONE;
     }
-    let gradient = from_fn(|k| model.gradient[k] * factor[k]);
-    let mut hessian = model.hessian;
+    let gradient = from_fn(|k| sums.gradient[k] * factor[k]);
+    let mut hessian = sums.hessian;
     for (x, product) in hessian.iter_mut().zip(outer(S::ONE, &factor)) {
         *x = *x * product;
     }
-    (gradient, hessian)
+    Sums { gradient, hessian }
 }
 
 /// Damping, by relative changes of b and of a over the cell. It shortens a step along a curved

@@ -50,9 +50,6 @@ const MOST_LOSS: f64 = 0.9;
 const WHOLE_STEP: f64 = 0.6;
 /// A step that makes worse by less than so many rounding errors of the value is no worse.
 const ROUNDING_ERRORS: f64 = 8.0;
-/// mu at the end, in units of the machine's time scale: by then the barrier costs less than half a
-/// per cent of the time.
-const LAST_MU: f64 = 5.0e-5;
 /// mu at the start, in units of the machine's time scale; and at least this share of the mean time of
 /// a cell: far from the least time the barrier must keep up with it, or the first steps run into
 /// a corner of the limits and stay there.
@@ -70,15 +67,17 @@ pub(super) struct Schedule {
     fall: f64,
     /// It falls when the decrement squared is less than this many mu, or after the first whole step with a new mu.
     small: f64,
+    /// mu at the end, in units of the machine's time scale: by then the barrier costs less than half a per cent of the time.
+    last: f64,
 }
 
 /// Where the limits are kept, the states must stay near the centre of what is left.
-pub(super) const STRICT: Schedule = Schedule { fall: 0.3, small: 10.0 };
+pub(super) const STRICT: Schedule = Schedule { fall: 0.3, small: 10.0, last: 5.0e-5 };
 /// Where they may be broken, there is no need to.
-pub(super) const RELAXED: Schedule = Schedule { fall: 0.4, small: 160.0 };
+pub(super) const RELAXED: Schedule = Schedule { fall: 0.4, small: 300.0, last: 1.0e-4 };
 
 /// Share of a limit from which on the barrier is relaxed, at first.
-pub(super) const FIRST_DELTA: f64 = 0.3;
+pub(super) const FIRST_DELTA: f64 = 0.4;
 /// By what this share falls, with mu.
 const DELTA_FALL: f64 = 0.3;
 /// Its least value while mu falls.
@@ -190,13 +189,13 @@ impl<S: Scalar> Descent<S> {
 }
 
 impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
-    /// First and last mu.
-    pub(super) fn mu_range(&self) -> MuRange<S> {
+    /// First and last mu of a schedule.
+    pub(super) fn mu_range(&self, schedule: &Schedule) -> MuRange<S> {
         let scale = self.limits.time_scale();
         let cells = S::from_u32(self.cells().len() as u32);
         let time = self.time().unwrap_or(S::ZERO);
         let first = (scale * S::of(FIRST_MU)).greatest(time / cells * S::of(FIRST_SHARE));
-        MuRange { first, last: scale * S::of(LAST_MU) }
+        MuRange { first, last: scale * S::of(schedule.last) }
     }
 
     /// Looks along the step for states that are no worse than those at hand, which are worth `here`.

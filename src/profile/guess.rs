@@ -28,6 +28,9 @@ const STEADY_JERK: f64 = 0.7;
 const STEADY_FEED: f64 = 0.985;
 /// Share of the acceleration along the path that is used to change speed.
 const ACCELERATION: f64 = 0.7;
+/// How far back what comes later is felt, in units of the machine's time scale. With 1.5 the work grows by 5 %, and the time
+/// falls by 0.02 %.
+const FELT: f64 = 1.0;
 /// Most relative change of v^2 that a guessed acceleration makes over a cell, by half. Below 0.75 there
 /// is a motion between any two guesses ([`Law`]).
 const STEEPEST: f64 = 0.7;
@@ -79,6 +82,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
     /// It works with y = v^1.5, of which leaving a slow place at constant jerk J makes a straight
     /// line: v' = sqrt(J v) is dy / ds = 1.5 sqrt(J), and for a start from rest it is exact
     /// within a factor of 2 in J.
+    ///
+    /// Stations long before those, which have the states of a plan of least time, are left out of the problem: they
+    /// would hardly move.
     pub fn guess(&mut self, new: usize) {
         let Stretch { first, last, .. } = self.task.stretch;
         // At most back to the first station.
@@ -86,6 +92,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
             |i: &usize| self.window.get(*i).is_some_and(|station| station.state.a < S::ZERO);
         let braking = (first + 1..new.min(last)).rev().take_while(brakes).count();
         let start = new.min(last).saturating_sub(1 + braking).max(first);
+        self.task.stretch.first = self.settled_before(start);
         self.steady(start..last);
         for i in start..last {
             self.rise(i, (i, i + 1));
@@ -115,6 +122,20 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
             }
             before = b;
         }
+    }
+
+    /// The station before which nothing changes when those from `start` on do: the states there are of least time
+    /// already, and what comes later is felt no further back than the acceleration takes to be built up.
+    fn settled_before(&self, start: usize) -> usize {
+        let mut time = self.limits.time_scale() * S::of(FELT);
+        let mut station = start;
+        while station > self.task.stretch.first && time > S::ZERO {
+            station -= 1;
+            let Some((from, to)) = self.window.pair(station) else { break };
+            let twice_the_mean = from.state.b.sqrt() + to.state.b.sqrt();
+            time = time - S::of(2.0) * from.cell.length / twice_the_mean.greatest(S::EPSILON);
+        }
+        station
     }
 
     /// Lowers y = v^1.5 of one end of cell `i` to what can be reached from its other end.

@@ -5,7 +5,7 @@
 //! second derivatives of the rows out, so it is positive definite: block tridiagonal, each 2 x 2 block
 //! coupled to the next ([`super::tridiagonal`]). How it is minimised is in [`super::descent`].
 
-use super::barrier::{CellEnds, Model, Slack, add_damping, add_time_curvature, by_square};
+use super::barrier::{CellEnds, Model, Slack, Sums, add_damping, add_time_curvature, by_square};
 use super::law::{Law, PathState};
 use super::relaxation::Relaxation;
 use super::rows::{View, rows, time_gradient};
@@ -250,7 +250,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
         let cells = self.cells();
         self.rows(cells.clone()).fill(BlockRow::EMPTY);
         let timed = self.is_timed();
-        let mut slack = Slack::new(self.task.relaxation);
+        let none = Sums { gradient: [S::ZERO; 4], hessian: [S::ZERO; 10] };
+        let slack = Slack::new(self.task.relaxation);
+        let mut model = Model { mu, mu_curvature, sums: none, slack };
         let mut time = S::ZERO;
         for i in cells.clone() {
             let (station, after) = self.window.pair(i)?;
@@ -266,19 +268,19 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
             }
             let ends = CellEnds { length, from, to, free };
             let law = Law::new(length, from, to)?;
-            let mut gradient = [S::ZERO; 4];
+            model.sums = none;
             if timed {
                 time += law.time;
-                gradient = time_gradient(&law);
+                model.sums.gradient = time_gradient(&law);
             }
-            let mut model = Model { mu, mu_curvature, gradient, hessian: [S::ZERO; 10], slack };
             rows(&self.view(i, station, after), &law, &mut model);
-            let (g, mut h) = by_square(&model, &law, free);
-            slack = model.slack;
-            if slack.is_broken() {
+            if model.slack.is_broken() {
                 return None;
             }
-            add_damping(&mut h, damping * law.time, &ends);
+            let Sums { gradient: g, hessian: mut h } = by_square(&model.sums, &law, free);
+            if damping > S::ZERO {
+                add_damping(&mut h, damping * law.time, &ends);
+            }
             if timed {
                 add_time_curvature(&mut h, &ends);
             }
@@ -296,7 +298,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
             ahead.gradient[1] += g[3];
         }
         self.fix_rows();
-        let value = time + slack.penalty + mu * slack.barrier();
+        let value = time + model.slack.penalty + mu * model.slack.barrier();
         value.is_finite().then_some(value)
     }
 

@@ -23,17 +23,43 @@ use crate::path::node::{Cell, Node};
 /// Gradient by (v0, a0, v1, a1).
 pub type Gradient<S> = [S; 4];
 
+/// An end of a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    Start,
+    Finish,
+}
+
 /// Takes the rows, some at a time; asks for their gradients if it wants them.
+///
+/// A row r is a quantity times a scale, and the gradient that goes with it is the quantity's. One at an [`End`]
+/// depends on speed and acceleration there alone, and so does its gradient.
 pub trait Sink<S> {
     /// Whether gradients are wanted.
     const GRADIENT: bool;
     /// Rows with -1 < r < 1.
-    fn two_sided<const M: usize>(&mut self, r: [S; M], g: impl FnOnce() -> [Gradient<S>; M]);
+    fn two_sided<const M: usize>(
+        &mut self,
+        r: [S; M],
+        scale: [S; M],
+        g: impl FnOnce() -> [Gradient<S>; M],
+    );
+    /// One at an end.
+    fn two_sided_at(&mut self, end: End, r: S, scale: S, g: [S; 2]);
     /// Rows with r < 1.
-    fn one_sided<const M: usize>(&mut self, r: [S; M], g: impl FnOnce() -> [Gradient<S>; M]);
-    /// A row with r > 0.
+    fn one_sided<const M: usize>(
+        &mut self,
+        r: [S; M],
+        scale: S,
+        g: impl FnOnce() -> [Gradient<S>; M],
+    );
+    /// One at an end.
+    fn one_sided_at(&mut self, end: End, r: S, scale: S, g: [S; 2]);
+    /// A row with r > 0 and its own gradient.
     fn positive(&mut self, r: S, g: impl FnOnce() -> Gradient<S>);
-    /// Rows that may exceed 1 at a penalty of `weight` times the excess.
+    /// One at an end.
+    fn positive_at(&mut self, end: End, r: S, g: [S; 2]);
+    /// Rows that may exceed 1 at a penalty of `weight` times the excess, and their own gradients.
     fn penalised<const M: usize>(
         &mut self,
         r: [S; M],
@@ -207,6 +233,12 @@ fn mixed<S: Scalar>((f, factor): (&Gradient<S>, S), (g, other): (&Gradient<S>, S
     [part(0), part(1), part(2), part(3)]
 }
 
+/// The sum of two gradients.
+#[inline]
+fn sum<S: Scalar>(f: &Gradient<S>, g: &Gradient<S>) -> Gradient<S> {
+    [f[0] + g[0], f[1] + g[1], f[2] + g[2], f[3] + g[3]]
+}
+
 /// Path speed: Bernstein coefficients of s'(t).
 #[inline]
 fn speed_rows<S: Scalar, const N: usize, K: Sink<S>>(
@@ -218,8 +250,7 @@ fn speed_rows<S: Scalar, const N: usize, K: Sink<S>>(
     let (zero, one) = (S::ZERO, S::ONE);
     let third = S::of(1.0 / 3.0);
     let [early, late] = law.inner_speeds();
-    let speeds = [law.v0, law.v1, early, late];
-    let gradients = |per: S| {
+    let inner = || {
         let reach = law.time * third;
         let mut early = scaled(&slopes.time, law.a0 * third);
         early[0] += one;
@@ -227,14 +258,20 @@ fn speed_rows<S: Scalar, const N: usize, K: Sink<S>>(
         let mut late = scaled(&slopes.time, -(law.a1 * third));
         late[2] += one;
         late[3] -= reach;
-        let ends = [[one, zero, zero, zero], [zero, zero, one, zero]];
-        [scaled(&ends[0], per), scaled(&ends[1], per), scaled(&early, per), scaled(&late, per)]
+        [early, late]
     };
     let per = one / view.bounds.speed;
-    sink.one_sided(scaled(&speeds, per), || gradients(per));
+    sink.one_sided_at(End::Start, law.v0 * per, per, [one, zero]);
+    sink.one_sided_at(End::Finish, law.v1 * per, per, [one, zero]);
+    sink.one_sided([early * per, late * per], per, inner);
     if view.penalty > zero {
         let per = one / view.bounds.goal;
-        sink.penalised(scaled(&speeds, per), view.penalty, || gradients(per));
+        let speeds = [law.v0, law.v1, early, late];
+        sink.penalised(scaled(&speeds, per), view.penalty, || {
+            let [early, late] = inner();
+            let ends = [[one, zero, zero, zero], [zero, zero, one, zero]];
+            [scaled(&ends[0], per), scaled(&ends[1], per), scaled(&early, per), scaled(&late, per)]
+        });
     }
     forward_rows(view, law, sink);
 }
@@ -255,11 +292,11 @@ fn forward_rows<S: Scalar, const N: usize, K: Sink<S>>(
     let (b0, b1) = (law.v0 * law.v0 * per, law.v1 * law.v1 * per);
     if law.v0 > zero {
         let r = b0 + two * third * law.a0;
-        sink.positive(r, || [two * law.v0 * per, two * third, zero, zero]);
+        sink.positive_at(End::Start, r, [two * law.v0 * per, two * third]);
     }
     if law.v1 > zero {
         let r = b1 - two * third * law.a1;
-        sink.positive(r, || [zero, zero, two * law.v1 * per, -(two * third)]);
+        sink.positive_at(End::Finish, r, [two * law.v1 * per, -(two * third)]);
     }
     let share = S::of(0.24);
     let r = share * (b0 + b1) + third * (law.a0 - law.a1);
@@ -278,17 +315,12 @@ fn straight_rows<S: Scalar, const N: usize, K: Sink<S>>(
     let (zero, one) = (S::ZERO, S::ONE);
     let per = one / view.bounds.jerk;
     let [j0, j1, j2] = law.jerk;
-    sink.two_sided([j0 * per, j1 * per, j2 * per], || {
-        let [g0, g1, g2] = &slopes.jerk;
-        [scaled(g0, per), scaled(g1, per), scaled(g2, per)]
-    });
+    sink.two_sided([j0 * per, j1 * per, j2 * per], [per; 3], || slopes.jerk);
     let [g0, _, g2] = slopes.jerk;
     let ends = Ends {
         per: one / view.bounds.acceleration,
-        acceleration: [
-            Term { value: law.a0, gradient: [zero, one, zero, zero] },
-            Term { value: law.a1, gradient: [zero, zero, zero, one] },
-        ],
+        acceleration: [law.a0, law.a1],
+        gradients: [[zero, one]; 2],
         jerk: [Term { value: j0, gradient: g0 }, Term { value: j2, gradient: g2 }],
     };
     acceleration_rows(law, slopes, &ends, sink);
@@ -319,26 +351,17 @@ fn axis_rows<S: Scalar, const N: usize, K: Sink<S>>(
     let half = S::of(0.5) * per;
     let [q0, q1, q2] = axis.jerks(law);
     let rows = [q0 * per, (q0 + q1) * half, (q1 + q2) * half, q2 * per];
-    sink.two_sided(rows, || {
+    sink.two_sided(rows, [per, half, half, per], || {
         let [g0, g1, g2] = &gradients;
-        [
-            scaled(g0, per),
-            mixed((g0, half), (g1, half)),
-            mixed((g1, half), (g2, half)),
-            scaled(g2, per),
-        ]
+        [*g0, sum(g0, g1), sum(g1, g2), *g2]
     });
-    let start = Term {
-        value: axis.e0 + axis.tangent * law.a0,
-        gradient: [two * axis.k0 * law.v0, axis.tangent, zero, zero],
-    };
-    let finish = Term {
-        value: axis.e1 + axis.tangent * law.a1,
-        gradient: [zero, zero, two * axis.k1 * law.v1, axis.tangent + axis.turn],
-    };
     let ends = Ends {
         per: S::ONE / (limits.acceleration * view.share),
-        acceleration: [start, finish],
+        acceleration: [axis.e0 + axis.tangent * law.a0, axis.e1 + axis.tangent * law.a1],
+        gradients: [
+            [two * axis.k0 * law.v0, axis.tangent],
+            [two * axis.k1 * law.v1, axis.tangent + axis.turn],
+        ],
         jerk: [
             Term { value: q0, gradient: gradients[0] },
             Term { value: q2, gradient: gradients[2] },
@@ -381,7 +404,9 @@ struct Term<S> {
 struct Ends<S> {
     /// 1 / limit of the acceleration.
     per: S,
-    acceleration: [Term<S>; 2],
+    acceleration: [S; 2],
+    /// Gradients of the acceleration by speed and acceleration along the path at the same end.
+    gradients: [[S; 2]; 2],
     jerk: [Term<S>; 2],
 }
 
@@ -397,20 +422,22 @@ fn acceleration_rows<S: Scalar, K: Sink<S>>(
     let third = S::of(1.0 / 3.0);
     let reach = law.time * third;
     let per = ends.per;
-    let [a0, a1] = &ends.acceleration;
+    let [a0, a1] = ends.acceleration;
     let [q0, q2] = &ends.jerk;
-    let inner = |end: &Gradient<S>, (jerk, reach): (&Gradient<S>, S), per_time: S| {
-        let part = |k: usize| (end[k] + jerk[k] * reach + per_time * slopes.time[k]) * per;
-        [part(0), part(1), part(2), part(3)]
-    };
-    let early = a0.value + q0.value * reach;
-    let late = a1.value - q2.value * reach;
-    sink.two_sided([a0.value * per, early * per, late * per], || {
-        [
-            scaled(&a0.gradient, per),
-            inner(&a0.gradient, (&q0.gradient, reach), q0.value * third),
-            inner(&a1.gradient, (&q2.gradient, -reach), -(q2.value * third)),
-        ]
+    let inner =
+        |jerk: &Gradient<S>, reach: S, per_time: S| mixed((jerk, reach), (&slopes.time, per_time));
+    sink.two_sided_at(End::Start, a0 * per, per, ends.gradients[0]);
+    let early = a0 + q0.value * reach;
+    let late = a1 - q2.value * reach;
+    sink.two_sided([early * per, late * per], [per; 2], || {
+        let mut early = inner(&q0.gradient, reach, q0.value * third);
+        let mut late = inner(&q2.gradient, -reach, -(q2.value * third));
+        let [[v0, a0], [v1, a1]] = ends.gradients;
+        early[0] += v0;
+        early[1] += a0;
+        late[2] += v1;
+        late[3] += a1;
+        [early, late]
     });
 }
 
@@ -429,24 +456,41 @@ mod tests {
         rows: Vec<(f64, Gradient<f64>)>,
     }
 
+    /// At an end: the other entries are 0.
+    fn whole(end: End, [v, a]: [f64; 2]) -> Gradient<f64> {
+        if end == End::Start { [v, a, 0.0, 0.0] } else { [0.0, 0.0, v, a] }
+    }
+
     impl Sink<f64> for List {
         const GRADIENT: bool = true;
         fn two_sided<const M: usize>(
             &mut self,
             r: [f64; M],
+            scale: [f64; M],
             g: impl FnOnce() -> [Gradient<f64>; M],
         ) {
-            self.rows.extend(r.into_iter().zip(g()));
+            let g = g();
+            self.rows.extend((0..M).map(|k| (r[k], scaled(&g[k], scale[k]))));
+        }
+        fn two_sided_at(&mut self, end: End, r: f64, scale: f64, g: [f64; 2]) {
+            self.rows.push((r, scaled(&whole(end, g), scale)));
         }
         fn one_sided<const M: usize>(
             &mut self,
             r: [f64; M],
+            scale: f64,
             g: impl FnOnce() -> [Gradient<f64>; M],
         ) {
-            self.rows.extend(r.into_iter().zip(g()));
+            self.two_sided(r, [scale; M], g);
+        }
+        fn one_sided_at(&mut self, end: End, r: f64, scale: f64, g: [f64; 2]) {
+            self.two_sided_at(end, r, scale, g);
         }
         fn positive(&mut self, r: f64, g: impl FnOnce() -> Gradient<f64>) {
             self.rows.push((r, g()));
+        }
+        fn positive_at(&mut self, end: End, r: f64, g: [f64; 2]) {
+            self.two_sided_at(end, r, 1.0, g);
         }
         fn penalised<const M: usize>(
             &mut self,

@@ -25,7 +25,7 @@ pub struct Solving<S> {
 impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
     /// To improve the states. If they keep all limits, they still do after every step; else they may or may not.
     pub fn improve(mut self, iterations: u16, aim: Aim) -> Solving<S> {
-        let mut range = self.mu_range();
+        let mut range = self.mu_range(&STRICT);
         match aim {
             Aim::Time => {}
             Aim::Slow => self.task.objective = Objective::PenalisedTime,
@@ -52,7 +52,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
     /// To take the states, which may break limits, to those of least time. Whether these keep all limits is known
     /// at the end ([`Problem::holds`]).
     pub fn find(mut self, iterations: u16) -> Solving<S> {
-        let descent = Descent::new(self.mu_range(), &RELAXED);
+        let descent = Descent::new(self.mu_range(&RELAXED), &RELAXED);
         self.task.relaxation = Relaxation::new(S::of(FIRST_DELTA));
         Solving { task: self.task, descent, left: iterations }
     }
