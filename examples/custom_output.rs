@@ -75,7 +75,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     planner.finish();
     loop {
-        let progress = planner.poll();
+        let progress = planner.settle();
         let setpoint = interpolator.tick();
         if let Err(left) = drives.drive(&setpoint) {
             return Err(format!("{left} steps were not made in time").into());

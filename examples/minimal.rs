@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     planner.finish();
 
     for cycle in 1.. {
-        let progress = planner.poll(); // the background
+        let progress = planner.settle(); // the background
         let setpoint = interpolator.tick(); // the servo interrupt
         if cycle % 50 == 0 {
             println!(

@@ -103,7 +103,7 @@
 //! }
 //! planner.finish();
 //! loop {
-//!     let progress = planner.poll(); // in the background
+//!     let progress = planner.settle(); // in firmware `poll`: a slice at a time, in the background
 //!     let setpoint = interpolator.tick(); // in the servo interrupt
 //!     // ... drive the axes to setpoint.position_nm(0), ...
 //!     if progress == Progress::Done && setpoint.activity == Activity::Idle {

@@ -61,7 +61,7 @@ fn planning_step<const BLOCKS: usize, const NODES: usize>(
     if blocks.peek().is_none() {
         planner.finish();
     }
-    planner.poll()
+    planner.settle()
 }
 
 #[inline(never)]

@@ -57,7 +57,7 @@ int example_run(example_drive drive)
         if (block == 5) {
             splineway_finish(&core);
         }
-        progress = splineway_poll(&core);
+        progress = splineway_settle(&core);
         /* The servo interrupt. */
         result = splineway_tick(&core, &setpoint);
         if (drive != 0) {

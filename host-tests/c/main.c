@@ -100,8 +100,8 @@ static int wrong_calls(void)
     failures += splineway_abort(&core) != SPLINEWAY_RESULT_OK;
     failures += splineway_push_line(&core, start, &options) != SPLINEWAY_RESULT_ABORTED;
     failures += splineway_acknowledge_abort(&core);
-    failures += splineway_poll(&core) != SPLINEWAY_PROGRESS_ABORTED;
-    failures += splineway_poll(&core) != SPLINEWAY_PROGRESS_ABORTED;
+    failures += splineway_settle(&core) != SPLINEWAY_PROGRESS_ABORTED;
+    failures += splineway_settle(&core) != SPLINEWAY_PROGRESS_ABORTED;
     failures += !splineway_acknowledge_abort(&core);
     failures += splineway_push_line(&core, start, &options) != SPLINEWAY_RESULT_OK;
     failures += splineway_feed_override(&core, 50) != SPLINEWAY_RESULT_OK;

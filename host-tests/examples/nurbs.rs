@@ -50,7 +50,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         if blocks.peek().is_none() {
             planner.finish();
         }
-        let progress = planner.poll();
+        let progress = planner.settle();
         let setpoint = interpolator.tick();
         cycles += 1;
         fastest = fastest.max(setpoint.path_speed);

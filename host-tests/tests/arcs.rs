@@ -215,7 +215,7 @@ fn run<S: Scalar>(start: &Point, steps: &[Step], setup: &Setup) -> Result<Outcom
                 _ => {}
             }
         }
-        let progress = planner.poll();
+        let progress = planner.settle();
         let here = interpolator.tick();
         cycles += 1;
         let x: Point = std::array::from_fn(|i| here.position_mm(i));
@@ -601,7 +601,7 @@ fn the_way_goes_on_beyond_the_range_of_coordinates() {
         } else {
             planner.finish();
         }
-        let progress = planner.poll();
+        let progress = planner.settle();
         let here = interpolator.tick();
         let x = here.position_mm(0);
         way += f64::abs(x - last);

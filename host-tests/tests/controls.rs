@@ -130,7 +130,7 @@ fn drive(
     planner.finish();
     let controls = planner.controls();
     for cycle in 0..60_000 {
-        let progress = planner.poll();
+        let progress = planner.settle();
         let setpoint = interpolator.tick();
         if !then(cycle, progress, &setpoint, controls) {
             return;
@@ -274,7 +274,7 @@ fn an_abort_drops_the_queue_and_knows_the_position() {
             assert_eq!(planner.push(&Block::line(at(1.0, 1.0), 1.0, 99)), Err(PushError::Aborted));
             assert!(!planner.acknowledge_abort());
         }
-        if planner.poll() == Progress::Aborted {
+        if planner.settle() == Progress::Aborted {
             break;
         }
         setpoint = interpolator.tick();
@@ -288,7 +288,7 @@ fn an_abort_drops_the_queue_and_knows_the_position() {
     planner.push(&Block::line(at(0.0, 0.0), 100.0, 100)).unwrap();
     planner.finish();
     loop {
-        let progress = planner.poll();
+        let progress = planner.settle();
         let setpoint = interpolator.tick();
         if progress == Progress::Done && setpoint.activity == Activity::Idle {
             assert_eq!(setpoint.tag, 100);
@@ -315,7 +315,7 @@ fn late_answers_are_refused_and_repeated() {
         // Other work keeps the background busy: it plans every third cycle only, and the interrupt
         // comes in between at the worst time.
         if cycle % 3 == 0 {
-            held |= planner.poll() == Progress::Held;
+            held |= planner.settle() == Progress::Held;
         }
         let setpoint = interpolator.tick();
         positions.push(setpoint.position_mm(0));
@@ -418,12 +418,12 @@ fn three_contexts() {
             let (x, y) = (f64::from(n) * 2.0, f64::from(n % 2) * 3.0);
             while let Err(error) = planner.push(&Block::line(at(x, y), 150.0, n)) {
                 assert_eq!(error, PushError::Full);
-                planner.poll();
+                planner.settle();
                 ran.store(started.elapsed() > Duration::from_millis(1500), Ordering::Release);
             }
         }
         planner.finish();
-        while planner.poll() != Progress::Done {
+        while planner.settle() != Progress::Done {
             ran.store(started.elapsed() > Duration::from_millis(1500), Ordering::Release);
             std::thread::yield_now();
         }
@@ -460,7 +460,7 @@ impl Eager<'_> {
                 Err(error) => panic!("{error}"),
             }
         }
-        (self.planner.poll(), self.interpolator.tick())
+        (self.planner.settle(), self.interpolator.tick())
     }
 }
 
@@ -492,13 +492,13 @@ fn an_abort_latches() {
     controls.abort();
     assert!(!core.planner.acknowledge_abort());
     assert_eq!(core.planner.push(&Block::rapid(at(0.0, 0.0), 9)), Err(PushError::Aborted));
-    assert_eq!(core.planner.poll(), Progress::Aborted);
+    assert_eq!(core.planner.settle(), Progress::Aborted);
     assert!(core.planner.acknowledge_abort() && !core.planner.acknowledge_abort());
     assert!(!core.planner.is_aborted());
-    assert_eq!(core.planner.poll(), Progress::NeedsBlocks);
+    assert_eq!(core.planner.settle(), Progress::NeedsBlocks);
     core.planner.push(&Block::rapid(at(0.0, 0.0), 1000)).unwrap();
     core.planner.finish();
-    while core.planner.poll() != Progress::Done {
+    while core.planner.settle() != Progress::Done {
         core.interpolator.tick();
     }
 }

@@ -36,7 +36,7 @@ fn run_out(
     let mut setpoints = Vec::new();
     planner.finish();
     for _ in 0..2_000_000 {
-        let progress = planner.poll();
+        let progress = planner.settle();
         let setpoint = interpolator.tick();
         setpoints.push(setpoint);
         if progress == Progress::Done && setpoint.activity == Activity::Idle {
@@ -161,7 +161,7 @@ fn starvation_and_resume() {
             planner.push(&Block::line(at(p[0], p[1], p[2]), 200.0, points.len() as u32)).unwrap();
             points.push(p);
         }
-        planner.poll();
+        planner.settle();
         let setpoint = interpolator.tick();
         rests += u32::from(!idle && setpoint.activity == Activity::Idle);
         idle = setpoint.activity == Activity::Idle;
@@ -211,7 +211,7 @@ fn a_stuttering_producer_of_dense_lines() {
                     }
                 }
             }
-            planner.poll();
+            planner.settle();
             setpoints.push(interpolator.tick());
         }
         assert_eq!(points.len(), 401, "pace {pace}");
@@ -240,7 +240,7 @@ fn a_silent_planner_is_survived() {
         // From cycle 100 on nobody plans for four seconds.
         if !(100..4100).contains(&cycle) {
             planner.finish();
-            planner.poll();
+            planner.settle();
         }
         setpoints.push(interpolator.tick());
     }
@@ -269,11 +269,11 @@ fn handles_live_in_two_threads() {
             let p = at(f64::from(k + 1), if k % 2 == 0 { 1.0 } else { 0.0 }, 0.0);
             while let Err(error) = planner.push(&Block::line(p, 200.0, k)) {
                 assert_eq!(error, PushError::Full);
-                planner.poll();
+                planner.settle();
             }
         }
         planner.finish();
-        while planner.poll() != Progress::Done {
+        while planner.settle() != Progress::Done {
             std::thread::yield_now();
         }
         done.store(true, std::sync::atomic::Ordering::Release);
@@ -444,7 +444,7 @@ fn f32_keeps_nanometres_on_a_two_metre_axis() {
         planner.push(&Block::rapid(to, k as u32)).unwrap();
         planner.finish();
         for _ in 0..100_000 {
-            let progress = planner.poll();
+            let progress = planner.settle();
             let setpoint = interpolator.tick();
             if progress == Progress::Done && setpoint.activity == Activity::Idle {
                 for (axis, coord) in to.iter().enumerate() {
@@ -488,7 +488,7 @@ fn the_small_core_looks_far_ahead() {
         let to = at(20.0 * angle.sin(), 20.0 * (1.0 - angle.cos()), 0.0);
         match planner.push(&Block::line(to, 200.0, taken)) {
             Ok(()) => taken += 1,
-            Err(PushError::Full) if planner.poll() == Progress::Planned => break,
+            Err(PushError::Full) if planner.settle() == Progress::Planned => break,
             Err(PushError::Full) => {}
             Err(error) => panic!("{error}"),
         }

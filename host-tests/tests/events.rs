@@ -51,7 +51,7 @@ fn drive<S: Scalar>(
             if next == blocks.len() {
                 planner.finish();
             }
-            progress = planner.poll();
+            progress = planner.settle();
         }
         let setpoint = interpolator.tick();
         if !then((cycle, progress, &setpoint), controls) {

@@ -82,7 +82,7 @@ fn run<S: Scalar>(motions: &[Motion<S, 4>], feed: Feed<S>) -> (f64, Vec<f64>) {
         if left.peek().is_none() {
             planner.finish();
         }
-        let progress = planner.poll();
+        let progress = planner.settle();
         let setpoint = interpolator.tick();
         if setpoint.activity == Activity::Idle && progress == Progress::Done {
             return (f64::from(cycle) * 1.0e-3, speeds);

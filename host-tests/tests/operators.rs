@@ -131,7 +131,7 @@ fn operate<S: Scalar>(steps: &Steps, presses: &[(u32, Press)], seed: u32) -> Res
             if next == blocks.len() {
                 planner.finish();
             }
-            progress = planner.poll();
+            progress = planner.settle();
         }
         let setpoint = interpolator.tick();
         let here = setpoint.path_mm();
@@ -336,7 +336,7 @@ fn drive<S: Scalar>(
     let mut progress = Progress::Waiting;
     for cycle in 0..20_000_000 {
         if cycle % every == 0 {
-            progress = planner.poll();
+            progress = planner.settle();
         }
         let setpoint = interpolator.tick();
         if !then(cycle, progress, &setpoint, controls) {
@@ -360,23 +360,23 @@ fn commands_before_the_first_plan_are_answered() {
             }
             planner.push(&Block::line(at(20.0, 10.0), 100.0, 2)).unwrap();
             planner.finish();
-            assert_eq!(planner.poll(), Progress::Planned);
+            assert_eq!(planner.settle(), Progress::Planned);
             let controls = planner.controls();
             if aborts {
                 controls.abort();
-                assert_eq!(planner.poll(), Progress::Aborted);
+                assert_eq!(planner.settle(), Progress::Aborted);
                 assert_eq!(interpolator.tick().activity, Activity::Idle);
                 assert!(planner.acknowledge_abort());
                 planner.push(&Block::line(at(20.0, 10.0), 100.0, 2)).unwrap();
                 planner.finish();
             } else {
                 controls.hold();
-                assert_eq!(planner.poll(), Progress::Held);
+                assert_eq!(planner.settle(), Progress::Held);
                 assert_eq!(interpolator.tick().activity, Activity::Idle);
                 controls.resume();
             }
             let ends = (0..1000).any(|_| {
-                let progress = planner.poll();
+                let progress = planner.settle();
                 let setpoint = interpolator.tick();
                 progress == Progress::Done && setpoint.activity == Activity::Idle
             });

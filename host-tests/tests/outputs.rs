@@ -301,7 +301,7 @@ fn a_path_at_full_speed_loses_no_step() {
     }
     planner.finish();
     loop {
-        let progress = planner.poll();
+        let progress = planner.settle();
         let setpoint = interpolator.tick();
         drive.drive(&setpoint).unwrap();
         if progress == Progress::Done && setpoint.activity == Activity::Idle {

@@ -77,9 +77,9 @@ fn time<S: Scalar>(config: &Config<S, 2>, program: &[Block<S, 2>], stop: bool) -
             planner.finish();
         }
         // The background is as fast whatever the cycle.
-        let mut progress = planner.poll();
+        let mut progress = planner.settle();
         for _ in 1..(config.cycle.to_f64() / 1.0e-3) as u32 {
-            progress = planner.poll();
+            progress = planner.settle();
         }
         if interpolator.tick().activity == Activity::Idle && progress == Progress::Done {
             return cycle as f64 * config.cycle.to_f64();

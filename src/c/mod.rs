@@ -272,11 +272,18 @@ pub unsafe extern "C" fn splineway_finish(core: *mut splineway_core) -> splinewa
     splineway_result::OK
 }
 
-/// Does what is to be done now: one planning step at most. To be called in the background, again and
-/// again.
+/// Does a slice of what is to be done now. To be called in the background, again and again; at once if it says
+/// `PLANNING`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splineway_poll(core: *mut splineway_core) -> splineway_progress {
     planner(core).map_or(splineway_progress::NOT_READY, |planner| planner.poll().into())
+}
+
+/// Polls until nothing can be done before the interpolator has moved on or blocks come, or until a plan was handed
+/// over: for tests and simulations in which planning takes no time.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splineway_settle(core: *mut splineway_core) -> splineway_progress {
+    planner(core).map_or(splineway_progress::NOT_READY, |planner| planner.settle().into())
 }
 
 /// The caller knows that an abort has dropped everything. True: it is complete, and blocks are taken again,

@@ -240,11 +240,14 @@ pub enum splineway_progress {
     ABORTED = 5,
     /// The core is not set up.
     NOT_READY = 6,
+    /// A part of the work has been done, and more can be done now: poll again.
+    PLANNING = 7,
 }
 
 impl From<Progress> for splineway_progress {
     fn from(progress: Progress) -> Self {
         match progress {
+            Progress::Planning => Self::PLANNING,
             Progress::Planned => Self::PLANNED,
             Progress::Waiting => Self::WAITING,
             Progress::NeedsBlocks => Self::NEEDS_BLOCKS,

@@ -1,6 +1,7 @@
 //! Planning ahead: blocks cut into cells, and plans that go as far as is known.
 
 use super::horizon::{ADDED, Horizon, Proposal};
+use super::making::Making;
 use super::phase::{Halt, Phase, Rest};
 use super::{Planner, Progress};
 use crate::number::Scalar;
@@ -12,46 +13,43 @@ use crate::servo::link::Branch;
 
 /// Room in the window for one more cell, and for the stations that a draft adds.
 const LEAST_ROOM: usize = 2 + ADDED;
-/// Parts of the work on a cell, at most and on average.
-const PARTS: usize = 16;
 /// A stop is imminent when less than this many leads remain.
 const URGENT_LEADS: f64 = 4.0;
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     Planner<'_, S, N, BLOCKS, NODES>
 {
-    /// Cuts blocks into cells as long as there is room.
-    pub(super) fn build(&mut self) {
-        let pace = self.horizon.pace();
-        for _ in 0..PARTS * NODES {
-            // A cell may have to be split in two.
-            if self.horizon.window.room() < LEAST_ROOM {
-                return;
-            }
-            let Some(last) = self.horizon.window.last() else { return };
-            let node = last.node;
-            let cut = match self.builder.emit(&node, &self.horizon.config) {
-                Cut::Cell(cut) => cut,
-                Cut::Working => continue,
-                Cut::Nothing => return,
-            };
-            self.counters.cells += 1;
-            let before = self.horizon.window.serial(self.horizon.window.len() - 1);
-            let lone = cut.rest && cut.cell.length > S::ZERO && self.may_rest_at(before);
-            if let Some(last) = self.horizon.window.last_mut()
-                && last.rest
-            {
-                last.node = cut.from;
-            }
-            if lone {
-                // From rest to rest there must be a node between.
-                let (first, middle, second) = hermite::split(&cut.from, &cut.cell, &cut.node);
-                self.horizon.window.append(first, middle, false, &pace);
-                self.horizon.window.append(second, cut.node, true, &pace);
-            } else {
-                self.horizon.window.append(cut.cell, cut.node, cut.rest, &pace);
-            }
+    /// Cuts the next cell or does a part of the work for it, if there is room and enough is known. Whether anything
+    /// was done.
+    pub(super) fn build_one(&mut self) -> bool {
+        // A cell may have to be split in two.
+        if self.horizon.window.room() < LEAST_ROOM {
+            return false;
         }
+        let Some(last) = self.horizon.window.last() else { return false };
+        let cut = match self.builder.emit(&last.node, &self.horizon.config) {
+            Cut::Cell(cut) => cut,
+            Cut::Working => return true,
+            Cut::Nothing => return false,
+        };
+        let pace = self.horizon.pace();
+        self.counters.cells += 1;
+        let before = self.last_node();
+        let lone = cut.rest && cut.cell.length > S::ZERO && self.may_rest_at(before);
+        if let Some(last) = self.horizon.window.last_mut()
+            && last.rest
+        {
+            last.node = cut.from;
+        }
+        if lone {
+            // From rest to rest there must be a node between.
+            let (first, middle, second) = hermite::split(&cut.from, &cut.cell, &cut.node);
+            self.horizon.window.append(first, middle, false, &pace);
+            self.horizon.window.append(second, cut.node, true, &pace);
+        } else {
+            self.horizon.window.append(cut.cell, cut.node, cut.rest, &pace);
+        }
+        true
     }
 
     /// Whether a plan may end at a node.
@@ -68,7 +66,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// At rest where the plan ends: start when the look-ahead is full, when no more is to come, or
     /// when more has not come for a while.
-    pub(super) fn poll_at_rest(&mut self, single: bool) -> Progress {
+    pub(super) fn poll_at_rest(&mut self, at: NodeSerial, single: bool) -> Progress {
         let Phase::Resting(Rest::Ready { since }) = self.phase else {
             debug_assert!(false, "no rest to start from: {:?}", self.phase);
             return Progress::Waiting;
@@ -87,11 +85,17 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.phase = Phase::Resting(Rest::Ready { since: Some(since) });
             return Progress::NeedsBlocks;
         }
+        if self.is_vain(at) {
+            return Progress::Waiting;
+        }
         if !full {
             self.builder.close();
-            self.build();
+            if self.build_one() {
+                self.phase = Phase::Resting(Rest::Ready { since: Some(since) });
+                return Progress::Planning;
+            }
         }
-        self.plan(self.horizon.end(), single)
+        self.plan(self.horizon.end(), at, single)
     }
 
     /// In motion: plan on when a part of the plan has been run or its end is near.
@@ -112,7 +116,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         {
             // The blocks that wait for their neighbours must go as they are.
             self.builder.close();
-            self.build();
+            if self.build_one() {
+                return Progress::Planning;
+            }
         }
         if self.last_node() == self.horizon.end() {
             return if self.builder.len() > 0 { Progress::Waiting } else { Progress::NeedsBlocks };
@@ -121,56 +127,37 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if !(passed || urgent) {
             return Progress::Waiting;
         }
+        if self.is_vain(at) {
+            return Progress::Waiting;
+        }
         let Some(branch) = self.horizon.branch(at) else { return Progress::Waiting };
-        self.plan(branch, false)
+        self.plan(branch, at, false)
     }
 
     /// The last node that is known.
-    fn last_node(&self) -> NodeSerial {
+    pub(super) fn last_node(&self) -> NodeSerial {
         let window = &self.horizon.window;
         window.serial(window.len() - 1)
     }
 
-    /// One planning step: states for everything behind the branch, handed over as a plan.
-    fn plan(&mut self, branch: NodeSerial, single: bool) -> Progress {
-        let end = self.horizon.end();
-        let mut made = self.horizon.plan_from(branch, single);
-        if matches!(made, Made::Crawl) && branch != end {
-            // The rest that is agreed comes first.
-            made = self.horizon.plan_from(self.horizon.end(), single);
-        }
-        match made {
-            Made::Plan(proposal) => {
-                self.offer(Some(proposal));
-                Progress::Planned
-            }
-            Made::Stuck => {
-                self.counters.stuck += 1;
-                #[cfg(feature = "defmt")]
-                defmt::warn!("no motion found from node {}", branch.raw());
-                Progress::Waiting
-            }
-            Made::NeedsBlocks => Progress::NeedsBlocks,
-            Made::Crawl => Progress::Waiting,
-        }
+    /// Begins a plan from a node on, over everything behind it.
+    pub(super) fn plan(&mut self, branch: NodeSerial, at: NodeSerial, single: bool) -> Progress {
+        let Some((proposal, new)) = self.horizon.propose_from(branch, single) else {
+            return Progress::NeedsBlocks;
+        };
+        let stretch = proposal.stretch;
+        self.horizon.begin_draft();
+        self.horizon.loosen(stretch.first, new);
+        let solving = self.horizon.begin_finding(stretch, new);
+        self.making = Some(Making::ahead(proposal, solving, new, (self.side.cycles(), at)));
+        Progress::Planning
     }
 }
 
-/// What a planning step came to.
-#[derive(Clone, Copy, Debug)]
-enum Made {
-    Plan(Proposal),
-    /// There is nothing behind the end of the agreed plan that could be planned.
-    NeedsBlocks,
-    /// The motion would crawl: it is better to rest first.
-    Crawl,
-    /// No motion within the limits was found.
-    Stuck,
-}
-
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
-    /// A plan from a node on.
-    fn plan_from(&mut self, branch: NodeSerial, single: bool) -> Made {
+    /// What a plan from a node on runs through, and the first station of it that has no state; `None` if nothing
+    /// lies behind the end of the agreed plan that could be planned.
+    fn propose_from(&mut self, branch: NodeSerial, single: bool) -> Option<(Proposal, usize)> {
         let first = self.window.clamped_index(branch);
         let new = self.end_index().max(first);
         let mut stretch = Stretch { first, last: self.window.len() - 1, open: true };
@@ -188,21 +175,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         if stretch.open && self.is_lone_start(stretch) {
             stretch.last -= 1;
         }
-        if self.window.serial(stretch.last) == self.end() {
-            return Made::NeedsBlocks;
-        }
-        let mut failure = Made::Stuck;
-        let made = self.draft(|draft| {
-            draft.loosen(stretch.first, new);
-            if !draft.find(stretch, new) {
-                return None;
-            }
-            if branch != draft.end() && draft.crawl_in(stretch).is_some() {
-                failure = Made::Crawl;
-                return None;
-            }
-            Some(Proposal { stretch, branch: Branch::Node(branch), halt })
-        });
-        made.map_or(failure, Made::Plan)
+        let goes_on = self.window.serial(stretch.last) != self.end();
+        goes_on.then_some((Proposal { stretch, branch: Branch::Node(branch), halt }, new))
     }
 }

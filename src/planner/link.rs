@@ -1,6 +1,7 @@
 //! The memory of a core, and the two handles on it.
 
 use super::command::Answered;
+use super::effort::Effort;
 use super::horizon::Horizon;
 use super::phase::{Phase, Rest};
 use super::{Counters, Planner};
@@ -83,6 +84,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Link<S,
                 builder,
                 horizon,
                 phase: Phase::Resting(Rest::IDLE),
+                making: None,
+                effort: Effort::NONE,
+                vain: None,
                 answered: Answered::default(),
                 finished: false,
                 reaction: 0,

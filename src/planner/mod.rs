@@ -3,36 +3,48 @@
 //! - [`Planner`] is the producer's handle, on the memory of a [`Link`].
 //! - [`phase`]: what it is doing, as one value, with all its transitions.
 //! - [`horizon`]: the path ahead, the plan agreed on it, and the draft of the next.
-//! - [`ahead`]: blocks cut into cells, and plans that go on as far as is known.
+//! - [`ahead`]: blocks cut into cells, and when a plan goes on as far as is known.
 //! - [`command`]: answers to an operator's commands.
+//! - [`making`]: a plan in the making, slice by slice.
+//! - [`effort`]: what that takes, in servo cycles.
 //! - [`offer`]: plans handed over, and the interrupt's word on them.
 
 mod ahead;
 mod command;
+mod effort;
 mod horizon;
 mod link;
+mod making;
 mod offer;
 mod phase;
 #[cfg(test)]
 mod tests;
 
 use self::command::Answered;
+use self::effort::Effort;
 use self::horizon::Horizon;
 pub use self::link::Link;
+use self::making::{Making, Vain};
 use self::phase::{Phase, Rest};
 
 use crate::block::{Block, PushError};
+use crate::number::serial::NodeSerial;
 use crate::number::{Coord, Scalar};
 use crate::path::builder::Builder;
 use crate::servo::Controls;
-use crate::servo::control::Requests;
+use crate::servo::control::{Requests, Wish};
 use crate::servo::link::PlanSide;
+
+/// Slices within which a plan is made and a window of path is cut, with room to spare.
+const MOST_SLICES: u32 = 10_000;
 
 /// What a call of [`Planner::poll`] came to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Progress {
+    /// A part of the work has been done, and more can be done now: poll again.
+    Planning,
     /// A new plan was handed over.
     Planned,
     /// Nothing to do until the interpolator has moved on.
@@ -86,6 +98,11 @@ pub struct Planner<
     builder: &'a mut Builder<S, N, BLOCKS>,
     horizon: &'a mut Horizon<S, N, NODES>,
     phase: Phase,
+    /// The plan in the making.
+    making: Option<Making<S>>,
+    effort: Effort<S>,
+    /// What no plan was found for, until it changes.
+    vain: Option<Vain>,
     answered: Answered,
     /// Whether the producer has said that no more blocks come for now.
     finished: bool,
@@ -173,13 +190,43 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         Counters { starved: self.side.starved(), steps: self.horizon.steps, ..self.counters }
     }
 
-    /// Does what is to be done now: one planning step at most. Call it in the background, again
-    /// and again.
+    /// Does a slice of what is to be done now. Call it in the background, again and again; at once if it says
+    /// [`Progress::Planning`].
     ///
-    /// Cost: bounded by the window and the number of iterations set.
+    /// What an operator asks for comes first: a plan in the making that does not serve it is dropped.
+    ///
+    /// Cost: bounded; at most one cell is cut, or one step of a plan is done. `docs/target.md` has the number of
+    /// instructions.
     pub fn poll(&mut self) -> Progress {
         let at = self.side.progress();
         self.hear();
+        if self.finished {
+            self.builder.close();
+        }
+        let wish = self.requests.read();
+        self.drop_unwanted(&wish, at);
+        let progress = if self.making.is_some() { self.go_on() } else { self.begin(&wish, at) };
+        let has_draft = self.phase.offer().is_some() || self.making.is_some();
+        debug_assert_eq!(has_draft, self.horizon.has_draft());
+        progress
+    }
+
+    /// Polls until nothing can be done before the interpolator has moved on or blocks come, or until a plan was
+    /// handed over: for tests and simulations in which planning takes no time.
+    ///
+    /// Cost: that of a whole plan, and of all blocks that can be cut.
+    pub fn settle(&mut self) -> Progress {
+        for _ in 0..MOST_SLICES {
+            let progress = self.poll();
+            if progress != Progress::Planning {
+                return progress;
+            }
+        }
+        Progress::Planning
+    }
+
+    /// Begins what is to be done now, with no plan in the making.
+    fn begin(&mut self, wish: &Wish, at: NodeSerial) -> Progress {
         // While a plan is undecided, the motion may be on the one before, whose running numbers mean
         // something else from the new plan's first node on: keep all behind that.
         let behind = match self.phase.offer() {
@@ -187,18 +234,16 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             _ => at,
         };
         self.horizon.window.release_before(behind);
-        if self.finished {
-            self.builder.close();
+        if let Some(progress) = self.obey(wish, at) {
+            return progress;
         }
-        self.build();
-        let wish = self.requests.read();
-        let progress = match self.obey(&wish, at) {
-            Some(progress) => progress,
-            None if self.phase.offer().is_some() => Progress::Waiting,
-            None if at == self.horizon.end() => self.poll_at_rest(wish.single),
-            None => self.poll_moving(at),
-        };
-        debug_assert_eq!(self.phase.offer().is_some(), self.horizon.has_draft());
-        progress
+        if self.build_one() {
+            return Progress::Planning;
+        }
+        match self.phase {
+            Phase::Offered(_) => Progress::Waiting,
+            _ if at == self.horizon.end() => self.poll_at_rest(at, wish.single),
+            _ => self.poll_moving(at),
+        }
     }
 }

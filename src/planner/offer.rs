@@ -20,18 +20,16 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         Some(Moment { timeline, when: self.side.cycles().plus(self.reaction) })
     }
 
-    /// Offers a draft to the interrupt. Whether there was one.
-    pub(super) fn offer(&mut self, proposal: Option<Proposal>) -> bool {
-        let Some(Proposal { stretch, branch, halt }) = proposal else { return false };
+    /// Offers a draft, whose pieces have been written, to the interrupt.
+    pub(super) fn offer(&mut self, Proposal { stretch, branch, halt }: Proposal) {
         let before = match self.phase {
             Phase::Resting(_) => None,
             Phase::Following(now) => Some(now),
             Phase::Offered(_) => {
                 debug_assert!(false, "one offer at a time");
-                return false;
+                return;
             }
         };
-        self.horizon.compile(stretch, |piece| self.side.write(piece));
         self.horizon.mark_offered();
         self.side.offer(branch);
         let window = &self.horizon.window;
@@ -50,20 +48,26 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             end.raw(),
             self.horizon.steps
         );
-        true
     }
 
     /// The interrupt's word on the plan on offer.
     pub(super) fn hear(&mut self) {
         let Phase::Offered(offer) = self.phase else { return };
         if self.decided(&offer) == Some(false) {
-            self.counters.late += 1;
             #[cfg(feature = "defmt")]
             defmt::warn!("the plan from node {} came too late", offer.first.raw());
-            if offer.by_cycle {
-                // Allow more time for the next attempt.
-                self.reaction = (2 * self.reaction + 1).min(self.most_reaction());
-            }
+            self.late(offer.by_cycle, offer.end.since(offer.first).unwrap_or(0) as usize, 0);
+        }
+    }
+
+    /// A plan over so many cells, for which the motion has been too fast, after so many servo cycles: the next one
+    /// is given more time.
+    pub(super) fn late(&mut self, by_cycle: bool, cells: usize, cycles: u32) {
+        self.counters.late += 1;
+        if by_cycle {
+            self.reaction = (2 * self.reaction + 1).min(self.most_reaction());
+        } else {
+            self.effort.learn_late(cells, cycles);
         }
     }
 

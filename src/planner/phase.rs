@@ -27,10 +27,8 @@
 //! | any rest | `Dropped` | `Planner::drop_all` | an abort |
 //! | `Dropped` | `Ready` | `Planner::acknowledge_abort` | the producer knows |
 //!
-//! A plan is in the making ([`Horizon::draft`](super::horizon::Horizon::draft)) only within a call of `poll`, and on offer in
-//! [`Phase::Offered`]: the horizon has a draft then and only then. To plan in slices, a fourth phase would hold
-//! what has been reached between two calls: the draft is in the horizon already, and the solver's
-//! progress is a value that takes one step at a time.
+//! Before a plan is offered it is in the making ([`super::making`]), in `Resting` or `Following`: the horizon has a draft
+//! then, and in [`Phase::Offered`], and at no other time.
 
 use crate::number::serial::{CycleSerial, NodeSerial};
 use crate::servo::control::Wish;
@@ -122,15 +120,11 @@ pub struct Offer {
 }
 
 impl Offer {
-    /// What comes after it has been refused or withdrawn. The next plan is due where it would have been after this one.
+    /// What comes after it has been refused or withdrawn: what was before, and the next plan is due as it was.
     pub fn refused(&self) -> Phase {
         match self.before {
             None => Phase::Resting(Rest::IDLE),
-            Some(Following { halt, .. }) => Phase::Following(Following {
-                halt,
-                checkpoint: self.taken.checkpoint,
-                tried_block_end: false,
-            }),
+            Some(before) => Phase::Following(Following { tried_block_end: false, ..before }),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::horizon::stop_profile::{DEPTHS, SHARES, StopProfile};
 use super::horizon::{Horizon, Proposal};
+use super::making::Purpose;
 use super::phase::{Following, Halt, Phase, Rest};
 use super::{Planner, Progress};
 use crate::block::Block;
@@ -83,7 +84,7 @@ fn run_until(
     mut done: impl FnMut(&TestPlanner<'_>, Progress) -> bool,
 ) {
     for _ in 0..20_000 {
-        let progress = planner.poll();
+        let progress = planner.settle();
         if done(planner, progress) {
             return;
         }
@@ -110,15 +111,15 @@ fn a_start_waits_for_blocks_and_a_program_comes_to_its_end() {
     let mut link = link();
     let (mut planner, mut interpolator) = handles(&mut link);
     assert_eq!(planner.phase, Phase::Resting(Rest::IDLE));
-    assert_eq!(planner.poll(), Progress::NeedsBlocks);
+    assert_eq!(planner.settle(), Progress::NeedsBlocks);
     planner.push(&line(10.0, 0.0, 1)).unwrap();
     planner.push(&line(10.0, 10.0, 2)).unwrap();
-    assert_eq!(planner.poll(), Progress::NeedsBlocks);
+    assert_eq!(planner.settle(), Progress::NeedsBlocks);
     let since = Some(CycleSerial::ZERO);
     assert_eq!(planner.phase, Phase::Resting(Rest::Ready { since }));
     // The delay of a start: 50 cycles.
     let mut cycles = 0;
-    while planner.poll() != Progress::Planned {
+    while planner.settle() != Progress::Planned {
         interpolator.tick();
         cycles += 1;
     }
@@ -126,10 +127,10 @@ fn a_start_waits_for_blocks_and_a_program_comes_to_its_end() {
     let offer = *planner.phase.offer().unwrap();
     assert_eq!((offer.first, offer.before), (NodeSerial::ZERO, None));
     assert!(!offer.by_cycle && planner.horizon.has_draft());
-    assert_eq!(planner.poll(), Progress::Waiting);
+    assert_eq!(planner.settle(), Progress::Waiting);
     interpolator.tick();
     planner.finish();
-    planner.poll();
+    planner.settle();
     let now = follows(&planner).unwrap_or_else(|| planner.phase.offer().unwrap().before.unwrap());
     assert_eq!(now.halt, None);
     run_until(&mut (planner, interpolator), |planner, progress| {
@@ -145,14 +146,14 @@ fn a_start_that_is_not_taken_up_is_withdrawn_by_a_hold() {
     let mut core = handles(&mut link);
     core.0.push(&line(10.0, 0.0, 1)).unwrap();
     core.0.finish();
-    assert_eq!(core.0.poll(), Progress::Planned);
+    assert_eq!(core.0.settle(), Progress::Planned);
     core.0.controls().hold();
-    assert_eq!(core.0.poll(), Progress::Held);
+    assert_eq!(core.0.settle(), Progress::Held);
     assert_eq!(core.0.phase, Phase::Resting(Rest::IDLE));
     assert_eq!(core.0.counters().late, 0, "that was no fault of the planner's");
     assert_eq!(core.1.tick().activity, Activity::Idle);
     core.0.controls().resume();
-    assert_eq!(core.0.poll(), Progress::Planned);
+    assert_eq!(core.0.settle(), Progress::Planned);
     run_until(&mut core, |_, progress| progress == Progress::Done);
 }
 
@@ -163,12 +164,12 @@ fn a_hold_is_answered_by_a_plan_that_rests_and_a_resume_goes_on() {
     feed(&mut core.0, &mut &straight()[..]);
     in_motion(&mut core, 100);
     core.0.controls().hold();
-    assert_eq!(core.0.poll(), Progress::Planned);
+    assert_eq!(core.0.settle(), Progress::Planned);
     let offer = *core.0.phase.offer().unwrap();
     assert!(offer.by_cycle && offer.before.is_some());
     assert_eq!(offer.taken.halt, Some(Halt::Hold));
     core.1.tick();
-    assert_eq!(core.0.poll(), Progress::Waiting);
+    assert_eq!(core.0.settle(), Progress::Waiting);
     assert_eq!(core.0.phase, Phase::Following(offer.taken));
     run_until(&mut core, |_, progress| progress == Progress::Held);
     assert_eq!(core.0.phase, Phase::Resting(Rest::IDLE));
@@ -183,12 +184,12 @@ fn a_hold_that_is_called_off_while_it_brakes_is_taken_further_at_once() {
     feed(&mut core.0, &mut &straight()[..]);
     in_motion(&mut core, 100);
     core.0.controls().hold();
-    assert_eq!(core.0.poll(), Progress::Planned);
+    assert_eq!(core.0.settle(), Progress::Planned);
     core.1.tick();
-    core.0.poll();
+    core.0.settle();
     core.0.controls().resume();
     assert_eq!(follows(&core.0).unwrap().halt, Some(Halt::Hold));
-    assert_eq!(core.0.poll(), Progress::Planned);
+    assert_eq!(core.0.settle(), Progress::Planned);
     assert_eq!(core.0.phase.halt(), None);
     run_until(&mut core, |_, progress| progress == Progress::Done);
 }
@@ -207,9 +208,9 @@ fn a_stop_is_looked_for_once_in_every_plan_and_single_block_mode_awaits_a_resume
     });
     assert_eq!(core.0.phase, Phase::Resting(Rest::AwaitsResume));
     core.1.tick();
-    assert_eq!(core.0.poll(), Progress::Held);
+    assert_eq!(core.0.settle(), Progress::Held);
     core.0.controls().resume();
-    assert_eq!(core.0.poll(), Progress::Planned);
+    assert_eq!(core.0.settle(), Progress::Planned);
     assert_eq!(core.0.phase.halt(), Some(Halt::Block));
     run_until(&mut core, |_, progress| progress == Progress::Held);
     assert_eq!(core.0.phase, Phase::Resting(Rest::AwaitsResume));
@@ -228,7 +229,7 @@ fn a_pause_awaits_a_resume_that_is_pressed_after_it() {
     run_until(&mut core, |_, progress| progress == Progress::Held);
     assert_eq!(core.0.phase, Phase::Resting(Rest::AwaitsResume));
     core.0.controls().resume();
-    assert_eq!(core.0.poll(), Progress::Planned);
+    assert_eq!(core.0.settle(), Progress::Planned);
     run_until(&mut core, |_, progress| progress == Progress::Done);
 }
 
@@ -246,11 +247,11 @@ fn an_abort_drops_everything_until_it_is_acknowledged() {
     // Another one, pressed after the first is complete, is complete at the next poll.
     core.0.controls().abort();
     assert!(!core.0.acknowledge_abort());
-    assert_eq!(core.0.poll(), Progress::Aborted);
+    assert_eq!(core.0.settle(), Progress::Aborted);
     assert_eq!(core.0.phase, Phase::Resting(Rest::Dropped { abort: 2 }));
     assert!(core.0.acknowledge_abort());
     assert_eq!(core.0.phase, Phase::Resting(Rest::IDLE));
-    assert_eq!(core.0.poll(), Progress::NeedsBlocks);
+    assert_eq!(core.0.settle(), Progress::NeedsBlocks);
     let end = core.1.tick();
     for (i, at) in core.0.end().iter().enumerate() {
         assert_eq!(end.position(i), *at);
@@ -273,7 +274,8 @@ fn a_plan_that_comes_too_late_leaves_everything_as_it_was() {
         draft.improve(stretch, Aim::Slow);
         Some(Proposal { stretch, branch, halt: Some(Halt::Hold) })
     });
-    assert!(planner.offer(made));
+    assert!(planner.propose(Purpose::Hold, made));
+    while planner.go_on() == Progress::Planning {}
     assert_eq!(planner.phase.halt(), Some(Halt::Hold));
     assert_ne!(picture(planner.horizon), before);
     interpolator.tick();
@@ -301,7 +303,7 @@ fn a_draft_that_is_dropped_leaves_no_trace() {
     let (mut dropped, mut changed) = (0, 0);
     for cycle in 0.. {
         feed(&mut core.0, &mut left);
-        let progress = core.0.poll();
+        let progress = core.0.settle();
         if progress == Progress::Done {
             break;
         }
@@ -379,7 +381,7 @@ fn run_from(origin: Origin) -> (Vec<[Coord; AXES]>, Vec<Progress>) {
     let (mut positions, mut answers) = (Vec::new(), Vec::new());
     for cycle in 0..40_000u32 {
         feed(&mut planner, &mut left);
-        let progress = planner.poll();
+        let progress = planner.settle();
         answers.push(progress);
         match cycle % 400 {
             90 => controls.hold(),

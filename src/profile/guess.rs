@@ -1,5 +1,4 @@
-//! First states for stations that have none: fast ones near the least time that may break limits,
-//! and slow ones that keep them.
+//! First states for stations that have none: fast ones near the least time, that may break limits.
 //!
 //! The shares below were chosen by trial, and matter little. Over the first 500 lines of seven paths (butterfly2000,
 //! butterfly80, tball-engrave, jsdc, walk, star, zigzag90; tolerance 0.05 mm, `f32`, 16 blocks, 64 nodes: 15,586 servo cycles,
@@ -34,17 +33,8 @@ const FELT: f64 = 1.0;
 /// Most relative change of v^2 that a guessed acceleration makes over a cell, by half. Below 0.75 there
 /// is a motion between any two guesses ([`Law`]).
 const STEEPEST: f64 = 0.7;
-/// Most halvings of the speeds of a slow seed: down to 1e-12 of what the machine does in its time scale.
-const SEED_TRIES: usize = 40;
-/// Shares of its speed that the first new station of a slow seed may have, from the least on: the factor is about four,
-/// since a better start is only wanted to save a few steps.
-const ENTRIES: [f64; 6] = [0.001, 0.004, 0.016, 0.06, 0.25, 1.0];
-/// Share of the machine's time scale that a cell of a slow seed takes at first.
-const SEED_TIME: f64 = 0.125;
 /// v^3 where nothing bounds it yet, (mm/s)^3; an `f32` holds it.
 const NO_CUBE_LIMIT: f64 = 1.0e30;
-/// Speed where no cell lies before that could bound it, mm/s.
-const NO_SPEED_LIMIT: f64 = 1.0e6;
 
 /// Greatest v^3 at both ends of a cell that constant speed allows.
 fn steady_cubes<S: Scalar, const N: usize>(view: &View<'_, S, N>) -> [S; 2] {
@@ -183,64 +173,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
                 row.step[0]
             };
             row.step[0] = cube.sqrt();
-        }
-    }
-
-    /// Gives the free stations from index `new` on slow speeds at which all limits hold: every cell
-    /// takes about the same time, long enough. Those before keep theirs. Returns whether such a
-    /// time was found.
-    pub fn seed(&mut self, new: usize) -> bool {
-        let Stretch { first, last, .. } = self.task.stretch;
-        let new = new.max(first + 1);
-        let cells = new - 1..last;
-        let mut rate = S::ONE / (self.limits.time_scale() * S::of(SEED_TIME));
-        // The first new station was the stop of the plan before: what it may have is little if
-        // that plan brakes hard, and should not hold back the others.
-        let [least, wider @ ..] = ENTRIES.map(S::of);
-        let mut entry = least;
-        let mut found = false;
-        for _ in 0..SEED_TRIES {
-            self.seed_speeds(new, rate, entry);
-            found = self.holds_over(cells.clone());
-            if found {
-                break;
-            }
-            rate = rate * S::of(0.5);
-        }
-        if !found {
-            return false;
-        }
-        for share in wider {
-            self.seed_speeds(new, rate, share);
-            if !self.holds_over(cells.clone()) {
-                break;
-            }
-            entry = share;
-        }
-        self.seed_speeds(new, rate, entry);
-        true
-    }
-
-    /// Gives every new station the speed at which the shorter of its cells takes 1 / `rate`; the
-    /// first one only the share `entry` of it.
-    fn seed_speeds(&mut self, new: usize, rate: S, entry: S) {
-        let mut before = S::of(NO_SPEED_LIMIT);
-        for i in new - 1..self.task.stretch.last {
-            let Some(station) = self.window.get(i) else { return };
-            let here = if station.cell.length > S::ZERO {
-                (station.cell.length * rate).least(station.bounds.goal * S::of(0.7))
-            } else {
-                S::ZERO
-            };
-            let mut speed = before.least(here);
-            before = here;
-            if i >= new {
-                if i == new {
-                    speed = speed * entry;
-                }
-                let b = if self.is_free(i) { speed * speed } else { S::ZERO };
-                self.window.set_state(i, PathState { b, a: S::ZERO });
-            }
         }
     }
 }

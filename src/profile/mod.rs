@@ -8,7 +8,7 @@
 //!
 //! What [`bounds`] a cell besides its shape is set when it comes into the window. A [`solver`] is the workspace, a [`problem`] what it is put to: what is minimised, and its second-order model of
 //! [`barrier`] ([`relaxation`]) and time. It is solved by Newton's method ([`descent`], on a block [`tridiagonal`]
-//! system) from a [`guess`], step by step ([`solving`]). What comes out is made pieces of motion by [`compile`].
+//! system) from a [`guess`] (or from slow seeds: [`seeding`]), step by step ([`solving`]). What comes out is made pieces of motion by [`compile`].
 
 mod barrier;
 pub(crate) mod bounds;
@@ -21,6 +21,7 @@ pub(crate) mod law;
 mod problem;
 mod relaxation;
 pub(crate) mod rows;
+pub(crate) mod seeding;
 pub(crate) mod solver;
 pub(crate) mod solving;
 #[cfg(test)]

@@ -236,6 +236,11 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
         }
     }
 
+    /// Forgets the pieces written since the last offer.
+    pub fn discard(&mut self) {
+        self.written = 0;
+    }
+
     /// Offers the pieces written since the last time; none at all means a rest at the branch.
     pub fn offer(&mut self, branch: Branch) {
         debug_assert_ne!(

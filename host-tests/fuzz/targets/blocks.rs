@@ -74,7 +74,7 @@ fuzz_target!(|data: &[u8]| {
     let mut before = interpolator.tick();
     let mut run = |planner: &mut splineway::Planner<'_, f32, 3, 8, 48>, cycles: u32| {
         for _ in 0..cycles {
-            planner.poll();
+            planner.settle();
             let now = interpolator.tick();
             for i in 0..3 {
                 let moved = now.position(i).minus::<f64>(before.position(i));

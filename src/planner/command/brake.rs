@@ -5,6 +5,7 @@ use crate::number::serial::NodeSerial;
 use crate::planner::Planner;
 use crate::planner::horizon::stop_profile::{DEPTHS, HARD, SHARES, StopProfile};
 use crate::planner::horizon::{Horizon, Proposal};
+use crate::planner::making::Purpose;
 use crate::planner::phase::{Halt, Phase};
 use crate::profile::law::PathState;
 use crate::profile::solver::{Aim, Stretch};
@@ -40,7 +41,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 let (stretch, branch) = draft.cut_dwell(moment?)?;
                 Some(Proposal { stretch, branch, halt: Some(Halt::Hold) })
             });
-            return self.offer(made) || self.rest_next(Halt::Hold);
+            return self.propose(Purpose::Hold, made) || self.rest_next(Halt::Hold);
         }
         let mut soon = false;
         let made = self.horizon.draft(|draft| {
@@ -49,7 +50,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             if soon { None } else { draft.brake_in(stretch, branch) }
         });
         // The rest that the plan comes to anyway may be nearer than any other.
-        self.offer(made) || if soon { self.rest_as_agreed() } else { self.rest_next(Halt::Hold) }
+        self.propose(Purpose::Hold, made)
+            || if soon { self.rest_as_agreed() } else { self.rest_next(Halt::Hold) }
     }
 
     /// If the motion comes to rest at the end of the piece under way, lets it stay there.
@@ -86,10 +88,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         let i = self.horizon.window.clamped_index(node);
         let stretch = Stretch { first: i, last: i, open: false };
-        let halt = Some(halt);
-        let made =
-            self.horizon.draft(|_| Some(Proposal { stretch, branch: Branch::Node(node), halt }));
-        self.offer(made)
+        let purpose = match halt {
+            Halt::Hold => Purpose::Hold,
+            Halt::Block => Purpose::BlockEnd,
+        };
+        let branch = Branch::Node(node);
+        let made = self.horizon.draft(|_| Some(Proposal { stretch, branch, halt: Some(halt) }));
+        self.propose(purpose, made)
     }
 }
 

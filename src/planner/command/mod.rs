@@ -33,6 +33,7 @@ mod block_end;
 mod brake;
 mod retune;
 
+use super::making::Purpose;
 use super::phase::{Following, Halt, Phase, Rest};
 use super::{Planner, Progress};
 use crate::number::Scalar;
@@ -70,7 +71,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             }
             let planned = self.revoke() && self.brake();
             // If it could not be done at once: the plan is not taken further, and ends at rest.
-            return Some(if planned { Progress::Planned } else { Progress::Waiting });
+            return Some(if planned { Progress::Planning } else { Progress::Waiting });
         }
         if let Phase::Following(now) = &mut self.phase
             && now.halt.is_some_and(|halt| !halt.is_wanted(wish))
@@ -81,7 +82,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             && self.revoke()
             && self.retune(wish.overrides, at)
         {
-            return Some(Progress::Planned);
+            return Some(Progress::Planning);
         }
         if wish.stop || wish.single { self.obey_stop(at) } else { None }
     }
@@ -100,9 +101,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             now.tried_block_end = true;
             let moment = self.moment();
             let made = self.horizon.rest_at_block_end(moment);
-            self.offer(made)
+            self.propose(Purpose::BlockEnd, made)
         };
-        planned.then_some(Progress::Planned)
+        planned.then_some(Progress::Planning)
     }
 
     /// At rest: whether to go on.

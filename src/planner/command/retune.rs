@@ -4,6 +4,7 @@ use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::planner::Planner;
 use crate::planner::horizon::{Horizon, Proposal};
+use crate::planner::making::Purpose;
 use crate::planner::phase::Halt;
 use crate::profile::solver::{Aim, Stretch};
 use crate::servo::control::Overrides;
@@ -40,7 +41,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 draft.retune_from(first, Branch::Node(node), halt)
             });
         }
-        self.offer(made)
+        self.propose(Purpose::Overrides, made)
     }
 }
 

@@ -1,13 +1,13 @@
 //! A plan in the making: what it has changed in the horizon, kept as a whole or taken back as a whole.
 //!
 //! ```text
-//!             draft(make)                    mark_offered          commit
+//!             begin_draft                    mark_offered          commit
 //!   (none) ───────────────▶ Stage::Making ───────────────▶ Stage::Offered ──────▶ (none), agreed
-//!      ▲                         │ make found nothing             │ refused, withdrawn
+//!      ▲                         │ dropped, found nothing         │ refused, withdrawn
 //!      └─────────────────────────┴──────── drop_draft ◀───────────┘
 //! ```
 //!
-//! [`Horizon::draft`] is the only way to begin one and [`Horizon::drop_draft`] the only way back, so nothing that makes a plan
+//! [`Horizon::begin_draft`] is the only way to begin one and [`Horizon::drop_draft`] the only way back, so nothing that makes a plan
 //! has to clean up after itself. A draft changes the states of stations, puts stations in, cuts the cell under
 //! way and may change the overrides. Its stage and all that it has changed lie in the horizon, not on the stack: it outlasts
 //! a call.
@@ -49,8 +49,8 @@ pub struct Draft<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
-    /// Makes a plan. What `make` changes is the draft of it; if it comes to nothing, everything is as it was.
-    pub fn draft<T>(&mut self, make: impl FnOnce(&mut Self) -> Option<T>) -> Option<T> {
+    /// Begins a draft: everything is as agreed, and what is changed from now on can be taken back.
+    pub fn begin_draft(&mut self) {
         debug_assert!(!self.has_draft(), "one plan at a time");
         debug_assert!(self.is_as_agreed());
         self.draft.set(Some(Draft {
@@ -59,6 +59,11 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             replaced: None,
             added: heapless::Vec::new(),
         }));
+    }
+
+    /// Makes a draft at once. If it comes to nothing, everything is as it was.
+    pub fn draft<T>(&mut self, make: impl FnOnce(&mut Self) -> Option<T>) -> Option<T> {
+        self.begin_draft();
         let made = make(self);
         if made.is_none() {
             self.drop_draft();

@@ -35,6 +35,7 @@ use crate::profile::window::Window;
 use crate::servo::control::Overrides;
 use crate::servo::link::{Branch, Timeline};
 use crate::servo::piece::{Piece, Sequel};
+use core::ops::Range;
 
 /// Where the motion is, and when an answer to a command can take effect.
 #[derive(Clone, Copy, Debug)]
@@ -142,12 +143,20 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         }
     }
 
-    /// The pieces of a proposal, in order. Behind its end every station rests in the draft.
-    pub fn compile(&mut self, stretch: Stretch, mut hand_over: impl FnMut(&Piece<S, N>)) {
+    /// Pieces of a proposal, over some of its cells, in order. When the last is made, every station behind its end
+    /// rests in the draft.
+    pub fn compile(
+        &mut self,
+        stretch: Stretch,
+        cells: Range<usize>,
+        mut hand_over: impl FnMut(&Piece<S, N>),
+    ) {
         debug_assert!(self.has_draft());
-        debug_assert!(self.holds(stretch), "a plan beyond a limit");
-        self.window.measure(stretch.first);
-        for i in stretch.first..stretch.last {
+        if cells.start == stretch.first {
+            debug_assert!(self.holds(stretch), "a plan beyond a limit");
+            self.window.measure(stretch.first);
+        }
+        for i in cells.clone() {
             let Some(after) = self.window.get(i + 1) else { break };
             let at_end = i + 1 == stretch.last;
             let sequel = if after.rest || (at_end && !stretch.open) {
@@ -163,8 +172,10 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             let Some(piece) = piece else { break };
             hand_over(&piece);
         }
-        for i in stretch.last..self.window.len() {
-            self.window.set_state(i, PathState::REST);
+        if cells.end == stretch.last {
+            for i in stretch.last..self.window.len() {
+                self.window.set_state(i, PathState::REST);
+            }
         }
     }
 

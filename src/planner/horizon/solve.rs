@@ -4,6 +4,7 @@ use super::Horizon;
 use crate::machine::Config;
 use crate::number::Scalar;
 use crate::profile::law::Law;
+use crate::profile::seeding::Seeding;
 use crate::profile::solver::{Aim, Stretch};
 use crate::profile::solving::Solving;
 use core::ops::Range;
@@ -51,24 +52,13 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         self.solve(solving);
     }
 
-    /// Gives the stations of a stretch from index `new` on states, and improves those before.
-    /// Returns whether there is a motion.
-    pub fn find(&mut self, stretch: Stretch, new: usize) -> bool {
-        if self.find_from_guess(stretch, new) {
-            return true;
-        }
-        // From the plan as it stands, and slow speeds behind it.
-        self.take_agreed(stretch.first..new);
-        let limits = self.config.limits;
-        if !self.solver.on(&mut self.window, &limits, stretch).seed(new) {
-            return false;
-        }
-        self.improve(stretch, Aim::Time);
-        // The part before may break a limit by a rounding, and what is improved from there may too.
-        self.holds(stretch)
+    /// A try for slow states; see [`crate::profile::seeding`].
+    pub fn seed(&mut self, stretch: Stretch, seeding: &mut Seeding<S>) -> Option<bool> {
+        self.solver.on(&mut self.window, &self.config.limits, stretch).seed(seeding)
     }
 
-    /// The same by a guess at the stations from index `new` on.
+    /// Gives the stations of a stretch from index `new` on states by a guess, and improves all. Returns whether there
+    /// is a motion.
     pub fn find_from_guess(&mut self, stretch: Stretch, new: usize) -> bool {
         let solving = self.begin_finding(stretch, new);
         self.solve(solving);

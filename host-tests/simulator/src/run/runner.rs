@@ -199,7 +199,7 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             stats.blocks += feed_blocks(&mut planner, &mut moves, &axes)?;
         }
         let began = Instant::now();
-        let progress = planner.poll();
+        let progress = planner.settle();
         if progress == Progress::Planned {
             stats.planning.add(began);
             if moves.peek().is_some() {

@@ -465,7 +465,7 @@ fn turn<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
         let mut progress = Progress::Waiting;
         for _ in 0..polls {
             world.referee.borrow_mut().polls();
-            let said = planner.poll();
+            let said = planner.settle();
             progress = world.shim.borrow_mut().progress(said);
             world.referee.borrow_mut().polled(progress);
             let secret = world.shim.borrow_mut().secretly(progress);

@@ -1,0 +1,72 @@
+//! What planning takes on this machine, in servo cycles: measured, so that a plan is begun early enough.
+
+use crate::number::Scalar;
+
+/// Share of what is known that one plan which took less changes.
+const FORGET: f64 = 0.125;
+/// By how much more a plan that came too late is taken to have needed.
+const LATE: f64 = 1.5;
+/// What an estimate adds, in parts of itself and in servo cycles: a count of cycles is rounded down at either end.
+const RESERVE: f64 = 1.25;
+const RESERVE_CYCLES: f64 = 2.0;
+
+/// Servo cycles that a plan takes for each of its cells, from the first slice to the offer. As much as the worst lately.
+#[derive(Clone, Copy, Debug)]
+pub struct Effort<S> {
+    per_cell: S,
+}
+
+impl<S: Scalar> Effort<S> {
+    /// Nothing is known, or planning takes no time.
+    pub const NONE: Self = Self { per_cell: S::ZERO };
+
+    /// A plan over so many cells took so many servo cycles.
+    pub fn learn(&mut self, cells: usize, cycles: u32) {
+        let per_cell = S::from_u32(cycles) / S::from_u32(cells.max(1) as u32);
+        if per_cell > self.per_cell {
+            self.per_cell = per_cell;
+        } else {
+            self.per_cell += (per_cell - self.per_cell) * S::of(FORGET);
+        }
+    }
+
+    /// A plan over so many cells came too late after so many servo cycles.
+    pub fn learn_late(&mut self, cells: usize, cycles: u32) {
+        let most = S::from_u32(cycles).greatest(S::ONE) * S::of(LATE);
+        self.learn(cells, most.to_i64().clamp(1, i64::from(u32::MAX)) as u32);
+    }
+
+    /// Servo cycles that a plan over so many cells will take; 0 if planning takes none.
+    pub fn cycles(&self, cells: usize) -> S {
+        let cycles = self.per_cell * S::from_u32(cells as u32);
+        // Less than a cycle in all: the clock does not move while a plan is made.
+        if cycles < S::of(0.5) { S::ZERO } else { cycles * S::of(RESERVE) + S::of(RESERVE_CYCLES) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn takes_up_more_at_once_and_less_slowly() {
+        let mut effort = Effort::<f64>::NONE;
+        assert!(effort.cycles(64) == 0.0);
+        effort.learn(10, 20);
+        assert!((effort.cycles(5) - 14.5).abs() < 1e-12);
+        effort.learn(10, 0);
+        assert!((effort.per_cell - 1.75).abs() < 1e-12);
+        effort.learn_late(10, 20);
+        assert!((effort.per_cell - 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn forgets_when_planning_takes_no_time() {
+        let mut effort = Effort::<f32>::NONE;
+        effort.learn(40, 40);
+        for _ in 0..60 {
+            effort.learn(40, 0);
+        }
+        assert!(effort.cycles(64) == 0.0);
+    }
+}

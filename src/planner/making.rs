@@ -1,0 +1,250 @@
+//! A plan in the making: what is kept of it between two slices of the planner's work.
+//!
+//! ```text
+//!   Ahead:   Solving ──▶ Checking ──┬──────────────▶ Publishing ──▶ offered
+//!                │                  │ beyond a limit     ▲
+//!                │                  ▼                    │
+//!                └─ (seeded) ◀── Seeding                 │
+//!   answers to commands, in one slice ───────────────────┘
+//! ```
+//!
+//! What it has changed lies in the horizon as a draft ([`super::horizon`]), so it can be dropped after any slice: by
+//! a command that it does not serve, or because the motion has passed the place where it would have branched off.
+
+use super::horizon::{Horizon, Proposal};
+use super::{Planner, Progress};
+use crate::number::Scalar;
+use crate::number::serial::{CycleSerial, NodeSerial};
+use crate::profile::seeding::Seeding;
+use crate::profile::solver::Aim;
+use crate::profile::solving::Solving;
+use crate::servo::control::Wish;
+use crate::servo::link::Branch;
+use core::ops::ControlFlow;
+
+/// Pieces that are handed over in one slice.
+const PIECES: usize = 16;
+
+/// What a plan is made for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// To go on as far as is known.
+    Ahead,
+    /// To come to rest.
+    Hold,
+    /// To go on at other overrides.
+    Overrides,
+    /// To come to rest at the end of a block.
+    BlockEnd,
+}
+
+/// A plan in the making.
+#[derive(Clone, Copy, Debug)]
+pub struct Making<S> {
+    pub purpose: Purpose,
+    pub proposal: Proposal,
+    /// Servo cycle in which it was begun, and where the motion was.
+    began: CycleSerial,
+    at: NodeSerial,
+    stage: Stage<S>,
+}
+
+/// What the next slice does.
+#[derive(Clone, Copy, Debug)]
+enum Stage<S> {
+    /// A Newton step; the states from station `new` on began as a guess, or as a slow seed.
+    Solving { solving: Solving<S>, new: usize, seeded: bool },
+    /// Are all limits kept?
+    Checking { new: usize, seeded: bool },
+    /// A try for slow states that keep them, where the guess has led to none.
+    Seeding(Seeding<S>),
+    /// Pieces from this station on are handed over.
+    Publishing { next: usize },
+}
+
+/// Why there is no plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Failure {
+    /// The motion would crawl: it is better to rest first.
+    Crawl,
+    /// No motion within the limits was found.
+    Stuck,
+}
+
+impl<S: Scalar> Making<S> {
+    /// A plan for what lies ahead: `solving` starts from a guess at the states from station `new` on.
+    pub fn ahead(
+        proposal: Proposal,
+        solving: Solving<S>,
+        new: usize,
+        (began, at): (CycleSerial, NodeSerial),
+    ) -> Self {
+        let stage = Stage::Solving { solving, new, seeded: false };
+        Self { purpose: Purpose::Ahead, proposal, began, at, stage }
+    }
+
+    /// A plan whose states are found.
+    pub fn publishing(
+        purpose: Purpose,
+        proposal: Proposal,
+        (began, at): (CycleSerial, NodeSerial),
+    ) -> Self {
+        let next = proposal.stretch.first;
+        Self { purpose, proposal, began, at, stage: Stage::Publishing { next } }
+    }
+
+    /// A slice of looking for states; `Publishing` is the planner's.
+    fn step<const N: usize, const NODES: usize>(
+        &mut self,
+        horizon: &mut Horizon<S, N, NODES>,
+    ) -> ControlFlow<Failure> {
+        let stretch = self.proposal.stretch;
+        self.stage = match &mut self.stage {
+            Stage::Solving { solving, new, seeded } => {
+                if horizon.go_on(solving) {
+                    return ControlFlow::Continue(());
+                }
+                Stage::Checking { new: *new, seeded: *seeded }
+            }
+            Stage::Checking { new, seeded } => {
+                if horizon.holds(stretch) {
+                    let goes_on = self.proposal.branch != Branch::Node(horizon.end());
+                    if goes_on && horizon.crawl_in(stretch).is_some() {
+                        return ControlFlow::Break(Failure::Crawl);
+                    }
+                    Stage::Publishing { next: stretch.first }
+                } else if *seeded {
+                    return ControlFlow::Break(Failure::Stuck);
+                } else {
+                    // From the plan as it stands, and slow speeds behind it.
+                    horizon.take_agreed(stretch.first..*new);
+                    Stage::Seeding(Seeding::new(&horizon.config.limits, stretch, *new))
+                }
+            }
+            Stage::Seeding(seeding) => match horizon.seed(stretch, seeding) {
+                None => return ControlFlow::Continue(()),
+                Some(false) => return ControlFlow::Break(Failure::Stuck),
+                Some(true) => {
+                    // The part before may break a limit by a rounding, and what is improved from there may too.
+                    let new = stretch.first + 1;
+                    let solving = horizon.begin_improving(stretch, Aim::Time);
+                    Stage::Solving { solving, new, seeded: true }
+                }
+            },
+            Stage::Publishing { .. } => {
+                debug_assert!(false, "its states are found");
+                return ControlFlow::Continue(());
+            }
+        };
+        ControlFlow::Continue(())
+    }
+}
+
+impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
+    Planner<'_, S, N, BLOCKS, NODES>
+{
+    /// The next slice of the plan in the making.
+    pub(super) fn go_on(&mut self) -> Progress {
+        let Some(making) = &mut self.making else { return Progress::Waiting };
+        if let Stage::Publishing { next } = making.stage {
+            let proposal = making.proposal;
+            let last = proposal.stretch.last.min(next + PIECES);
+            self.horizon.compile(proposal.stretch, next..last, |piece| self.side.write(piece));
+            making.stage = Stage::Publishing { next: last };
+            if last < proposal.stretch.last {
+                return Progress::Planning;
+            }
+            let (purpose, began) = (making.purpose, making.began);
+            self.making = None;
+            if purpose == Purpose::Ahead {
+                let cells = proposal.stretch.last - proposal.stretch.first;
+                self.effort.learn(cells, self.side.cycles().since(began).unwrap_or(0));
+            }
+            self.offer(proposal);
+            return Progress::Planned;
+        }
+        match making.step(&mut *self.horizon) {
+            ControlFlow::Continue(()) => Progress::Planning,
+            ControlFlow::Break(failure) => {
+                let (branch, at) = (making.proposal.branch, making.at);
+                self.abandon();
+                self.failed(failure, branch, at)
+            }
+        }
+    }
+
+    /// A plan ahead came to nothing.
+    fn failed(&mut self, failure: Failure, branch: Branch, at: NodeSerial) -> Progress {
+        let end = self.horizon.end();
+        if failure == Failure::Crawl && branch != Branch::Node(end) {
+            // The rest that is agreed comes first.
+            return self.plan(end, at, false);
+        }
+        self.vain = Some(Vain { at, last: self.last_node() });
+        if failure == Failure::Stuck {
+            self.counters.stuck += 1;
+            #[cfg(feature = "defmt")]
+            defmt::warn!("no motion found from node {}", end.raw());
+        }
+        Progress::Waiting
+    }
+
+    /// Takes a proposal, with its draft, for the plan that is handed over next. Whether there was one.
+    pub(super) fn propose(&mut self, purpose: Purpose, proposal: Option<Proposal>) -> bool {
+        debug_assert!(self.making.is_none(), "one plan at a time");
+        let began = (self.side.cycles(), self.side.progress());
+        self.making = proposal.map(|proposal| Making::publishing(purpose, proposal, began));
+        self.making.is_some()
+    }
+
+    /// Drops the plan in the making, with all that it has changed.
+    fn abandon(&mut self) {
+        self.making = None;
+        self.side.discard();
+        self.horizon.drop_draft();
+    }
+
+    /// Drops the plan in the making if it does not serve what is asked for, or can no longer be taken up.
+    pub(super) fn drop_unwanted(&mut self, wish: &Wish, at: NodeSerial) {
+        let Some(making) = &self.making else { return };
+        let brakes = wish.holds() || wish.aborts != self.answered.aborts;
+        // Those of a draft are what it is made for.
+        let paced = wish.overrides == self.horizon.overrides();
+        let serves = match making.purpose {
+            Purpose::Hold => brakes,
+            // A stop at the end of a block is for a start that has not been taken up, too.
+            Purpose::Ahead => paced && !brakes && !(wish.stop && at == self.horizon.end()),
+            Purpose::Overrides => paced && !brakes,
+            Purpose::BlockEnd => paced && !brakes && (wish.stop || wish.single),
+        };
+        let passed = match making.proposal.branch {
+            Branch::Node(node) => node != self.horizon.end() && !at.is_before(node),
+            Branch::Cycle(cycle) => cycle.is_before(self.side.cycles()),
+        };
+        if passed {
+            let stretch = making.proposal.stretch;
+            let cycles = self.side.cycles().since(making.began).unwrap_or(0);
+            let by_cycle = matches!(making.proposal.branch, Branch::Cycle(_));
+            self.late(by_cycle, stretch.last - stretch.first, cycles);
+        }
+        if passed || !serves {
+            self.abandon();
+        }
+    }
+}
+
+/// What no plan was found for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Vain {
+    at: NodeSerial,
+    last: NodeSerial,
+}
+
+impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
+    Planner<'_, S, N, BLOCKS, NODES>
+{
+    /// Whether no plan ahead is found before the motion has moved on or more of the path is known.
+    pub(super) fn is_vain(&self, at: NodeSerial) -> bool {
+        self.vain == Some(Vain { at, last: self.last_node() })
+    }
+}
