@@ -6,7 +6,8 @@ use splineway::wire::{
     Request, Situation, Speed, State, Station, Target, VERSION, encode,
 };
 use splineway::{
-    Activity, AxisLimits, Config, Coord, Interpolator, Limits, Link, Planner, Scalar, Setpoint,
+    Activity, AxisLimits, Config, Coord, Interpolator, Limits, Link, Planner, Progress, Scalar,
+    Setpoint,
 };
 
 const BLOCKS: usize = 8;
@@ -69,7 +70,7 @@ impl<S: Scalar> Rig<'_, S> {
     /// One servo cycle.
     fn tick(&mut self) {
         self.now = self.now.wrapping_add(1);
-        self.station.poll(&mut self.planner, &self.events, self.now);
+        while self.station.poll(&mut self.planner, &self.events, self.now) == Progress::Planning {}
         self.setpoint = self.interpolator.tick();
         self.happened.extend(self.events.take(&self.setpoint));
         let mut out = [0; FRAME];

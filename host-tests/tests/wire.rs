@@ -6,7 +6,7 @@ use splineway::wire::{
     Command, Events, FRAME, Inlet, Item, Move, Opening, Path, Refusal, Reply, Request, Sender,
     Speed, State, Station, Step, Target, encode,
 };
-use splineway::{AxisLimits, Block, Config, Coord, Limits, Link, Planner, PushError};
+use splineway::{AxisLimits, Block, Config, Coord, Limits, Link, Planner, Progress, PushError};
 use std::collections::VecDeque;
 
 const BLOCKS: usize = 16;
@@ -139,7 +139,7 @@ fn stream(items: &[Item], mut lines: [Line; 2], commands: &[(u64, Command)], hea
                 command.send(controls);
             }
         }
-        station.poll(&mut planner, &events, now as u32);
+        while station.poll(&mut planner, &events, now as u32) == Progress::Planning {}
         let setpoint = interpolator.tick();
         outcome.positions.push([0, 1, 2].map(|axis| setpoint.position_nm(axis)));
         let state = station.state(&setpoint);

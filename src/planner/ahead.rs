@@ -4,6 +4,7 @@ use super::horizon::{ADDED, Horizon, Proposal};
 use super::making::Making;
 use super::phase::{Halt, Phase, Rest};
 use super::{Planner, Progress};
+use crate::machine::Config;
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::path::cut::Cut;
@@ -108,7 +109,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.horizon.window.get(end).is_some_and(|end| end.pause) {
             return Progress::Waiting;
         }
-        let urgent = self.horizon.ends_within(self.horizon.config.lead * S::of(URGENT_LEADS), at);
+        let Config { lead, cycle, .. } = self.horizon.config;
+        let cells = self.horizon.window.len() - self.horizon.window.clamped_index(at);
+        // Until a plan made now can be taken up.
+        let planned = self.effort.cycles(cells) * cycle;
+        let urgent = self.horizon.ends_within((lead * S::of(URGENT_LEADS)).greatest(planned), at);
         if urgent
             && self.horizon.window.room() >= LEAST_ROOM
             && !self.builder.is_full()
@@ -123,14 +128,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.last_node() == self.horizon.end() {
             return if self.builder.len() > 0 { Progress::Waiting } else { Progress::NeedsBlocks };
         }
+        let shown = self.horizon.braking_from(at);
         let passed = !at.is_before(now.checkpoint);
-        if !(passed || urgent) {
+        let due = passed || urgent || self.horizon.time_to(at, shown) <= planned.greatest(lead);
+        if !due || self.is_vain(at) {
             return Progress::Waiting;
         }
-        if self.is_vain(at) {
-            return Progress::Waiting;
-        }
-        let Some(branch) = self.horizon.branch(at) else { return Progress::Waiting };
+        let Some(branch) = self.horizon.branch(at, planned) else { return Progress::Waiting };
         self.plan(branch, at, false)
     }
 

@@ -269,7 +269,7 @@ mod tests {
         fn round(&mut self) -> State {
             self.board.now += 1;
             self.board.left = self.board.room;
-            self.background.round(&mut self.board);
+            while self.background.round(&mut self.board) == Progress::Planning {}
             self.board.setpoint = self.interpolator.tick();
             self.background.state(&self.board.setpoint)
         }

@@ -9,8 +9,8 @@ use crc::{CRC_32_ISCSI, Crc, Digest};
 use serde::{Deserialize, Serialize};
 use splineway::wire::Events;
 use splineway::{
-    Activity, AxisLimits, Config, ConfigError, Coord, Interpolator, Limits, Link, Planner, Scalar,
-    Setpoint,
+    Activity, AxisLimits, Config, ConfigError, Coord, Interpolator, Limits, Link, Planner,
+    Progress, Scalar, Setpoint,
 };
 use splineway_controller::Background;
 
@@ -77,9 +77,9 @@ type Core<'a, S, const N: usize, const BLOCKS: usize, const NODES: usize> =
 #[inline(never)]
 fn plan<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
     background: &mut Background<'_, '_, S, N, BLOCKS, NODES, 16, 4>,
-) {
+) -> Progress {
     // Time stands still: nobody is missed.
-    background.plan(0);
+    background.plan(0)
 }
 
 #[inline(never)]
@@ -135,9 +135,14 @@ pub fn run<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
                 break;
             }
         }
-        meter.begin();
-        plan(&mut background);
-        meter.end(Part::Planning);
+        loop {
+            meter.begin();
+            let progress = plan(&mut background);
+            meter.end(Part::Planning);
+            if progress != Progress::Planning {
+                break;
+            }
+        }
         meter.begin();
         let setpoint = tick(interpolator);
         meter.end(Part::Tick);

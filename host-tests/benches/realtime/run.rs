@@ -3,7 +3,7 @@
 use crate::built::{self, Image};
 use anyhow::{Context, Result, ensure};
 use splineway::wire::{Events, Inlet};
-use splineway::{Coord, Link};
+use splineway::{Coord, Link, Progress};
 use splineway_realtime::{AXES, Line, Loop, Sample, Servo, Setup, round};
 use std::collections::HashMap;
 use std::path::Path;
@@ -59,7 +59,7 @@ pub fn real(image: &Image, bytes: &[u8]) -> Result<Run> {
     Ok(Run { samples, complete: values.get("complete") == Some(&1), values })
 }
 
-/// Here, where planning takes no time: one round a servo cycle.
+/// Here, where planning takes no time: in a servo cycle as many rounds as do something.
 pub fn zero(setup: &Setup, bytes: &[u8]) -> Result<Run> {
     let mut bytes = bytes.iter().copied();
     let mut inlet = Inlet::new();
@@ -73,7 +73,9 @@ pub fn zero(setup: &Setup, bytes: &[u8]) -> Result<Run> {
     let mut samples = Vec::new();
     let mut complete = false;
     while !complete && !servo.is_over() && servo.cycles < setup.most_cycles {
-        round(&mut background, &mut line, &servo.setpoint, servo.cycles);
+        while round(&mut background, &mut line, &servo.setpoint, servo.cycles) == Progress::Planning
+        {
+        }
         samples.push(servo.cycle());
         complete = background.is_done(&servo.setpoint) && servo.resting > 2 && setup.linger == 0;
     }

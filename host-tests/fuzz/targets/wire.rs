@@ -5,7 +5,7 @@
 use libfuzzer_sys::fuzz_target;
 use serde::ser::{Serialize, SerializeTuple, Serializer};
 use splineway::wire::{Events, FRAME, Inlet, Reply, Request, Sender, Station, encode};
-use splineway::{AxisLimits, Config, Coord, Interpolator, Limits, Link, Planner, Setpoint};
+use splineway::{AxisLimits, Config, Coord, Interpolator, Limits, Link, Planner, Progress, Setpoint};
 
 /// Bytes that are written as they are: what comes behind a CRC that fits.
 struct Raw<'a>(&'a [u8]);
@@ -48,7 +48,7 @@ impl Rig<'_> {
 
     fn cycle(&mut self) -> Option<Reply> {
         self.ms += 1;
-        self.station.poll(&mut self.planner, &self.events, self.ms);
+        while self.station.poll(&mut self.planner, &self.events, self.ms) == Progress::Planning {}
         let before = [0, 1, 2].map(|axis| self.setpoint.position(axis).to_mm());
         self.setpoint = self.interpolator.tick();
         let _ = self.events.take(&self.setpoint);

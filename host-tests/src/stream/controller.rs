@@ -4,7 +4,7 @@
 use anyhow::{Context, Result, bail};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use splineway::wire::{Event, Events, State};
-use splineway::{Activity, BLOCKS, Coord, Link, NODES, Planner, Setpoint};
+use splineway::{Activity, BLOCKS, Coord, Link, NODES, Planner, Progress, Setpoint};
 use splineway_controller::{Background, Port};
 use splineway_simulator::machine::Machine;
 use std::collections::VecDeque;
@@ -216,7 +216,7 @@ impl Controller {
             outside.now = now;
             let target = (now.as_secs_f64() * speed / machine.cycle) as u64;
             // The line is served whether a servo cycle is due or not.
-            background.round(&mut outside);
+            while background.round(&mut outside) == Progress::Planning {}
             for _ in 0..(target.saturating_sub(cycles)).min(MOST_CYCLES) {
                 // The line is served whatever planning costs: what is not made up for now is lost time.
                 if began.elapsed() > now + MOST_TIME {
@@ -226,7 +226,7 @@ impl Controller {
                 if let Some(event) = events.take(&outside.setpoint) {
                     leaves |= tell(&Happening::Event(event));
                 }
-                background.round(&mut outside);
+                while background.round(&mut outside) == Progress::Planning {}
             }
             cycles = target;
             self.terminal.write_all(&outside.outgoing)?;

@@ -33,7 +33,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return false;
         }
         if made.is_none()
-            && let Some(node) = horizon.branch(at).filter(|node| horizon.is_near(at, *node))
+            && let Some(node) =
+                horizon.branch(at, S::ZERO).filter(|node| horizon.is_near(at, *node))
         {
             made = horizon.draft(|draft| {
                 draft.try_overrides(overrides);

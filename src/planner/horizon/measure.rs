@@ -12,6 +12,10 @@ use crate::profile::solver::Stretch;
 const CRAWL: f64 = 10.0;
 /// Share of its speed that a motion must have left after letting go of the brake, to be taken on.
 const LEAST_LEFT: f64 = 0.3;
+/// So many braking distances before the end of a plan its motion is not what it would be without the stop there.
+const SHOWN: f64 = 1.25;
+/// v^2 falls by more than this factor over a cell where a motion slows down.
+const SLOWER: f64 = 1.002;
 /// Nodes of the path lie at least as far apart as jerk takes a motion from rest in this many servo cycles:
 /// nearer ones would be passed no faster than they lie apart.
 const APART_CYCLES: f64 = 2.0;
@@ -40,15 +44,16 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// The node from which a new plan can branch off: a lead ahead of the motion, or half of what is left
-    /// of the plan if that is less. At its end the motion would rest.
-    pub fn branch(&self, at: NodeSerial) -> Option<NodeSerial> {
+    /// of the plan if that is less; but not before `planned`, s from the end of the piece under way, when the plan will be
+    /// there. At its end the motion would rest.
+    pub fn branch(&self, at: NodeSerial, planned: S) -> Option<NodeSerial> {
         let end = self.end_index();
         let first = self.window.clamped_index(at) + 1;
         let mut left = S::ZERO;
         for i in first..end {
             left += self.agreed_time(i);
         }
-        let lead = self.config.lead.least(left * S::of(0.5));
+        let lead = self.config.lead.least(left * S::of(0.5)).greatest(planned);
         let mut time = S::ZERO;
         for i in first..=end {
             if time >= lead || i == end {
@@ -57,6 +62,34 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             time += self.agreed_time(i);
         }
         None
+    }
+
+    /// From where on the motion shows that the plan ends at rest, behind the piece under way: until a stop from
+    /// there would take about all that is left of it, and no further than where it slows down to its end.
+    pub fn braking_from(&self, at: NodeSerial) -> usize {
+        let (first, end) = (self.window.clamped_index(at) + 1, self.end_index());
+        let mut left = S::ZERO;
+        let mut slows = end;
+        for i in (first..end).rev() {
+            let Some((station, after)) = self.window.pair(i) else { break };
+            left += station.cell.length;
+            if slows == i + 1 && station.agreed.b > after.agreed.b * S::of(SLOWER) {
+                slows = i;
+            }
+        }
+        for i in first..slows {
+            if left <= self.braking_distance(i) * S::of(SHOWN) {
+                return i;
+            }
+            left -= self.window.get(i).map_or(S::ZERO, |station| station.cell.length);
+        }
+        slows
+    }
+
+    /// Time that the agreed plan takes from the end of the piece under way to a station, s.
+    pub fn time_to(&self, at: NodeSerial, index: usize) -> S {
+        let first = self.window.clamped_index(at) + 1;
+        (first..index).fold(S::ZERO, |time, i| time + self.agreed_time(i))
     }
 
     /// The stretch from a branch to the end of the plan, or to the first rest in it.
