@@ -18,6 +18,7 @@ pub(crate) use root::cube_root;
 pub(crate) mod serial;
 pub(crate) mod shared;
 pub mod vector;
+mod wide;
 
 pub use arc_length::ArcLength;
 pub use coord::Coord;

@@ -92,7 +92,7 @@ pub trait Scalar:
 }
 
 macro_rules! scalar {
-    ($t:ident, $shared:ty, $sqrt:path, $cbrt:path, $ln:path, $sincos:path) => {
+    ($t:ident, $shared:ty, $sqrt:path, $cbrt:path, $ln:path, $sincos:path, $nearest:expr, $truncated:expr) => {
         impl Scalar for $t {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -114,11 +114,11 @@ macro_rules! scalar {
             }
             #[inline]
             fn from_i64(x: i64) -> Self {
-                x as Self
+                $nearest(x)
             }
             #[inline]
             fn to_i64(self) -> i64 {
-                self as i64
+                $truncated(self)
             }
             #[inline]
             fn sqrt(self) -> Self {
@@ -144,8 +144,41 @@ macro_rules! scalar {
     };
 }
 
-scalar!(f32, AtomicU32, sqrtf, libm::cbrtf, libm::logf, libm::sincosf);
-scalar!(f64, [AtomicU32; 2], libm::sqrt, libm::cbrt, libm::log, libm::sincos);
+/// Where the processor has instructions for them, those are less.
+mod conversions {
+    #[cfg(target_arch = "arm")]
+    pub(super) use super::super::wide::{nearest, truncated};
+
+    #[cfg(not(target_arch = "arm"))]
+    pub(super) fn nearest(x: i64) -> f32 {
+        x as f32
+    }
+    #[cfg(not(target_arch = "arm"))]
+    pub(super) fn truncated(x: f32) -> i64 {
+        x as i64
+    }
+}
+
+scalar!(
+    f32,
+    AtomicU32,
+    sqrtf,
+    libm::cbrtf,
+    libm::logf,
+    libm::sincosf,
+    conversions::nearest,
+    conversions::truncated
+);
+scalar!(
+    f64,
+    [AtomicU32; 2],
+    libm::sqrt,
+    libm::cbrt,
+    libm::log,
+    libm::sincos,
+    |x: i64| x as f64,
+    |x: f64| x as i64
+);
 
 #[cfg(test)]
 mod tests {

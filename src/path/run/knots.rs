@@ -48,12 +48,11 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             self.spline.begin(&self.polyline, here, self.start, s - here);
             self.knots = KnotState::Open;
         }
-        let Some(s) = self.allowed(here, s) else {
+        let Some(s) = self.lay_allowed(here, s) else {
             self.tie_at_rest();
             self.knots = KnotState::Broken;
             return true;
         };
-        self.lay(s);
         if s == to.s {
             self.dominant.pop_front();
             if to.stop {
@@ -69,6 +68,11 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     fn lay(&mut self, s: Length) {
         let before = self.spline.spans.len();
         self.spline.push(&self.polyline, s);
+        self.show(before);
+    }
+
+    /// Shows the tags of the span that has been completed, if there were `before` before.
+    fn show(&mut self, before: usize) {
         if self.spline.spans.len() == before {
             return;
         }
@@ -81,12 +85,15 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         self.pieces.release_before(from);
     }
 
-    /// The knot that was asked for, or one nearer at which the band is kept.
-    fn allowed(&self, here: Length, s: Length) -> Option<Length> {
+    /// Lays the knot that was asked for, or one nearer at which the band is kept. Returns where.
+    fn lay_allowed(&mut self, here: Length, s: Length) -> Option<Length> {
         let line = self.polyline.line_end(here);
         let tries = [s, here + (s - here) / 2, line.min(s), here + (line.min(s) - here) / 4];
-        // With room for the two that would end the spline there.
-        tries.into_iter().find(|&w| w > here && self.spline.allows(&self.polyline, &[w, w, w]))
+        let before = self.spline.spans.len();
+        let taken =
+            tries.into_iter().find(|&w| w > here && self.spline.try_push(&self.polyline, w));
+        self.show(before);
+        taken
     }
 
     /// Ends the spline at its last knot.

@@ -203,7 +203,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     /// The next cell, if there is one for good. `last` is the node it starts at; after a rest the
     /// spline's own direction counts.
     ///
-    /// Cost: one step of smoothing, or one cell; and the knots that there is room for.
+    /// Cost: one cell, or one knot, or one step of smoothing.
     pub fn next(&mut self, last: &Node<S, N>, rested: bool, sweeps: u16) -> Cut<S, N> {
         // Every turn hands on a cell, lays a knot, or makes spans ready.
         for _ in 0..4 * sliding::CONTROLS {
@@ -218,7 +218,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
                 return self.hand(last, rested).map_or(Cut::Nothing, Cut::Cell);
             }
             if self.extend() {
-                continue;
+                return Cut::Working;
             }
             let tied = self.is_tied();
             if !tied && (self.knots == KnotState::New || self.spline.has_room()) {
@@ -237,6 +237,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             if !self.smoothing.is_some() {
                 self.make_ready();
             }
+            return Cut::Working;
         }
         Cut::Nothing
     }

@@ -246,23 +246,10 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
 
     fn inside(&self, s: Length) -> [Coord; N] {
         let i = self.index(s);
-        let (Some(a), Some(b)) = (self.vertices.get(i.saturating_sub(1)), self.vertices.get(i))
-        else {
-            return self.vertices.front().map_or([Coord::ZERO; N], |v| v.at);
-        };
-        if s >= b.s || b.s <= a.s {
-            return b.at;
+        match (self.vertices.get(i.saturating_sub(1)), self.vertices.get(i)) {
+            (Some(start), Some(end)) => end.beside(start, s),
+            _ => self.vertices.front().map_or([Coord::ZERO; N], |v| v.at),
         }
-        let (done, all) = ((s - a.s).max(Length::ZERO), b.s - a.s);
-        if all < SHORT {
-            // From the nearer end: next to one, points lie closer together than the rounding of the whole.
-            let left = all - done;
-            let (end, along) = if done < left { (a, done) } else { (b, -left) };
-            let along: S = along.to_mm();
-            return from_fn(|k| end.at[k].plus(b.direction[k] * along));
-        }
-        let fraction = done.share_of(all);
-        from_fn(|k| a.at[k].towards(b.at[k], fraction))
     }
 
     /// The lines that hold what lies between two arc lengths, each by the vertices at its start
@@ -272,9 +259,10 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
         Interval { from, to }: Interval,
     ) -> impl Iterator<Item = (&Vertex<S, N>, &Vertex<S, N>)> {
         let first = self.index(from + Length::UNIT);
-        let ends = self.vertices.iter().skip(first);
-        let starts = self.vertices.iter().skip(first.saturating_sub(1));
-        starts.zip(ends).take_while(move |(start, _)| start.s < to)
+        (first..self.vertices.len()).map_while(move |i| {
+            let start = self.vertices.get(i.saturating_sub(1))?;
+            (start.s < to).then_some((start, self.vertices.get(i)?))
+        })
     }
 
     /// The line that starts at the vertex at an arc length, if there is one.
@@ -291,6 +279,24 @@ impl<S: Scalar, const N: usize> Vertex<S, N> {
         let line = Segment::<S, N>::line(from.at, at)?;
         let direction = line.end_frame().tangent;
         Some(Self { at, s: from.s + line.exact_length, direction, leg })
+    }
+
+    /// The point at an arc length of the line that leads here from `start`; at most as far as here.
+    pub fn beside(&self, start: &Self, s: Length) -> [Coord; N] {
+        let (a, b) = (start, self);
+        if s >= b.s || b.s <= a.s {
+            return b.at;
+        }
+        let (done, all) = ((s - a.s).max(Length::ZERO), b.s - a.s);
+        if all < SHORT {
+            // From the nearer end: next to one, points lie closer together than the rounding of the whole.
+            let left = all - done;
+            let (end, along) = if done < left { (a, done) } else { (b, -left) };
+            let along: S = along.to_mm();
+            return from_fn(|k| end.at[k].plus(b.direction[k] * along));
+        }
+        let fraction = done.share_of(all);
+        from_fn(|k| a.at[k].towards(b.at[k], fraction))
     }
 }
 

@@ -10,7 +10,7 @@
 use super::polyline::Polyline;
 use super::span::SpanCurve;
 use super::trial_span::{SPAN_CHECKS, TrialSpan};
-use crate::number::list::some;
+use crate::number::list::{part_mut, some};
 use crate::number::vector::zero;
 use crate::number::{Coord, Interval, Length, Scalar};
 use crate::path::leg::Leg;
@@ -53,6 +53,13 @@ struct SlowPoint<S> {
     s: Length,
     /// See [`crate::spline::sweep`], mm.
     reach: S,
+}
+
+/// What a knot would make.
+struct Fit<S, const N: usize> {
+    control: [Coord; N],
+    /// The span that it completes.
+    span: Option<TrialSpan<S>>,
 }
 
 /// The stretch.
@@ -141,9 +148,32 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         self.controls.len() + 3 <= CONTROLS && self.checks.len() + 3 * SPAN_CHECKS <= CHECKS
     }
 
-    /// The six knots of a span.
-    fn knots_of(&self, span: isize) -> [Length; 6] {
-        from_fn(|i| self.knot(span - 2 + i.cast_signed()))
+    /// Knot number `j`, with more behind the last.
+    fn knot_with(&self, j: isize, more: &[Length]) -> Length {
+        let behind =
+            j.checked_sub_unsigned(self.controls.len()).and_then(|k| usize::try_from(k).ok());
+        match behind {
+            Some(k) => more.get(k).or(more.last()).copied().unwrap_or(Length::ZERO),
+            None => self.knot(j),
+        }
+    }
+
+    /// The six knots of a span, with more behind the last.
+    fn knots_of(&self, span: isize, more: &[Length]) -> [Length; 6] {
+        from_fn(|i| self.knot_with(span - 2 + i.cast_signed(), more))
+    }
+
+    /// Control point number `j` of the base spline, with more behind the last.
+    fn control(&self, j: isize, more: &[[Coord; N]]) -> [Coord; N] {
+        let known = self.controls.get(j as usize).map(|control| &control.base);
+        let new = || more.get((j as usize).checked_sub(self.controls.len())?);
+        known.or_else(new).copied().unwrap_or([Coord::ZERO; N])
+    }
+
+    /// Control point number `j` of the base spline, which more knots would make.
+    fn new_control(&self, polyline: &Polyline<S, N>, j: isize, more: &[Length]) -> [Coord; N] {
+        let [a, b, c] = [j - 2, j - 1, j].map(|j| self.knot_with(j, more));
+        polyline.point(Length::mean(a, b, c))
     }
 
     /// The arc lengths over which a span lies.
@@ -163,48 +193,90 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         self.knot((self.controls.len().cast_signed() - 6).max(-2))
     }
 
-    /// Whether the base spline keeps to the band in the spans that these knots would make, and there is room for them
-    /// with all their check points: a span that lacks one would not be held to the band there.
-    pub fn allows(&self, polyline: &Polyline<S, N>, more: &[Length]) -> bool {
-        if self.controls.len() + more.len() > CONTROLS
-            || self.checks.len() + more.len() * SPAN_CHECKS > CHECKS
-        {
+    /// Whether the base spline keeps to the band in the spans that these knots would make, three at most, and there is room
+    /// for them with all their check points: a span that lacks one would not be held to the band there.
+    pub fn allows(&mut self, polyline: &Polyline<S, N>, more: &[Length]) -> bool {
+        self.fits(polyline, more, false).is_some()
+    }
+
+    /// Takes a knot, if that is allowed and the spline might end there. Returns whether it is taken.
+    pub fn try_push(&mut self, polyline: &Polyline<S, N>, s: Length) -> bool {
+        let places = self.checks.len();
+        // With room for the two that would end the spline there.
+        let Some(Fit { control, span }) = self.fits(polyline, &[s, s, s], true) else {
+            self.checks.truncate(places);
             return false;
-        }
-        let known = self.controls.len().cast_signed();
-        let first = (known - 3).max(0);
-        (first..known + more.len().cast_signed() - 3).all(|span| {
-            let knots: [Length; 6] = from_fn(|i| {
-                let j = span - 2 + i.cast_signed();
-                let new = || more.get((j - known) as usize).copied().unwrap_or(Length::ZERO);
-                if j < known { self.knot(j) } else { new() }
-            });
-            knots[3] <= knots[2] || TrialSpan::new(polyline, &knots).is_some()
-        })
+        };
+        self.take(s, control, span, places);
+        true
     }
 
     /// Takes a knot that is allowed.
     pub fn push(&mut self, polyline: &Polyline<S, N>, s: Length) {
         let n = self.controls.len().cast_signed();
-        let base = polyline.point(Length::mean(self.knot(n - 2), self.knot(n - 1), s));
+        let places = self.checks.len();
+        let control = self.new_control(polyline, n, &[s]);
+        let mut span = None;
+        if n >= 3 {
+            let knots = self.knots_of(n - 3, &[s]);
+            let controls = from_fn(|i| self.control(n - 3 + i.cast_signed(), &[control]));
+            span = TrialSpan::new(polyline, &knots, &controls, Some(&mut self.checks));
+            debug_assert!(span.is_some() || knots[3] <= knots[2], "a knot that was not allowed");
+            if span.is_none() {
+                self.checks.truncate(places);
+            }
+        }
+        self.take(s, control, span, places);
+    }
+
+    /// What more knots would make, up to three, if the base spline keeps to the band there. `keep`: the check points of
+    /// the first are added to the list, which may have grown in any case.
+    fn fits(
+        &mut self,
+        polyline: &Polyline<S, N>,
+        more: &[Length],
+        keep: bool,
+    ) -> Option<Fit<S, N>> {
+        if self.controls.len() + more.len() > CONTROLS
+            || self.checks.len() + more.len() * SPAN_CHECKS > CHECKS
+        {
+            return None;
+        }
+        let known = self.controls.len().cast_signed();
+        let new: [[Coord; N]; 3] =
+            from_fn(|k| self.new_control(polyline, known + k.cast_signed(), more));
+        let mut fit = Fit { control: new[0], span: None };
+        for span in (known - 3).max(0)..known + more.len().cast_signed() - 3 {
+            let knots = self.knots_of(span, more);
+            if knots[3] <= knots[2] {
+                continue;
+            }
+            let controls = from_fn(|i| self.control(span + i.cast_signed(), &new));
+            let first = span + 3 == known;
+            let list = (keep && first).then_some(&mut self.checks);
+            let trial = TrialSpan::new(polyline, &knots, &controls, list)?;
+            if first {
+                fit.span = Some(trial);
+            }
+        }
+        Some(fit)
+    }
+
+    /// Takes a knot with its control point and the span that it completes, whose check points begin at `places`.
+    fn take(&mut self, s: Length, base: [Coord; N], span: Option<TrialSpan<S>>, places: usize) {
+        let completed = self.controls.len().checked_sub(3);
         if let (Some(last), Some(pole)) = (self.controls.last(), self.poles.last_mut()) {
             pole.edge = from_fn(|i| base[i].minus(last.base[i]));
         }
         let kept = self.controls.push(Control { knot: s, base }).is_ok()
             & self.poles.push(Pole::new(zero())).is_ok();
         debug_assert!(kept, "no room for a control point");
-        if n >= 3 {
-            let knots = self.knots_of(n - 3);
-            let trial = TrialSpan::new(polyline, &knots);
-            debug_assert!(trial.is_some() || knots[3] <= knots[2], "a knot that was not allowed");
-            if let Some(trial) = trial {
-                self.take(trial, knots[3]);
-            }
+        if let (Some(completed), Some(trial)) = (completed, span) {
+            self.take_span(trial, self.knot(completed.cast_signed() + 1), places);
         }
     }
 
-    fn take(&mut self, trial: TrialSpan<S, N>, end: Length) {
-        let mut span = trial.span;
+    fn take_span(&mut self, TrialSpan { mut span, leg }: TrialSpan<S>, end: Length, places: usize) {
         let start = self.reach;
         self.reach += span.step;
         self.slow_points.retain(|slow| slow.s >= end);
@@ -213,19 +285,19 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         }
         span.reach = start.least(self.reach);
         span.price = price(span.reach);
-        span.first_check = self.checks.len() as u16;
-        span.checks = trial.checks.len() as u16;
+        span.first_check = places as u16;
+        span.checks = (self.checks.len() - places) as u16;
+        let weight = Derivative::Third.first_weight(&span);
         // The place where two spans meet is held against the narrower band of the two.
-        let mut narrower = self.checks.last().map(|check| check.radius);
-        for mut check in trial.checks {
-            check.weight = Derivative::Third.first_weight(&span);
+        let before = places.checked_sub(1).and_then(|last| self.checks.get(last));
+        let mut narrower = before.map(|check| check.radius);
+        for check in part_mut(&mut self.checks, span.range()) {
+            check.weight = weight;
             if let Some(radius) = narrower.take() {
                 check.radius = check.radius.least(radius);
             }
-            let kept = self.checks.push(check);
-            debug_assert!(kept.is_ok(), "no room for a check point");
         }
-        let kept = self.spans.push(span).is_ok() & self.legs.push(trial.leg).is_ok();
+        let kept = self.spans.push(span).is_ok() & self.legs.push(leg).is_ok();
         debug_assert!(kept, "no room for a span");
     }
 
@@ -271,7 +343,7 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
 
     /// The six knots of a span.
     fn local(&self, span: usize) -> Local<S> {
-        Local::new(&self.knots_of(span.cast_signed()))
+        Local::new(&self.knots_of(span.cast_signed(), &[]))
     }
 
     /// The curve of a span.

@@ -27,11 +27,10 @@ const SHARP: f64 = 0.15;
 const SLIP: f64 = 2.0;
 
 /// A span that may be taken on.
-pub struct TrialSpan<S, const N: usize> {
+pub struct TrialSpan<S> {
     pub span: Span<S>,
     /// What is asked for on it.
     pub leg: Leg<S>,
-    pub checks: Vec<CheckPoint<S, N>, SPAN_CHECKS>,
 }
 
 /// A line of the poly-line: the vertices at its start and its end.
@@ -50,17 +49,19 @@ struct Base<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Base<S, N> {
-    /// Over six knots; `None` if there is no line beside it.
-    fn new(polyline: &Polyline<S, N>, knots: &[Length; 6]) -> Option<Self> {
+    /// Over six knots, with four control points; `None` if there is no line beside it.
+    fn new(
+        polyline: &Polyline<S, N>,
+        knots: &[Length; 6],
+        [origin, others @ ..]: &[[Coord; N]; 4],
+    ) -> Option<Self> {
         let interval = Interval { from: knots[2], to: knots[3] };
         let lines = polyline.lines(interval);
         let leg = lines.map(|(_, end)| end.leg).reduce(|a, b| a.with(&b))?;
-        let [origin, others @ ..]: [[Coord; N]; 4] =
-            from_fn(|j| polyline.point(Length::mean(knots[j], knots[j + 1], knots[j + 2])));
         Some(Self {
             local: Local::new(knots),
             interval,
-            origin,
+            origin: *origin,
             others: others.each_ref().map(|at| from_fn(|i| at[i].minus(origin[i]))),
             leg,
             radius: budget::run_radius(leg.tolerance, leg.error),
@@ -101,50 +102,87 @@ impl<S: Scalar, const N: usize> Base<S, N> {
     }
 }
 
-impl<S: Scalar, const N: usize> TrialSpan<S, N> {
-    /// A span over six knots with its check points; `None` if the base spline leaves the band there, or has more
-    /// vertices beside it than there is room for.
-    pub fn new(polyline: &Polyline<S, N>, knots: &[Length; 6]) -> Option<Self> {
-        let base = Base::new(polyline, knots)?;
+/// The check points of a span, as they are found.
+struct Checked<'a, S, const N: usize, const CHECKS: usize> {
+    list: Option<&'a mut Vec<CheckPoint<S, N>, CHECKS>>,
+    count: usize,
+    /// What the spline may be away from the poly-line, and is at most, mm.
+    radius: S,
+    most: S,
+    /// Whether it is nowhere farther than that.
+    inside: bool,
+}
+
+impl<S: Scalar, const N: usize, const CHECKS: usize> Checked<'_, S, N, CHECKS> {
+    /// `None` if there is no room for it.
+    fn add(&mut self, check: CheckPoint<S, N>) -> Option<()> {
+        self.count += 1;
+        self.see(&check);
+        if let Some(list) = &mut self.list {
+            list.push(check).ok()?;
+        }
+        (self.count <= SPAN_CHECKS).then_some(())
+    }
+
+    /// Takes note of what one misses the poly-line by.
+    fn see(&mut self, check: &CheckPoint<S, N>) {
+        let miss = norm(&check.miss);
+        self.most = self.most.greatest(miss);
+        self.inside &= miss <= self.radius;
+    }
+}
+
+impl<S: Scalar> TrialSpan<S> {
+    /// A span over six knots with four control points, whose check points are added to a list if there is one; `None`
+    /// if the base spline leaves the band there, or has more vertices beside it than there is room for. (The list may
+    /// have grown then.)
+    pub fn new<const N: usize, const CHECKS: usize>(
+        polyline: &Polyline<S, N>,
+        knots: &[Length; 6],
+        controls: &[[Coord; N]; 4],
+        list: Option<&mut Vec<CheckPoint<S, N>, CHECKS>>,
+    ) -> Option<Self> {
+        let base = Base::new(polyline, knots, controls)?;
         let Interval { from, to } = base.interval;
-        let mut checks: Vec<CheckPoint<S, N>, SPAN_CHECKS> = Vec::new();
-        let mut at_end = S::ZERO;
+        let mut checked =
+            Checked { list, count: 0, radius: base.radius, most: S::ZERO, inside: true };
         let mut widest = Length::ZERO;
+        let mut before = None;
         for line in polyline.lines(base.interval) {
             let (start, end) = line;
             let (first, last) = (start.s.max(from), end.s.min(to));
             // The start: a vertex, or a point of the line.
-            let at = polyline.point(first);
+            let at = end.beside(start, first);
             if start.s < first {
-                checks.push(base.check(first, &at, Some(line))).ok()?;
+                checked.add(base.check(first, &at, Some(line)))?;
             } else if is_sharp(start, end) {
                 if first > from {
                     // Both lines must be near where they meet.
-                    let point = Interval { from: first - Length::UNIT, to: first };
-                    let before = polyline.lines(point).next();
-                    checks.push(base.check(first, &at, before)).ok()?;
+                    checked.add(base.check(first, &at, before))?;
                 }
-                checks.push(base.check(first, &at, Some(line))).ok()?;
+                checked.add(base.check(first, &at, Some(line)))?;
             } else {
-                checks.push(base.check(first, &at, None)).ok()?;
+                checked.add(base.check(first, &at, None))?;
             }
             let mut gap = last - first;
             // Gaps of little more than half a span.
             if gap > (to - from) / 8 * 5 {
                 gap = gap / 2 + Length::UNIT;
                 let middle = first + gap;
-                checks.push(base.check(middle, &polyline.point(middle), Some(line))).ok()?;
+                checked.add(base.check(middle, &end.beside(start, middle), Some(line)))?;
             }
             widest = widest.max(gap);
+            before = Some(line);
             if last == to {
-                let sharp = polyline.leaving(to).is_some_and(|next| is_sharp(end, next));
+                let next = if end.s == to { polyline.leaving(to) } else { None };
+                let sharp = next.is_some_and(|next| is_sharp(end, next));
                 let line = (sharp || end.s > to).then_some(line);
-                let end = base.check(to, &polyline.point(to), line);
+                let at_end = base.check(to, &end.beside(start, to), line);
                 if sharp {
-                    checks.push(end).ok()?;
+                    checked.add(at_end)?;
                 } else {
                     // The first check point of the next span.
-                    at_end = norm(&end.miss);
+                    checked.see(&at_end);
                 }
             }
         }
@@ -152,10 +190,8 @@ impl<S: Scalar, const N: usize> TrialSpan<S, N> {
         let edges = base.edges();
         let rest = base.local.step() * base.local.step() * S::of(budget::REST);
         let span = Span::new(&base.local, gap * gap * S::of(0.125) + rest);
-        let sag = span.slack(&edges);
-        let holds = |miss: S| miss + sag <= base.radius;
-        let inside = holds(at_end) && checks.iter().all(|check| holds(norm(&check.miss)));
-        (inside && span.goes_on(&edges)).then_some(Self { span, leg: base.leg, checks })
+        let holds = checked.inside && checked.most + span.slack(&edges) <= base.radius;
+        (holds && span.goes_on(&edges)).then_some(Self { span, leg: base.leg })
     }
 }
 

@@ -1,0 +1,89 @@
+//! Conversions between `f32` and wide integers in few instructions where the processor has none for them.
+//!
+//! Path coordinates and lengths are 64-bit integers, and on a Cortex-M every use of one in `f32` is a conversion: the
+//! compiler's own functions take some fifty instructions for each, these some fifteen. The bits are the same.
+
+/// Bits of an `f32` below its leading one.
+const FRACTION: u32 = 23;
+/// Exponent of one.
+const ONE: u32 = 127;
+
+/// The `f32` nearest to an integer, as `as` has it.
+#[cfg_attr(not(target_arch = "arm"), allow(dead_code))]
+pub fn nearest(x: i64) -> f32 {
+    let size = x.unsigned_abs();
+    let zeros = ((size >> 32) as u32).leading_zeros();
+    // The upper 32 bits from the leading one on. What is cut off only says on which side of a middle it is.
+    let shifted = size << zeros;
+    let top = (shifted >> 32) as u32 | u32::from(shifted as u32 != 0);
+    // Where the leading one lies in the lower half the whole is one word, and the shift has left it in the upper.
+    let (word, power) = if zeros == 32 { (size as u32, 0) } else { (top, 32 - zeros) };
+    // Rounded once, by the processor; a power of two is exact.
+    let magnitude = word as f32 * f32::from_bits((ONE + power) << FRACTION);
+    if x < 0 { -magnitude } else { magnitude }
+}
+
+/// An `f32` without its fraction, as `as` has it: saturated; NaN gives 0.
+#[cfg_attr(not(target_arch = "arm"), allow(dead_code))]
+pub fn truncated(x: f32) -> i64 {
+    let bits = x.to_bits();
+    let exponent = bits >> FRACTION & 0xff;
+    if exponent < ONE {
+        return 0;
+    }
+    if exponent >= ONE + 63 {
+        return if x.is_nan() {
+            0
+        } else if x < 0.0 {
+            i64::MIN
+        } else {
+            i64::MAX
+        };
+    }
+    let word = u64::from(bits & ((1 << FRACTION) - 1) | 1 << FRACTION);
+    let place = exponent - ONE;
+    let size =
+        if place < FRACTION { word >> (FRACTION - place) } else { word << (place - FRACTION) };
+    let size = size.cast_signed();
+    if x < 0.0 { -size } else { size }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers of all sizes, with bits at both ends, and about the middles between two `f32`.
+    fn numbers() -> impl Iterator<Item = i64> {
+        let mut seed = 1u64;
+        let random = (0..200_000u32).map(move |k| {
+            seed = seed
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (seed.cast_signed() >> (k % 64)) ^ i64::from(k % 3)
+        });
+        let edges = (0..63).flat_map(|k| [-1i64, 0, 1].map(|d| (1i64 << k) + d));
+        let middles = (24..62).flat_map(|k| {
+            let middle = (1i64 << k) + (1i64 << (k - 24));
+            [-1, 0, 1].map(|d| middle + d)
+        });
+        let some = [0, i64::MAX, i64::MIN, i64::MAX - 1, i64::MIN + 1];
+        some.into_iter().chain(edges).chain(middles).chain(random)
+    }
+
+    #[test]
+    fn integers_are_converted_as_the_language_does() {
+        for x in numbers().flat_map(|x| [x, x.wrapping_neg()]) {
+            assert_eq!(nearest(x).to_bits(), (x as f32).to_bits(), "{x}");
+        }
+    }
+
+    #[test]
+    fn fractions_are_cut_off_as_the_language_does() {
+        let floats = numbers().map(|x| f32::from_bits(x as u32));
+        let wide = numbers().map(|x| x as f32);
+        let some = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.999_999_9, -0.0, 9.223_372e18];
+        for x in floats.chain(wide).chain(some).flat_map(|x| [x, -x]) {
+            assert_eq!(truncated(x), x as i64, "{x}");
+        }
+    }
+}
