@@ -44,6 +44,10 @@ pub struct Sums<S> {
     pub hessian: [S; 10],
 }
 
+impl<S: Scalar> Sums<S> {
+    pub const ZERO: Self = Self { gradient: [S::ZERO; 4], hessian: [S::ZERO; 10] };
+}
+
 /// Slope and curvature of a function of one row.
 #[derive(Clone, Copy)]
 struct Bend<S> {
@@ -214,7 +218,7 @@ impl<S: Scalar> Sink<S> for Model<S> {
 }
 
 /// Sums the barrier over all rows; notices a broken limit.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Slack<S> {
     relaxation: Relaxation<S>,
     product: S,

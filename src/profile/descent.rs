@@ -8,11 +8,11 @@
 //! hold, so it may be stopped after any number of steps. It serves where an answer is owed that is
 //! valid whatever happens, and when the other has failed.
 //!
-//! Either is a [`Descent`], which takes one Newton step at a time and is plain data between two.
+//! Either is a [`Descent`], which takes a part of a Newton step at a time and is plain data between two.
 //!
 //! Work of either: at most `iterations` steps, each one pass with gradients over the cells of the
-//! stretch and at most [`TRIES`] + 2 without; one and a half times as many for an aim other than
-//! the time.
+//! stretch, in parts, and at most [`TRIES`] + 2 without, each a part; one and a half times as many for an aim
+//! other than the time.
 //!
 //! The numbers below were chosen by trial; one of them changed hardly changes the time, and not much the number of steps. Over
 //! the paths of [`super::guess`] (15,586 servo cycles in 787 steps) the time stays within two cycles:
@@ -33,10 +33,9 @@
 //! The method, and the words, are those of Boyd and Vandenberghe, Convex Optimization (2004), chapters 9 and 11: mu is 1 / t
 //! there, the Newton decrement bounds what is left to gain.
 
-use super::problem::{Probe, Problem, Weights};
+use super::problem::{Assembly, Probe, Problem, Weights};
 use super::tridiagonal::solve;
 use crate::number::Scalar;
-use core::ops::ControlFlow;
 
 /// Most shortenings of one step.
 const TRIES: usize = 16;
@@ -92,9 +91,13 @@ pub(super) struct MuRange<S> {
     pub last: S,
 }
 
-/// Why there is no further step.
+/// What came of going on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum End {
+pub(super) enum Went {
+    /// There is more to do for the step.
+    Part,
+    /// A step has been taken, or could not be; there is another to try.
+    Step,
     /// The states are those that were looked for, or as near as can be.
     Settled,
     /// The states cannot be evaluated: nothing has been done.
@@ -109,56 +112,146 @@ pub(super) struct Descent<S> {
     schedule: &'static Schedule,
     /// Steps in a row that found nothing better.
     failures: u32,
+    stage: Stage<S>,
 }
 
-/// What came of a search along the step.
+/// How far it has got with a step.
 #[derive(Clone, Copy, Debug)]
-struct Search<S> {
-    /// The share of the step to take, if any is no worse than the states at hand.
-    share: Option<S>,
+enum Stage<S> {
+    Begin,
+    /// The Newton system is being made.
+    Assembling(Assembly<S>),
+    /// The step is in the workspace: how much of it to take?
+    Searching(Trial<S>),
+}
+
+/// A search along a step for states that are no worse than those at hand.
+#[derive(Clone, Copy, Debug)]
+struct Trial<S> {
+    /// What the states at hand are worth.
+    here: S,
+    /// Newton decrement, squared.
+    decrement: S,
+    /// The share of the step that is tried next.
+    share: S,
     /// Whether a limit stood in the way of the whole step.
     blocked: bool,
+    tries: usize,
 }
 
 impl<S: Scalar> Descent<S> {
     pub(super) fn new(range: MuRange<S>, schedule: &'static Schedule) -> Self {
         let weights = Weights { mu: range.first, mu_curvature: range.first, damping: S::ZERO };
-        Self { weights, last_mu: range.last, schedule, failures: 0 }
+        Self { weights, last_mu: range.last, schedule, failures: 0, stage: Stage::Begin }
     }
 
-    /// One Newton step.
+    /// Forgets what has been done for a step: the workspace has been used for something else.
+    pub(super) fn begin_again(&mut self) {
+        self.stage = Stage::Begin;
+    }
+
+    /// A part of a Newton step: some cells' derivatives, or one trial.
     // Once in the image, however often it is called.
     #[inline(never)]
-    pub(super) fn step<const N: usize, const NODES: usize>(
+    pub(super) fn go_on<const N: usize, const NODES: usize>(
         &mut self,
         problem: &mut Problem<'_, S, N, NODES>,
-    ) -> ControlFlow<End> {
-        let cells = problem.cells();
+    ) -> Went {
+        let assembly = match self.stage {
+            Stage::Begin => problem.begin_assembly(),
+            Stage::Assembling(assembly) => assembly,
+            Stage::Searching(trial) => return self.try_share(problem, trial),
+        };
+        self.assemble(problem, assembly)
+    }
+
+    /// Makes the Newton system, or a part of it, and solves it if it is complete.
+    #[inline]
+    fn assemble<const N: usize, const NODES: usize>(
+        &mut self,
+        problem: &mut Problem<'_, S, N, NODES>,
+        mut assembly: Assembly<S>,
+    ) -> Went {
         let now = &mut self.weights;
-        let Some(here) = problem.assemble(*now) else { return ControlFlow::Break(End::Lost) };
+        match problem.assemble(*now, &mut assembly) {
+            None => return Went::Lost,
+            Some(false) => {
+                self.stage = Stage::Assembling(assembly);
+                return Went::Part;
+            }
+            Some(true) => {}
+        }
+        let Some(here) = assembly.value(now.mu) else { return Went::Lost };
+        let cells = problem.cells();
         let decrement = solve(problem.rows(cells.clone()));
         if !decrement.is_finite() {
             // Rounding has made the system singular: take it from further inside.
             now.damping = (now.damping * S::of(16.0)).greatest(S::ONE);
-            return ControlFlow::Continue(());
+            self.stage = Stage::Begin;
+            return Went::Step;
         }
-        for row in problem.rows(cells.clone()) {
+        for row in problem.rows(cells) {
             row.step = row.gradient;
         }
-        let Search { share, blocked } = problem.search(now.mu, here);
-        now.damping = next_damping(now.damping, share.is_some(), blocked);
-        let mut settled = decrement < now.mu * S::of(self.schedule.small);
-        if let Some(share) = share {
-            problem.take_step(share);
+        let share = problem.longest_share();
+        let trial = Trial { here, decrement, share, blocked: false, tries: 0 };
+        self.stage = Stage::Searching(trial);
+        Went::Part
+    }
+
+    /// Tries a share of the step, and takes it if it is no worse.
+    #[inline]
+    fn try_share<const N: usize, const NODES: usize>(
+        &mut self,
+        problem: &mut Problem<'_, S, N, NODES>,
+        mut trial: Trial<S>,
+    ) -> Went {
+        let mu = self.weights.mu;
+        let value = |share: S| problem.value(Probe { mu, share }, problem.cells());
+        let slack = trial.here.abs() * S::EPSILON * S::of(ROUNDING_ERRORS);
+        let there = value(trial.share);
+        let found = there.is_some_and(|there| there <= trial.here + slack);
+        if found {
+            // A limit is near: keep a distance from it, or the next steps only slide along.
+            let shorter = trial.share * S::of(DISTANCE);
+            if trial.blocked && value(shorter).is_some() {
+                trial.share = shorter;
+            }
+        } else {
+            trial.blocked |= there.is_none();
+            trial.share = trial.share * S::of(SHORTER);
+            trial.tries += 1;
+            if trial.tries < TRIES {
+                self.stage = Stage::Searching(trial);
+                return Went::Part;
+            }
+        }
+        self.stage = Stage::Begin;
+        self.take(problem, &trial, found)
+    }
+
+    /// Takes the step as far as was `found` good, and sees what comes next.
+    #[inline]
+    fn take<const N: usize, const NODES: usize>(
+        &mut self,
+        problem: &mut Problem<'_, S, N, NODES>,
+        trial: &Trial<S>,
+        found: bool,
+    ) -> Went {
+        let now = &mut self.weights;
+        now.damping = next_damping(now.damping, found, trial.blocked);
+        let mut settled = trial.decrement < now.mu * S::of(self.schedule.small);
+        if found {
+            problem.take_step(trial.share);
             self.failures = 0;
-            let share = if share > S::of(WHOLE_STEP) { S::ONE } else { share };
+            let share = if trial.share > S::of(WHOLE_STEP) { S::ONE } else { trial.share };
             settled |= now.mu_curvature > now.mu && share == S::ONE;
             now.mu_curvature += (now.mu - now.mu_curvature) * share;
         } else {
             self.failures += 1;
             settled |= self.failures >= MOST_FAILURES;
         }
-        if settled { self.settle(problem, decrement) } else { ControlFlow::Continue(()) }
+        if settled { self.settle(problem, trial.decrement) } else { Went::Step }
     }
 
     /// Near enough to the least value at this mu: on to the next, or to an end.
@@ -167,7 +260,7 @@ impl<S: Scalar> Descent<S> {
         &mut self,
         problem: &mut Problem<'_, S, N, NODES>,
         decrement: S,
-    ) -> ControlFlow<End> {
+    ) -> Went {
         let now = &mut self.weights;
         let fall = S::of(DELTA_FALL);
         now.mu_curvature = now.mu;
@@ -180,11 +273,11 @@ impl<S: Scalar> Descent<S> {
             || problem.holds()
             || self.failures >= MOST_FAILURES
         {
-            return ControlFlow::Break(End::Settled);
+            return Went::Settled;
         } else if decrement < now.mu * S::of(SHARPEN) {
             problem.task.relaxation = problem.task.relaxation.sharpened(fall);
         }
-        ControlFlow::Continue(())
+        Went::Step
     }
 }
 
@@ -196,28 +289,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
         let time = self.time().unwrap_or(S::ZERO);
         let first = (scale * S::of(FIRST_MU)).greatest(time / cells * S::of(FIRST_SHARE));
         MuRange { first, last: scale * S::of(schedule.last) }
-    }
-
-    /// Looks along the step for states that are no worse than those at hand, which are worth `here`.
-    fn search(&self, mu: S, here: S) -> Search<S> {
-        let value = |share: S| self.value(Probe { mu, share }, self.cells());
-        let mut share = self.longest_share();
-        let slack = here.abs() * S::EPSILON * S::of(ROUNDING_ERRORS);
-        let mut blocked = false;
-        for _ in 0..TRIES {
-            let there = value(share);
-            if let Some(there) = there
-                && there <= here + slack
-            {
-                // A limit is near: keep a distance from it, or the next steps only slide along.
-                let shorter = share * S::of(DISTANCE);
-                let kept = blocked && value(shorter).is_some();
-                return Search { share: Some(if kept { shorter } else { share }), blocked };
-            }
-            blocked |= there.is_none();
-            share = share * S::of(SHORTER);
-        }
-        Search { share: None, blocked }
     }
 
     /// Longest share of the step that leaves every b at least a tenth of what it was.

@@ -68,6 +68,25 @@ pub(super) struct Probe<S> {
     pub share: S,
 }
 
+/// Cells whose derivatives are made at once: some 100,000 instructions on the target with three axes, 250,000 with nine.
+const CELLS_AT_ONCE: usize = 24;
+
+/// How far the derivatives of a stretch have been made: those of the cells before `next` are in the blocks.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Assembly<S> {
+    next: usize,
+    time: S,
+    slack: Slack<S>,
+}
+
+impl<S: Scalar> Assembly<S> {
+    /// What is minimised, over the cells so far; `None` if it is no number.
+    pub(super) fn value(mut self, mu: S) -> Option<S> {
+        let value = self.time + self.slack.penalty + mu * self.slack.barrier();
+        value.is_finite().then_some(value)
+    }
+}
+
 /// How the model weighs its parts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Weights<S> {
@@ -243,24 +262,34 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
         Some(time)
     }
 
-    /// Gradient and second derivatives of every cell into the blocks; returns what is minimised, `None`
-    /// if a limit is broken that must not be.
-    pub(super) fn assemble(&mut self, weights: Weights<S>) -> Option<S> {
-        let Weights { mu, mu_curvature, damping } = weights;
+    /// An assembly of which nothing has been done.
+    pub(super) fn begin_assembly(&mut self) -> Assembly<S> {
         let cells = self.cells();
-        self.rows(cells.clone()).fill(BlockRow::EMPTY);
+        let next = cells.start;
+        self.rows(cells).fill(BlockRow::EMPTY);
+        Assembly { next, time: S::ZERO, slack: Slack::new(self.task.relaxation) }
+    }
+
+    /// Gradient and second derivatives of the next cells into the blocks, of at most [`CELLS_AT_ONCE`]. Whether those of all
+    /// are there; `None` if a limit is broken that must not be.
+    pub(super) fn assemble(
+        &mut self,
+        weights: Weights<S>,
+        assembly: &mut Assembly<S>,
+    ) -> Option<bool> {
+        let Weights { mu, mu_curvature, damping } = weights;
+        let Range { end, .. } = self.cells();
+        let Assembly { next: start, time, slack } = assembly;
+        let part = *start..end.min(*start + CELLS_AT_ONCE);
         let timed = self.is_timed();
-        let none = Sums { gradient: [S::ZERO; 4], hessian: [S::ZERO; 10] };
-        let slack = Slack::new(self.task.relaxation);
-        let mut model = Model { mu, mu_curvature, sums: none, slack };
-        let mut time = S::ZERO;
-        for i in cells.clone() {
+        let mut model = Model { mu, mu_curvature, sums: Sums::ZERO, slack: *slack };
+        for i in part.clone() {
             let (station, after) = self.window.pair(i)?;
             let free = [self.frees(i, station), self.frees(i + 1, after)];
             let cost = self.cost_of_speed(i, station, after);
-            time += cost * after.state.b;
+            *time += cost * after.state.b;
             let (length, from) = (station.cell.length, station.state);
-            let to = if i + 1 == cells.end { PathState::REST } else { after.state };
+            let to = if i + 1 == end { PathState::REST } else { after.state };
             let [_, ahead] = some_mut(self.rows, i)?;
             ahead.gradient[0] += cost;
             if !(length > S::ZERO) {
@@ -268,9 +297,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
             }
             let ends = CellEnds { length, from, to, free };
             let law = Law::new(length, from, to)?;
-            model.sums = none;
+            model.sums = Sums::ZERO;
             if timed {
-                time += law.time;
+                *time += law.time;
                 model.sums.gradient = time_gradient(&law);
             }
             rows(&self.view(i, station, after), &law, &mut model);
@@ -297,9 +326,12 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
             ahead.gradient[0] += g[2];
             ahead.gradient[1] += g[3];
         }
-        self.fix_rows();
-        let value = time + model.slack.penalty + mu * model.slack.barrier();
-        value.is_finite().then_some(value)
+        (*start, *slack) = (part.end, model.slack);
+        let complete = part.end == end;
+        if complete {
+            self.fix_rows();
+        }
+        Some(complete)
     }
 
     /// Rows of the stations that are not free: their step is 0.

@@ -30,11 +30,13 @@ pub enum Aim {
 /// Workspace of the method: the Newton system of a whole window.
 pub struct Solver<S, const NODES: usize> {
     rows: [BlockRow<S>; NODES],
+    /// How many problems it has been put to.
+    pub(super) problems: u32,
 }
 
 impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
     pub const fn new() -> Self {
-        Self { rows: [BlockRow::EMPTY; NODES] }
+        Self { rows: [BlockRow::EMPTY; NODES], problems: 0 }
     }
 
     /// The states of a stretch as a problem: for least time within all limits, until it is told otherwise.
@@ -46,6 +48,7 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
     ) -> Problem<'a, S, N, NODES> {
         debug_assert!(stretch.first <= stretch.last && stretch.last < window.len());
         let task = Task { stretch, objective: Objective::Time, relaxation: Relaxation::STRICT };
+        self.problems = self.problems.wrapping_add(1);
         self.take_up(window, limits, task)
     }
 

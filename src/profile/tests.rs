@@ -134,7 +134,7 @@ fn solve(
     mut solving: Solving<f64>,
 ) -> u32 {
     let mut steps = 0;
-    while solving.step(solver, window, &limits(), &mut steps) {}
+    while solving.go_on(solver, window, &limits(), &mut steps) {}
     steps
 }
 
@@ -205,6 +205,36 @@ fn a_halt_leaves_little_speed() {
     assert!(speed(&window, stretch.last - 1) < before);
 }
 
+/// A problem may be laid aside within a step, and the solver put to another one: the step begins again, and the states
+/// come out the same, bit by bit. With more cells than are taken at once, a step has several parts.
+#[test]
+fn a_problem_that_is_interrupted_comes_out_the_same() {
+    let lengths: Vec<_> = (0..40).map(|i| 0.2 + 0.05 * f64::from(i % 7)).collect();
+    let stretch = Stretch { first: 0, last: lengths.len(), open: false };
+    let (limits, mut solver) = (limits::<f64>(), Solver::new());
+    let mut solved = |every: usize| {
+        let mut window = straight(&lengths, NodeSerial::ZERO);
+        solver.on(&mut window, &limits, stretch).guess(1);
+        let mut solving = solver.on(&mut window, &limits, stretch).find(40);
+        let (mut steps, mut parts) = (0, 0);
+        while solving.go_on(&mut solver, &mut window, &limits, &mut steps) {
+            parts += 1;
+            if parts % every == 0 {
+                // A use of the workspace that leaves the states alone.
+                solver.on(&mut window, &limits, stretch).holds();
+            }
+        }
+        let states: Vec<_> = (0..window.len()).map(|i| window.get(i).unwrap().state).collect();
+        (states, steps, parts)
+    };
+    let (states, steps, parts) = solved(usize::MAX);
+    assert!(parts > 2 * steps as usize, "{parts} parts of {steps} steps");
+    for every in [5, 7, 11] {
+        let (same, as_many, more) = solved(every);
+        assert!(states == same && steps == as_many && more > parts, "{every}");
+    }
+}
+
 /// The gradient in the Newton system against differences of the value, for everything that can be minimised.
 #[test]
 fn the_model_has_the_slope_of_the_value() {
@@ -219,7 +249,8 @@ fn the_model_has_the_slope_of_the_value() {
         problem.task.objective = objective;
         let mu = 1.0e-5;
         let weights = Weights { mu, mu_curvature: mu, damping: 0.0 };
-        problem.assemble(weights).unwrap();
+        let mut assembly = problem.begin_assembly();
+        while !problem.assemble(weights, &mut assembly).unwrap() {}
         let cells = problem.cells();
         let gradients: Vec<_> =
             problem.rows(cells.clone()).iter().map(|row| row.gradient).collect();

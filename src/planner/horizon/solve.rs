@@ -33,16 +33,16 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         problem.find(iterations)
     }
 
-    /// One Newton step. Whether there is another to take.
+    /// A part of a Newton step. Whether there is more to do.
     // Once in the image, however often it is called.
     #[inline(never)]
     pub fn go_on(&mut self, solving: &mut Solving<S>) -> bool {
-        solving.step(&mut self.solver, &mut self.window, &self.config.limits, &mut self.steps)
+        solving.go_on(&mut self.solver, &mut self.window, &self.config.limits, &mut self.steps)
     }
 
-    /// All steps of a problem.
+    /// All parts of all steps of a problem.
     pub fn solve(&mut self, mut solving: Solving<S>) {
-        // Bounded by the iterations that are set.
+        // Bounded by the iterations that are set, and the parts of one.
         while self.go_on(&mut solving) {}
     }
 
