@@ -137,6 +137,10 @@ typedef enum {
    The core is not set up.
    */
   SPLINEWAY_PROGRESS_NOT_READY = 6,
+  /*
+   A part of the work has been done, and more can be done now: poll again.
+   */
+  SPLINEWAY_PROGRESS_PLANNING = 7,
 } splineway_progress;
 
 /*
@@ -423,10 +427,16 @@ splineway_result splineway_push_event(splineway_core *core,
 splineway_result splineway_finish(splineway_core *core);
 
 /*
- Does what is to be done now: one planning step at most. To be called in the background, again and
- again.
+ Does a slice of what is to be done now. To be called in the background, again and again; at once if it says
+ `PLANNING`.
  */
 splineway_progress splineway_poll(splineway_core *core);
+
+/*
+ Polls until nothing can be done before the interpolator has moved on or blocks come, or until a plan was handed
+ over: for tests and simulations in which planning takes no time.
+ */
+splineway_progress splineway_settle(splineway_core *core);
 
 /*
  The caller knows that an abort has dropped everything. True: it is complete, and blocks are taken again,

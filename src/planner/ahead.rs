@@ -4,7 +4,6 @@ use super::horizon::{ADDED, Horizon, Proposal};
 use super::making::Making;
 use super::phase::{Halt, Phase, Rest};
 use super::{Planner, Progress};
-use crate::machine::Config;
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::path::cut::Cut;
@@ -14,6 +13,8 @@ use crate::servo::link::Branch;
 
 /// Room in the window for one more cell, and for the stations that a draft adds.
 const LEAST_ROOM: usize = 2 + ADDED;
+/// So many new cells are worth a plan.
+const LEAST_NEW: u32 = 4;
 /// A stop is imminent when less than this many leads remain.
 const URGENT_LEADS: f64 = 4.0;
 
@@ -99,7 +100,22 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         self.plan(self.horizon.end(), at, single)
     }
 
-    /// In motion: plan on when a part of the plan has been run or its end is near.
+    /// In motion: whether a plan must be begun now with what is known, before more is cut: the motion will soon show
+    /// that the present plan ends.
+    pub(super) fn is_pressed(&self, at: NodeSerial) -> bool {
+        let Phase::Following(now) = self.phase else { return false };
+        let new = self.last_node().since(self.horizon.end()).unwrap_or(0);
+        let until = self.planned(at) + self.horizon.config.lead;
+        new >= LEAST_NEW && !self.is_vain(at) && self.horizon.reaches_within(until, at, now.shown)
+    }
+
+    /// How long it will be until a plan made now can be taken up, s.
+    fn planned(&self, at: NodeSerial) -> S {
+        let cells = self.horizon.window.len() - self.horizon.window.clamped_index(at);
+        self.effort.cycles(cells) * self.horizon.config.cycle
+    }
+
+    /// In motion: plan on when a part of the plan has been run, or its end is near or begins to show.
     pub(super) fn poll_moving(&mut self, at: NodeSerial) -> Progress {
         let Phase::Following(now) = self.phase else {
             debug_assert!(false, "no plan to follow: {:?}", self.phase);
@@ -109,11 +125,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.horizon.window.get(end).is_some_and(|end| end.pause) {
             return Progress::Waiting;
         }
-        let Config { lead, cycle, .. } = self.horizon.config;
-        let cells = self.horizon.window.len() - self.horizon.window.clamped_index(at);
-        // Until a plan made now can be taken up.
-        let planned = self.effort.cycles(cells) * cycle;
-        let urgent = self.horizon.ends_within((lead * S::of(URGENT_LEADS)).greatest(planned), at);
+        let (lead, planned) = (self.horizon.config.lead, self.planned(at));
+        let soon = (lead * S::of(URGENT_LEADS)).greatest(planned);
+        let urgent = self.horizon.reaches_within(soon, at, self.horizon.end());
         if urgent
             && self.horizon.window.room() >= LEAST_ROOM
             && !self.builder.is_full()
@@ -128,9 +142,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.last_node() == self.horizon.end() {
             return if self.builder.len() > 0 { Progress::Waiting } else { Progress::NeedsBlocks };
         }
-        let shown = self.horizon.braking_from(at);
-        let passed = !at.is_before(now.checkpoint);
-        let due = passed || urgent || self.horizon.time_to(at, shown) <= planned.greatest(lead);
+        let due = !at.is_before(now.checkpoint)
+            || urgent
+            || self.horizon.reaches_within(planned + lead, at, now.shown);
         if !due || self.is_vain(at) {
             return Progress::Waiting;
         }

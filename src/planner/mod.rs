@@ -237,7 +237,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if let Some(progress) = self.obey(wish, at) {
             return progress;
         }
-        if self.build_one() {
+        if !self.is_pressed(at) && self.build_one() {
             return Progress::Planning;
         }
         match self.phase {

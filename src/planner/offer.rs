@@ -37,7 +37,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let cells = end.since(first).unwrap_or(0);
         let run = (cells / PLAN_PART).max(cells.saturating_sub(CELLS_LEFT)).max(1);
         let by_cycle = matches!(branch, Branch::Cycle(_));
-        let taken = Following { halt, checkpoint: first.plus(run), tried_block_end: false };
+        let checkpoint = first.plus(run);
+        let taken = Following { halt, checkpoint, shown: end, tried_block_end: false };
         self.phase = Phase::Offered(Offer { first, end, by_cycle, taken, before });
         self.counters.plans += 1;
         #[cfg(feature = "defmt")]
@@ -87,7 +88,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let taken = self.side.verdict()?;
         if taken {
             self.horizon.commit(offer.first, offer.end);
-            self.phase = Phase::Following(offer.taken);
+            let first = self.horizon.window.clamped_index(offer.first);
+            let shown = self.horizon.shown_from(first);
+            self.phase = Phase::Following(Following { shown, ..offer.taken });
         } else {
             self.horizon.drop_draft();
             self.phase = offer.refused();

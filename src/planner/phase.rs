@@ -87,6 +87,8 @@ pub struct Following {
     pub halt: Option<Halt>,
     /// Node from which on it is time for a new plan.
     pub checkpoint: NodeSerial,
+    /// Node from which on the motion shows that the plan ends at rest: another should have taken over by then.
+    pub shown: NodeSerial,
     /// Whether a rest at the end of a block has been looked for in it, in vain.
     pub tried_block_end: bool,
 }

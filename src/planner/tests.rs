@@ -170,7 +170,8 @@ fn a_hold_is_answered_by_a_plan_that_rests_and_a_resume_goes_on() {
     assert_eq!(offer.taken.halt, Some(Halt::Hold));
     core.1.tick();
     assert_eq!(core.0.settle(), Progress::Waiting);
-    assert_eq!(core.0.phase, Phase::Following(offer.taken));
+    let now = follows(&core.0).unwrap();
+    assert_eq!(now, Following { shown: now.shown, ..offer.taken });
     run_until(&mut core, |_, progress| progress == Progress::Held);
     assert_eq!(core.0.phase, Phase::Resting(Rest::IDLE));
     core.0.controls().resume();

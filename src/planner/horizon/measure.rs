@@ -30,19 +30,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         }
     }
 
-    /// Whether less than this time, s, is left from the end of the piece under way to the end of
-    /// the plan. Looks no further than it must.
-    pub fn ends_within(&self, limit: S, at: NodeSerial) -> bool {
-        let mut time = S::ZERO;
-        for i in self.window.clamped_index(at) + 1..self.end_index() {
-            time += self.agreed_time(i);
-            if time >= limit {
-                return false;
-            }
-        }
-        true
-    }
-
     /// The node from which a new plan can branch off: a lead ahead of the motion, or half of what is left
     /// of the plan if that is less; but not before `planned`, s from the end of the piece under way, when the plan will be
     /// there. At its end the motion would rest.
@@ -64,10 +51,10 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         None
     }
 
-    /// From where on the motion shows that the plan ends at rest, behind the piece under way: until a stop from
-    /// there would take about all that is left of it, and no further than where it slows down to its end.
-    pub fn braking_from(&self, at: NodeSerial) -> usize {
-        let (first, end) = (self.window.clamped_index(at) + 1, self.end_index());
+    /// The node, not before station `first`, from which on the motion shows that the agreed plan ends at rest: from
+    /// which a stop would take about all that is left of it, and no further than where it slows down to its end.
+    pub fn shown_from(&self, first: usize) -> NodeSerial {
+        let end = self.end_index();
         let mut left = S::ZERO;
         let mut slows = end;
         for i in (first..end).rev() {
@@ -77,19 +64,25 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
                 slows = i;
             }
         }
-        for i in first..slows {
-            if left <= self.braking_distance(i) * S::of(SHOWN) {
-                return i;
-            }
-            left -= self.window.get(i).map_or(S::ZERO, |station| station.cell.length);
+        let mut shown = first;
+        while shown < slows && left > self.braking_distance(shown) * S::of(SHOWN) {
+            left -= self.window.get(shown).map_or(S::ZERO, |station| station.cell.length);
+            shown += 1;
         }
-        slows
+        self.window.serial(shown)
     }
 
-    /// Time that the agreed plan takes from the end of the piece under way to a station, s.
-    pub fn time_to(&self, at: NodeSerial, index: usize) -> S {
-        let first = self.window.clamped_index(at) + 1;
-        (first..index).fold(S::ZERO, |time, i| time + self.agreed_time(i))
+    /// Whether the agreed plan takes less than this time, s, from the end of the piece under way to a node. Looks no
+    /// further than it must.
+    pub fn reaches_within(&self, limit: S, at: NodeSerial, node: NodeSerial) -> bool {
+        let mut time = S::ZERO;
+        for i in self.window.clamped_index(at) + 1..self.window.clamped_index(node) {
+            time += self.agreed_time(i);
+            if time >= limit {
+                return false;
+            }
+        }
+        true
     }
 
     /// The stretch from a branch to the end of the plan, or to the first rest in it.
