@@ -1,6 +1,7 @@
 //! The memory of a core, and the two handles on it.
 
 use super::command::Answered;
+use super::command::reaction::Pressing;
 use super::effort::Effort;
 use super::horizon::Horizon;
 use super::phase::{Phase, Rest};
@@ -88,6 +89,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Link<S,
                 effort: Effort::NONE,
                 vain: None,
                 answered: Answered::default(),
+                pressing: Pressing::NONE,
                 finished: false,
                 reaction: 0,
                 counters: Counters::default(),

@@ -5,13 +5,20 @@
 //!                │                  │ beyond a limit     ▲
 //!                │                  ▼                    │
 //!                └─ (seeded) ◀── Seeding                 │
-//!   answers to commands, in one slice ───────────────────┘
+//!   Hold:       Halting ─────────────────────────────────▶│
+//!   Overrides:  Retuning ────────────────────────────────▶│
+//!   Reaction:   Reacting ────────────────────────────────▶│
+//!   BlockEnd, in one slice ───────────────────────────────┘
 //! ```
 //!
 //! What it has changed lies in the horizon as a draft ([`super::horizon`]), so it can be dropped after any slice: by
 //! a command that it does not serve, or because the motion has passed the place where it would have branched off.
 
+use super::command::halting::{Flow, Halting};
+use super::command::reaction::{Asked, Reacting};
+use super::command::retune::Retuning;
 use super::horizon::{Horizon, Proposal};
+use super::phase::Phase;
 use super::{Planner, Progress};
 use crate::number::Scalar;
 use crate::number::serial::{CycleSerial, NodeSerial};
@@ -36,6 +43,8 @@ pub enum Purpose {
     Overrides,
     /// To come to rest at the end of a block.
     BlockEnd,
+    /// To begin with what is asked for.
+    Reaction(Asked),
 }
 
 /// A plan in the making.
@@ -58,6 +67,12 @@ enum Stage<S> {
     Checking { new: usize, seeded: bool },
     /// A try for slow states that keep them, where the guess has led to none.
     Seeding(Seeding<S>),
+    /// A slice of looking for a rest.
+    Halting(Halting<S>),
+    /// A slice of a first answer to a command.
+    Reacting(Reacting<S>),
+    /// A slice of a plan at other overrides.
+    Retuning(Retuning<S>),
     /// Pieces from this station on are handed over.
     Publishing { next: usize },
 }
@@ -69,6 +84,8 @@ enum Failure {
     Crawl,
     /// No motion within the limits was found.
     Stuck,
+    /// A command has not been answered by it; how far away a rest is to be looked for next.
+    Unanswered { reach: Option<u16> },
 }
 
 impl<S: Scalar> Making<S> {
@@ -91,6 +108,35 @@ impl<S: Scalar> Making<S> {
     ) -> Self {
         let next = proposal.stretch.first;
         Self { purpose, proposal, began, at, stage: Stage::Publishing { next } }
+    }
+
+    /// A rest that is to be found.
+    pub fn halting(
+        proposal: Proposal,
+        halting: Halting<S>,
+        (began, at): (CycleSerial, NodeSerial),
+    ) -> Self {
+        Self { purpose: Purpose::Hold, proposal, began, at, stage: Stage::Halting(halting) }
+    }
+
+    /// A plan at other overrides.
+    pub fn retuning(
+        proposal: Proposal,
+        retuning: Retuning<S>,
+        (began, at): (CycleSerial, NodeSerial),
+    ) -> Self {
+        let stage = Stage::Retuning(retuning);
+        Self { purpose: Purpose::Overrides, proposal, began, at, stage }
+    }
+
+    /// A first answer to a command.
+    pub fn reacting(
+        purpose: Purpose,
+        proposal: Proposal,
+        reacting: Reacting<S>,
+        (began, at): (CycleSerial, NodeSerial),
+    ) -> Self {
+        Self { purpose, proposal, began, at, stage: Stage::Reacting(reacting) }
     }
 
     /// A slice of looking for states; `Publishing` is the planner's.
@@ -131,6 +177,29 @@ impl<S: Scalar> Making<S> {
                     Stage::Solving { solving, new, seeded: true }
                 }
             },
+            Stage::Halting(halting) => match horizon.go_on_halting(halting, &mut self.proposal) {
+                Flow::Working => return ControlFlow::Continue(()),
+                Flow::Ready => Stage::Publishing { next: stretch.first },
+                Flow::Nothing => return ControlFlow::Break(Failure::Unanswered { reach: None }),
+                Flow::Further(reach) => {
+                    let reach = Some(reach);
+                    return ControlFlow::Break(Failure::Unanswered { reach });
+                }
+            },
+            Stage::Reacting(reacting) => match horizon.go_on_reacting(reacting, self.proposal) {
+                Flow::Working => return ControlFlow::Continue(()),
+                Flow::Ready => Stage::Publishing { next: stretch.first },
+                Flow::Nothing | Flow::Further(_) => {
+                    return ControlFlow::Break(Failure::Unanswered { reach: None });
+                }
+            },
+            Stage::Retuning(retuning) => match horizon.go_on_retuning(retuning, self.proposal) {
+                Flow::Working => return ControlFlow::Continue(()),
+                Flow::Ready => Stage::Publishing { next: stretch.first },
+                Flow::Nothing | Flow::Further(_) => {
+                    return ControlFlow::Break(Failure::Unanswered { reach: None });
+                }
+            },
             Stage::Publishing { .. } => {
                 debug_assert!(false, "its states are found");
                 return ControlFlow::Continue(());
@@ -161,13 +230,25 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 self.effort.learn(cells, self.side.cycles().since(began).unwrap_or(0));
             }
             self.offer(proposal);
+            if matches!(purpose, Purpose::Reaction(_))
+                && let Phase::Offered(offer) = &mut self.phase
+            {
+                // Should the command be taken back, the motion is planned on at once.
+                offer.taken.checkpoint = offer.first;
+            }
             return Progress::Planned;
         }
         match making.step(&mut *self.horizon) {
             ControlFlow::Continue(()) => Progress::Planning,
             ControlFlow::Break(failure) => {
-                let (branch, at) = (making.proposal.branch, making.at);
+                let (purpose, branch, at) = (making.purpose, making.proposal.branch, making.at);
                 self.abandon();
+                if let Failure::Unanswered { reach } = failure {
+                    if purpose == Purpose::Hold {
+                        self.pressing.fail(reach);
+                    }
+                    return Progress::Planning;
+                }
                 self.failed(failure, branch, at)
             }
         }
@@ -210,11 +291,16 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let brakes = wish.holds() || wish.aborts != self.answered.aborts;
         // Those of a draft are what it is made for.
         let paced = wish.overrides == self.horizon.overrides();
+        // Until they can be answered, the motion goes on at those before.
+        let paced = paced || self.pressing.refused == Some(wish.overrides);
         let serves = match making.purpose {
-            Purpose::Hold => brakes,
+            Purpose::Hold | Purpose::Reaction(Asked::Hold) => brakes,
             // A stop at the end of a block is for a start that has not been taken up, too.
             Purpose::Ahead => paced && !brakes && !(wish.stop && at == self.horizon.end()),
             Purpose::Overrides => paced && !brakes,
+            Purpose::Reaction(Asked::Overrides(overrides)) => {
+                !brakes && wish.overrides == overrides
+            }
             Purpose::BlockEnd => paced && !brakes && (wish.stop || wish.single),
         };
         let passed = match making.proposal.branch {
@@ -222,6 +308,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             Branch::Cycle(cycle) => cycle.is_before(self.side.cycles()),
         };
         if passed {
+            if matches!(making.purpose, Purpose::Reaction(_)) {
+                self.pressing.reacted = None;
+            }
             let stretch = making.proposal.stretch;
             let cycles = self.side.cycles().since(making.began).unwrap_or(0);
             let by_cycle = matches!(making.proposal.branch, Branch::Cycle(_));

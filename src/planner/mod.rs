@@ -21,6 +21,7 @@ mod phase;
 mod tests;
 
 use self::command::Answered;
+use self::command::reaction::Pressing;
 use self::effort::Effort;
 use self::horizon::Horizon;
 pub use self::link::Link;
@@ -104,6 +105,8 @@ pub struct Planner<
     /// What no plan was found for, until it changes.
     vain: Option<Vain>,
     answered: Answered,
+    /// How far the answer to a command that lasts has got.
+    pressing: Pressing,
     /// Whether the producer has said that no more blocks come for now.
     finished: bool,
     /// Servo cycles after which an answer to a command takes effect: more after one that came too late.

@@ -2,7 +2,7 @@
 
 use super::Planner;
 use super::horizon::{Moment, Proposal};
-use super::phase::{Following, Offer, Phase};
+use super::phase::{Following, Halt, Offer, Phase};
 use crate::number::Scalar;
 use crate::servo::link::Branch;
 
@@ -57,6 +57,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.decided(&offer) == Some(false) {
             #[cfg(feature = "defmt")]
             defmt::warn!("the plan from node {} came too late", offer.first.raw());
+            if offer.by_cycle && offer.taken.halt != Some(Halt::Hold) {
+                self.pressing.reacted = None;
+            }
             self.late(offer.by_cycle, offer.end.since(offer.first).unwrap_or(0) as usize, 0);
         }
     }
@@ -99,7 +102,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// Servo cycles in a lead.
-    fn most_reaction(&self) -> u32 {
+    pub(super) fn most_reaction(&self) -> u32 {
         let config = &self.horizon.config;
         (config.lead / config.cycle).to_i64().clamp(1, 1_000_000) as u32
     }

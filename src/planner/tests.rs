@@ -322,7 +322,10 @@ fn a_draft_that_is_dropped_leaves_no_trace() {
                     match which {
                         0 => {}
                         1 => draft.improve(stretch, Aim::Halt),
-                        2 => drop(draft.find_from_guess(stretch, stretch.first + 1)),
+                        2 => {
+                            let solving = draft.begin_finding(stretch, stretch.first + 1);
+                            draft.solve(solving);
+                        }
                         _ => draft.improve(stretch, Aim::Slow),
                     }
                     changed += u32::from(picture(draft) != before);

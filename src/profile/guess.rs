@@ -32,7 +32,7 @@ const ACCELERATION: f64 = 0.7;
 const FELT: f64 = 1.0;
 /// Most relative change of v^2 that a guessed acceleration makes over a cell, by half. Below 0.75 there
 /// is a motion between any two guesses ([`Law`]).
-const STEEPEST: f64 = 0.7;
+pub(super) const STEEPEST: f64 = 0.7;
 /// v^3 where nothing bounds it yet, (mm/s)^3; an `f32` holds it.
 const NO_CUBE_LIMIT: f64 = 1.0e30;
 
@@ -129,7 +129,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
     }
 
     /// Lowers y = v^1.5 of one end of cell `i` to what can be reached from its other end.
-    fn rise(&mut self, i: usize, (from, to): (usize, usize)) {
+    pub(super) fn rise(&mut self, i: usize, (from, to): (usize, usize)) {
         let (Some(station), Some(row)) = (self.window.get(i), self.rows.get(from)) else { return };
         let y = row.step[0];
         // The root of the speed is the cube root of y.

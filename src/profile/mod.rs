@@ -15,6 +15,7 @@ pub(crate) mod bounds;
 pub(crate) mod compile;
 mod descent;
 mod guess;
+mod held;
 #[cfg(test)]
 mod hull;
 pub(crate) mod law;

@@ -47,6 +47,10 @@ pub struct Stretch {
 #[derive(Clone, Copy, Debug)]
 pub struct Task<S> {
     pub stretch: Stretch,
+    /// Station behind whose cells nothing changes: the end of the stretch, or one before it.
+    pub until: usize,
+    /// Share of acceleration and jerk that is used.
+    pub share: S,
     pub objective: Objective<S>,
     pub relaxation: Relaxation<S>,
 }
@@ -101,6 +105,20 @@ pub(super) struct Weights<S> {
 }
 
 impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
+    /// The same with a share of acceleration and jerk.
+    #[must_use]
+    pub fn share(mut self, share: S) -> Self {
+        self.task.share = share;
+        self
+    }
+
+    /// The same with all states from a station of the stretch on as they are.
+    #[must_use]
+    pub fn until(mut self, station: usize) -> Self {
+        self.task.until = station.clamp(self.task.stretch.first, self.task.stretch.last);
+        self
+    }
+
     /// The rows of the stations of a range, and of the one behind it.
     pub(super) fn rows(&mut self, cells: Range<usize>) -> &mut [BlockRow<S>] {
         part_mut(self.rows, cells.start..cells.end + 1)
@@ -113,7 +131,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
 
     /// The cells of the stretch.
     pub(super) fn cells(&self) -> Range<usize> {
-        self.task.stretch.first..self.task.stretch.last
+        self.task.stretch.first..self.task.until
     }
 
     /// Whether the state of a station is to be found.
@@ -124,8 +142,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
     /// The same of station `i` at hand.
     #[inline]
     pub(super) fn frees(&self, i: usize, station: &Station<S, N>) -> bool {
-        let Stretch { first, last, .. } = self.task.stretch;
-        i > first && i < last && !station.rest
+        i > self.task.stretch.first && i < self.task.until && !station.rest
     }
 
     /// Cell `i`, from a station to the one after it, with its limits. The last one before an end that is only the end of what
@@ -141,6 +158,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
         let stretch = self.task.stretch;
         if i + 1 == stretch.last && stretch.open && !after.rest {
             view.share = S::of(OPEN_END_SHARE);
+        }
+        view.share = view.share * self.task.share;
+        if view.share < S::ONE {
             view.bounds = view.bounds.share(view.share);
         }
         if matches!(self.task.objective, Objective::PenalisedTime) {
@@ -164,7 +184,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
 
     /// Moves the states by a share of their steps.
     pub(super) fn take_step(&mut self, share: S) {
-        for i in self.task.stretch.first..=self.task.stretch.last {
+        for i in self.task.stretch.first..=self.task.until {
             if let Some(station) = self.window.get(i) {
                 self.window.set_state(i, self.moved(i, station, share));
             }
@@ -243,10 +263,26 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
         for row in self.rows(cells.clone()) {
             row.step = [S::ZERO; 2];
         }
-        let relaxation = core::mem::replace(&mut self.task.relaxation, Relaxation::STRICT);
+        let task = self.task;
+        (self.task.relaxation, self.task.share) = (Relaxation::STRICT, S::ONE);
         let holds = self.value(Probe { mu: S::ZERO, share: S::ZERO }, cells).is_some();
-        self.task.relaxation = relaxation;
+        self.task = task;
         holds
+    }
+
+    /// How much of the limit that is exceeded most the states use, 1 at least; infinite if there is no motion.
+    pub fn most_used(&mut self) -> S {
+        self.task.share = S::ONE;
+        let mut slack = Slack::new(self.task.relaxation);
+        for i in self.cells() {
+            let Some((station, after)) = self.window.pair(i) else { break };
+            let to = if i + 1 == self.task.stretch.last { PathState::REST } else { after.state };
+            let Some(law) = Law::new(station.cell.length, station.state, to) else {
+                return S::of(f64::INFINITY);
+            };
+            rows(&self.view(i, station, after), &law, &mut slack);
+        }
+        slack.most_used()
     }
 
     /// Time over the stretch, s; `None` if there is no motion over a cell.
@@ -255,7 +291,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
         for i in self.cells() {
             let (station, after) = self.window.pair(i)?;
             if station.cell.length > S::ZERO {
-                let to = if i + 1 == self.cells().end { PathState::REST } else { after.state };
+                let to =
+                    if i + 1 == self.task.stretch.last { PathState::REST } else { after.state };
                 time += Law::new(station.cell.length, station.state, to)?.time;
             }
         }
@@ -289,7 +326,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
             let cost = self.cost_of_speed(i, station, after);
             *time += cost * after.state.b;
             let (length, from) = (station.cell.length, station.state);
-            let to = if i + 1 == end { PathState::REST } else { after.state };
+            let to = if i + 1 == self.task.stretch.last { PathState::REST } else { after.state };
             let [_, ahead] = some_mut(self.rows, i)?;
             ahead.gradient[0] += cost;
             if !(length > S::ZERO) {
@@ -336,7 +373,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
 
     /// Rows of the stations that are not free: their step is 0.
     fn fix_rows(&mut self) {
-        for i in self.task.stretch.first..=self.task.stretch.last {
+        for i in self.task.stretch.first..=self.task.until {
             if !self.is_free(i)
                 && let Some(row) = self.rows.get_mut(i)
             {

@@ -47,7 +47,13 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         stretch: Stretch,
     ) -> Problem<'a, S, N, NODES> {
         debug_assert!(stretch.first <= stretch.last && stretch.last < window.len());
-        let task = Task { stretch, objective: Objective::Time, relaxation: Relaxation::STRICT };
+        let task = Task {
+            stretch,
+            until: stretch.last,
+            share: S::ONE,
+            objective: Objective::Time,
+            relaxation: Relaxation::STRICT,
+        };
         self.problems = self.problems.wrapping_add(1);
         self.take_up(window, limits, task)
     }

@@ -1,22 +1,20 @@
 //! Coming to rest on the path as soon as the limits allow.
 
+use super::halting::{ATTEMPTS, Begun, FIRST_REACH, Tried};
+use super::reaction::Asked;
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::planner::Planner;
 use crate::planner::horizon::stop_profile::{DEPTHS, HARD, SHARES, StopProfile};
 use crate::planner::horizon::{Horizon, Proposal};
-use crate::planner::making::Purpose;
+use crate::planner::making::{Making, Purpose};
 use crate::planner::phase::{Halt, Phase};
 use crate::profile::law::PathState;
-use crate::profile::solver::{Aim, Stretch};
+use crate::profile::solver::Stretch;
 use crate::servo::link::Branch;
 
 /// Places tried for a stop.
-const STOP_TRIES: u32 = 12;
-/// The rest that the plan comes to anyway is taken if the shortest stop takes as long but for this factor and
-/// so many servo cycles.
-const LATER: f64 = 1.1;
-const LATER_CYCLES: f64 = 3.0;
+const STOP_TRIES: u8 = 12;
 /// A stop of fewer servo cycles is brief.
 const BRIEF: f64 = 8.0;
 /// Servo cycles that the last part of a stop takes at least.
@@ -33,25 +31,38 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     Planner<'_, S, N, BLOCKS, NODES>
 {
     /// A plan that comes to rest as soon as the limits allow. Whether there is one.
-    pub(super) fn brake(&mut self) -> bool {
-        let stands = self.horizon.stands(self.side.progress());
-        let moment = self.moment();
+    pub(super) fn brake(&mut self, at: NodeSerial) -> bool {
+        let stands = self.horizon.stands(at);
         if stands {
+            let moment = self.moment();
             let made = self.horizon.draft(|draft| {
                 let (stretch, branch) = draft.cut_dwell(moment?)?;
                 Some(Proposal { stretch, branch, halt: Some(Halt::Hold) })
             });
             return self.propose(Purpose::Hold, made) || self.rest_next(Halt::Hold);
         }
-        let mut soon = false;
-        let made = self.horizon.draft(|draft| {
-            let (stretch, branch) = draft.prepare(moment?)?;
-            soon = draft.rests_soon(stretch);
-            if soon { None } else { draft.brake_in(stretch, branch) }
-        });
-        // The rest that the plan comes to anyway may be nearer than any other.
-        self.propose(Purpose::Hold, made)
-            || if soon { self.rest_as_agreed() } else { self.rest_next(Halt::Hold) }
+        if self.react(Asked::Hold) {
+            return true;
+        }
+        if self.pressing.attempts >= ATTEMPTS {
+            // As long as nothing is known that could change it, once in every cell.
+            if self.pressing.at == at {
+                return self.rest_next(Halt::Hold);
+            }
+            (self.pressing.attempts, self.pressing.reach) = (0, FIRST_REACH);
+        }
+        self.pressing.at = at;
+        let began = (self.side.cycles(), at);
+        let attempt = (self.pressing.attempts, self.pressing.reach);
+        match self.horizon.begin_halt(self.moment_of_attempt(), attempt) {
+            Begun::Attempt(proposal, halting) => {
+                self.making = Some(Making::halting(proposal, halting, began));
+                true
+            }
+            // The rest that the plan comes to anyway may be nearer than any other.
+            Begun::Soon => self.rest_as_agreed(),
+            Begun::Nothing => self.rest_next(Halt::Hold),
+        }
     }
 
     /// If the motion comes to rest at the end of the piece under way, lets it stay there.
@@ -99,61 +110,45 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 }
 
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
-    /// Whether the motion as agreed comes to rest hardly later than the shortest stop.
-    fn rests_soon(&self, stretch: Stretch) -> bool {
-        let mut agreed = S::ZERO;
-        for i in stretch.first..stretch.last {
-            agreed += self.agreed_time(i);
-        }
-        let Some((i, stop)) = self.next_stop(stretch, S::ZERO) else { return false };
-        let mut least = stop.time() + self.config.cycle * S::of(LATER_CYCLES);
-        for i in stretch.first..i {
-            least += self.agreed_time(i);
-        }
-        agreed <= least * S::of(LATER)
-    }
-
-    /// At once, as on a straight; or from somewhere on the motion that brakes hardest.
-    fn brake_in(&mut self, stretch: Stretch, branch: Branch) -> Option<Proposal> {
-        self.stop(stretch, branch).or_else(|| {
-            self.improve(stretch, Aim::Halt);
-            self.stop(stretch, branch)
-                .or_else(|| self.rest_at(stretch, branch, Halt::Hold, |_, _| true))
-        })
-    }
-
-    /// A plan that ends in the nearest stop that keeps the limits, if there is one near.
-    fn stop(&mut self, stretch: Stretch, branch: Branch) -> Option<Proposal> {
-        let mut nearest = S::ZERO;
+    /// Tries the nearest stop of a stretch that is further than `nearest` mm.
+    pub(super) fn try_stop(&mut self, stretch: Stretch, nearest: &mut S, tries: &mut u8) -> Tried {
         let furthest = self.braking_distance(stretch.first) * S::of(FURTHEST_STOP);
-        for _ in 0..STOP_TRIES {
-            let (i, stop) = self.next_stop(stretch, nearest)?;
-            if stop.at > furthest {
-                return None;
-            }
-            nearest = stop.at;
-            let added = self.count_added();
-            let mut states = heapless::Vec::new();
-            let end = self.put_stop(i, &stop, stretch.last, &mut states);
-            let held = Stretch { last: end.unwrap_or(i), ..stretch };
-            if end.is_some() && self.holds(held) && self.crawl_in(held).is_none() {
-                return Some(Proposal { stretch: held, branch, halt: Some(Halt::Hold) });
-            }
-            self.take_back(added);
-            for (k, state) in states.iter().enumerate() {
-                self.window.set_state(i + 1 + k, *state);
-            }
-            self.loosen(i, i + 1 + states.len());
+        let Some((i, stop)) = self.next_stop(stretch, *nearest, furthest) else {
+            return Tried::Exhausted;
+        };
+        if stop.at > furthest || *tries >= STOP_TRIES {
+            return Tried::Exhausted;
         }
-        None
+        (*nearest, *tries) = (stop.at, *tries + 1);
+        let added = self.count_added();
+        let mut states = heapless::Vec::new();
+        let end = self.put_stop(i, &stop, stretch.last, &mut states);
+        let held = Stretch { last: end.unwrap_or(i), ..stretch };
+        if end.is_some() && self.holds(held) && self.crawl_in(held).is_none() {
+            return Tried::Rests(held);
+        }
+        self.take_back(added);
+        for (k, state) in states.iter().enumerate() {
+            self.window.set_state(i + 1 + k, *state);
+        }
+        self.loosen(i, i + 1 + states.len());
+        Tried::Fails
     }
 
     /// The station from which the motion can come to rest nearest, but further than `beyond`, and
     /// how.
-    fn next_stop(&self, stretch: Stretch, beyond: S) -> Option<(usize, StopProfile<S>)> {
+    fn next_stop(
+        &self,
+        stretch: Stretch,
+        beyond: S,
+        furthest: S,
+    ) -> Option<(usize, StopProfile<S>)> {
         let mut best: Option<(usize, StopProfile<S>)> = None;
         let mut distance = S::ZERO;
         for i in stretch.first..stretch.last {
+            if distance > furthest {
+                break;
+            }
             let station = self.window.get(i)?;
             for depth in DEPTHS {
                 // The hardest that ends clear of all nodes.

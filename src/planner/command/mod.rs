@@ -20,10 +20,14 @@
 //! left of it starts at the very position, velocity and acceleration that the piece under way has
 //! at that moment, so the motion as planned before is a valid start for the solver, and the new
 //! plan joins without a step in any derivative up to the second. The cells within the distance
-//! that it takes to stop are cut finer, the solver finds the states ([`Aim::Halt`], [`Aim::Slow`]
-//! or, when an override is raised, [`Aim::Time`]), and the plan is offered. If the interrupt
+//! that it takes to stop are cut finer, the solver finds the states ([`halting`], [`retune`]), and the plan is offered. How many
+//! servo cycles ahead it branches off is what plans have taken so far ([`super::effort`]). If the interrupt
 //! has passed that cycle meanwhile, it refuses; then everything is as it was before and the
 //! next attempt allows more cycles.
+//!
+//! Where planning takes long, a first answer comes before it ([`reaction`]): a few steps for [`Aim::Halt`],
+//! [`Aim::Slow`] or, when an override is raised, [`Aim::Time`] over the path that is near. From then on the motion does
+//! what is asked for, and the whole answer branches off from that.
 //!
 //! [`Aim::Halt`]: crate::profile::solver::Aim::Halt
 //! [`Aim::Slow`]: crate::profile::solver::Aim::Slow
@@ -31,8 +35,12 @@
 
 mod block_end;
 mod brake;
-mod retune;
+pub mod halting;
+pub mod reaction;
+pub mod retune;
 
+use self::halting::FIRST_REACH;
+use self::reaction::Asked;
 use super::making::Purpose;
 use super::phase::{Following, Halt, Phase, Rest};
 use super::{Planner, Progress};
@@ -65,11 +73,21 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.phase.offer().is_none() && at == self.horizon.end() {
             return self.obey_at_rest(wish, resumed);
         }
+        if !brakes {
+            (self.pressing.attempts, self.pressing.reach) = (0, FIRST_REACH);
+        }
+        if wish.overrides == self.horizon.overrides() {
+            (self.pressing.retunes, self.pressing.refused) = (0, None);
+        }
+        self.pressing.reacted = self.pressing.reacted.filter(|asked| match asked {
+            Asked::Hold => brakes,
+            Asked::Overrides(overrides) => !brakes && *overrides == wish.overrides,
+        });
         if brakes {
             if self.phase.halt() == Some(Halt::Hold) {
                 return Some(Progress::Waiting);
             }
-            let planned = self.revoke() && self.brake();
+            let planned = self.revoke() && self.brake(at);
             // If it could not be done at once: the plan is not taken further, and ends at rest.
             return Some(if planned { Progress::Planning } else { Progress::Waiting });
         }

@@ -1,48 +1,93 @@
-//! Answers to overrides of feed and rapids.
+//! Answers to overrides of feed and rapids, slice by slice.
 
+use super::halting::Flow;
+use super::reaction::Asked;
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::planner::Planner;
 use crate::planner::horizon::{Horizon, Proposal};
-use crate::planner::making::Purpose;
+use crate::planner::making::Making;
 use crate::planner::phase::Halt;
 use crate::profile::solver::{Aim, Stretch};
+use crate::profile::solving::Solving;
 use crate::servo::control::Overrides;
 use crate::servo::link::Branch;
 
 /// Leads within which a node is waited for where an override finds no answer at once.
 const NEAR_LEADS: f64 = 4.0;
+/// Tries in a row: from a servo cycle on, and from a node on.
+const TRIES: u8 = 2;
+/// Plans ahead that an answer takes as much work as.
+const PLANS: usize = 3;
+
+/// A plan at other overrides in the making.
+#[derive(Clone, Copy, Debug)]
+pub enum Retuning<S> {
+    /// States are being found from a guess, as for a new plan.
+    Finding(Solving<S>),
+    /// The agreed ones are brought down to the goal, at a penalty.
+    Slowing(Solving<S>),
+    /// With the speeds reached as bounds, states of least time are being found.
+    Improving(Solving<S>),
+}
+
+/// What the beginning of a try has come to.
+#[derive(Clone, Copy, Debug)]
+enum Begun<S> {
+    /// It is under way, in a draft.
+    Attempt(Proposal, Retuning<S>),
+    /// The motion does nothing but come to rest.
+    Stops,
+    /// The motion cannot be cut there.
+    Nothing,
+}
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     Planner<'_, S, N, BLOCKS, NODES>
 {
-    /// A plan at other overrides: from the next servo cycle on, or else from a node on. Whether there is one.
+    /// Begins a plan at other overrides: from a servo cycle on, or else from a node on. Whether one is in the making.
     pub(super) fn retune(&mut self, overrides: Overrides, at: NodeSerial) -> bool {
-        let (moment, halt) = (self.moment(), self.phase.halt());
-        let horizon = &mut *self.horizon;
-        let mut stops = false;
-        let mut made = horizon.draft(|draft| {
-            draft.try_overrides(overrides);
-            let (first, branch) = draft.cut_in(moment?)?;
-            stops = draft.is_stopping(first);
-            if stops { None } else { draft.retune_from(first, branch, halt) }
-        });
-        if stops {
-            // A stop under way is finished; what comes after it goes at the new pace.
-            horizon.set_overrides(overrides);
-            return false;
+        if self.react(Asked::Overrides(overrides)) {
+            return true;
         }
-        if made.is_none()
-            && let Some(node) =
-                horizon.branch(at, S::ZERO).filter(|node| horizon.is_near(at, *node))
-        {
-            made = horizon.draft(|draft| {
-                draft.try_overrides(overrides);
-                let first = draft.window.clamped_index(node);
-                draft.retune_from(first, Branch::Node(node), halt)
-            });
+        let now = self.side.cycles();
+        let waited = now.since(self.pressing.retuned).unwrap_or(0) >= self.most_reaction();
+        let others = self.pressing.refused.is_some_and(|refused| refused != overrides);
+        if at != self.pressing.at || waited || others {
+            self.pressing.retunes = 0;
         }
-        self.propose(Purpose::Overrides, made)
+        self.pressing.refused = None;
+        let halt = self.phase.halt();
+        while self.pressing.retunes < TRIES {
+            let by_cycle = self.pressing.retunes == 0;
+            self.pressing.retunes += 1;
+            (self.pressing.at, self.pressing.retuned) = (at, now);
+            let begun = if by_cycle {
+                let moment = self.moment_after(self.nodes_ahead() * PLANS);
+                self.horizon.begin_retune(overrides, halt, |horizon| horizon.cut_in(moment?))
+            } else {
+                let node = self.horizon.branch(at, S::ZERO);
+                let node = node.filter(|node| self.horizon.is_near(at, *node));
+                self.horizon.begin_retune(overrides, halt, |horizon| {
+                    let node = node?;
+                    Some((horizon.window.clamped_index(node), Branch::Node(node)))
+                })
+            };
+            match begun {
+                Begun::Attempt(proposal, retuning) => {
+                    self.making = Some(Making::retuning(proposal, retuning, (now, at)));
+                    return true;
+                }
+                Begun::Stops => {
+                    // A stop under way is finished; what comes after it goes at the new pace.
+                    self.horizon.set_overrides(overrides);
+                    return false;
+                }
+                Begun::Nothing => {}
+            }
+        }
+        self.pressing.refused = Some(overrides);
+        false
     }
 }
 
@@ -55,50 +100,76 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         node != self.end() && time < self.config.lead * S::of(NEAR_LEADS)
     }
 
-    /// A plan at the pace that is set now.
-    fn retune_from(
+    /// Begins a plan at other overrides from where `branch` finds it to leave the agreed one. There is a draft afterwards
+    /// only if there is an attempt.
+    fn begin_retune(
         &mut self,
-        first: usize,
-        branch: Branch,
+        overrides: Overrides,
         halt: Option<Halt>,
-    ) -> Option<Proposal> {
-        let end = self.end_index();
+        branch: impl FnOnce(&mut Self) -> Option<(usize, Branch)>,
+    ) -> Begun<S> {
+        self.begin_draft();
+        self.try_overrides(overrides);
+        let Some((first, branch)) = branch(self) else {
+            self.drop_draft();
+            return Begun::Nothing;
+        };
         let by_cycle = matches!(branch, Branch::Cycle(_));
+        if by_cycle && self.is_stopping(first) {
+            self.drop_draft();
+            return Begun::Stops;
+        }
+        let end = self.end_index();
         self.window.bound(first, &self.pace());
         let speed = self.window.get(first).map_or(S::ZERO, |station| station.state.b.sqrt());
         let distance = self.ramp(first, speed).greatest(self.braking_distance(first));
-        let last = if by_cycle { self.refine(first, end, distance) } else { end };
+        let last = if by_cycle { self.refine(first, end, distance).0 } else { end };
         self.bound_from(first);
         self.loosen(first, last);
-        let slower = (first..last).any(|i| {
-            self.window.get(i).is_some_and(|station| station.bounds.speed > station.bounds.goal)
-        });
-        let rests = self.window.get(last).is_some_and(|station| station.rest);
-        let mut stretch = Stretch { first, last, open: !rests && halt.is_none() };
-        // A plan that was made to rest at its end does so with all that the limits allow.
-        stretch.open &= self.holds(stretch);
-        if !slower && self.find_afresh(stretch) {
-            return Some(Proposal { stretch, branch, halt });
-        }
-        // First down to the goal, at a penalty; then, with the speeds reached as bounds, for time.
-        for aim in [Aim::Slow, Aim::Time] {
-            if aim == Aim::Slow && !slower {
-                continue;
-            }
-            self.improve(stretch, aim);
-            self.loosen(first, last);
-        }
-        let runs = self.holds(stretch) && self.crawl_in(stretch).is_none();
-        runs.then_some(Proposal { stretch, branch, halt })
+        let mut stretch = Stretch { first, last, open: false };
+        let slower = self.exceeds_goal(stretch);
+        stretch.open = halt.is_none() && self.is_open(stretch);
+        let retuning = if slower {
+            // First down to the goal, at a penalty; then, with the speeds reached as bounds, for time.
+            Retuning::Slowing(self.begin_improving(stretch, Aim::Slow))
+        } else {
+            Retuning::Finding(self.begin_finding(stretch, first + 1))
+        };
+        Begun::Attempt(Proposal { stretch, branch, halt }, retuning)
     }
 
-    /// Whether a motion was found from a guess, as for a new plan; else the states are as they were.
-    fn find_afresh(&mut self, stretch: Stretch) -> bool {
-        let found = self.find_from_guess(stretch, stretch.first + 1);
-        let runs = found && self.crawl_in(stretch).is_none();
-        if !runs {
-            self.take_agreed(stretch.first..stretch.last + 1);
+    /// Whether a speed in a stretch is more than what is asked for. Asked after [`Horizon::loosen`].
+    pub(super) fn exceeds_goal(&self, stretch: Stretch) -> bool {
+        (stretch.first..stretch.last).any(|i| {
+            self.window.get(i).is_some_and(|station| station.bounds.speed > station.bounds.goal)
+        })
+    }
+
+    /// A slice of it: one Newton step.
+    pub fn go_on_retuning(&mut self, retuning: &mut Retuning<S>, proposal: Proposal) -> Flow {
+        let (Retuning::Finding(solving)
+        | Retuning::Slowing(solving)
+        | Retuning::Improving(solving)) = retuning;
+        if self.go_on(solving) {
+            return Flow::Working;
         }
-        runs
+        let stretch = proposal.stretch;
+        let runs =
+            |horizon: &mut Self| horizon.holds(stretch) && horizon.crawl_in(stretch).is_none();
+        match retuning {
+            Retuning::Finding(_) => {
+                if runs(self) {
+                    return Flow::Ready;
+                }
+                self.take_agreed(stretch.first..stretch.last + 1);
+            }
+            Retuning::Slowing(_) => self.loosen(stretch.first, stretch.last),
+            Retuning::Improving(_) => {
+                self.loosen(stretch.first, stretch.last);
+                return if runs(self) { Flow::Ready } else { Flow::Nothing };
+            }
+        }
+        *retuning = Retuning::Improving(self.begin_improving(stretch, Aim::Time));
+        Flow::Working
     }
 }

@@ -180,9 +180,11 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         jerk * self.config.cycle * self.config.cycle * S::of(CRAWL)
     }
 
-    /// Cuts the cells of the agreed motion within a distance, mm, of `first` finer.
-    pub fn refine(&mut self, first: usize, last: usize, distance: S) -> usize {
-        let Some(start) = self.window.get(first) else { return last };
+    /// Cuts the cells of the agreed motion within a distance, mm, of `first` finer. Returns where the station at `last` is
+    /// then, and the first one behind all that was cut.
+    pub fn refine(&mut self, first: usize, last: usize, distance: S) -> (usize, usize) {
+        let mut behind = first;
+        let Some(start) = self.window.get(first) else { return (last, behind) };
         let speed = start.state.b.sqrt();
         let longest = distance / S::of(BRAKE_CELLS);
         let (mut i, mut last) = (first, last);
@@ -203,12 +205,13 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             let may = length > longest && cut > self.config.cycle && self.room_to_add() > PHASES;
             if may && self.cut_agreed(i, cut) {
                 last += 1;
+                behind = if behind > i { behind + 1 } else { i + 2 };
             } else {
                 done += length;
                 i += 1;
             }
         }
-        last
+        (last, behind)
     }
 
     /// The motion as agreed from where an answer can take effect, on cells cut finer.
@@ -217,7 +220,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     pub fn prepare(&mut self, moment: Moment<S>) -> Option<(Stretch, Branch)> {
         let (first, branch) = self.cut_in(moment)?;
         let mut stretch = self.stretch_from(first);
-        stretch.last = self.refine(first, stretch.last, self.braking_distance(first));
+        (stretch.last, _) = self.refine(first, stretch.last, self.braking_distance(first));
         self.loosen(first, stretch.last);
         Some((stretch, branch))
     }

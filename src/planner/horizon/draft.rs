@@ -126,6 +126,15 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         }
     }
 
+    /// Takes back the overrides that the draft has tried, but for the bounds of cells.
+    pub fn keep_overrides(&mut self) {
+        let Some(draft) = self.draft.as_ref() else { return };
+        if self.overrides != draft.overrides {
+            self.overrides = draft.overrides;
+            self.bound_from(0);
+        }
+    }
+
     /// Whether the states are those of the agreed plan, with a rest behind its end.
     fn is_as_agreed(&self) -> bool {
         let last = self.end_index();

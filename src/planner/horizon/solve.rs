@@ -13,10 +13,19 @@ use core::ops::Range;
 /// have as much in reserve.
 const EXCESS: f64 = 1.0001;
 
+/// Share of acceleration and jerk with which a rest is looked for. The states come near to their limits long before they
+/// keep them to the last digit.
+const RESERVED: f64 = 0.995;
+
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// Whether the states of a stretch keep all limits, with a rest at its end.
     pub fn holds(&mut self, stretch: Stretch) -> bool {
         self.solver.on(&mut self.window, &self.config.limits, stretch).holds()
+    }
+
+    /// The same up to station `until`.
+    pub fn holds_until(&mut self, stretch: Stretch, until: usize) -> bool {
+        self.solver.on(&mut self.window, &self.config.limits, stretch).until(until).holds()
     }
 
     /// To improve the states of a stretch for an aim.
@@ -31,6 +40,31 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let mut problem = self.solver.on(&mut self.window, &limits, stretch);
         problem.guess(new);
         problem.find(iterations)
+    }
+
+    /// To improve the states of a stretch for an aim, in a few steps, but for those from station `until` on, which
+    /// stay as they are.
+    pub fn begin_improving_until(
+        &mut self,
+        stretch: Stretch,
+        until: usize,
+        (steps, aim): (u16, Aim),
+    ) -> Solving<S> {
+        let limits = self.config.limits;
+        self.solver.on(&mut self.window, &limits, stretch).until(until).improve(steps, aim)
+    }
+
+    /// To find states that come to rest at the end of a stretch, nearer than those at hand would, in a few steps.
+    pub fn begin_resting(&mut self, stretch: Stretch, steps: u16) -> Solving<S> {
+        let limits = self.config.limits;
+        let mut problem = self.solver.on(&mut self.window, &limits, stretch).share(S::of(RESERVED));
+        problem.hold_down();
+        problem.find(steps)
+    }
+
+    /// How much of the limit that is exceeded most the states of a stretch use, 1 at least.
+    pub fn most_used(&mut self, stretch: Stretch) -> S {
+        self.solver.on(&mut self.window, &self.config.limits, stretch).most_used()
     }
 
     /// A part of a Newton step. Whether there is more to do.
@@ -55,14 +89,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// A try for slow states; see [`crate::profile::seeding`].
     pub fn seed(&mut self, stretch: Stretch, seeding: &mut Seeding<S>) -> Option<bool> {
         self.solver.on(&mut self.window, &self.config.limits, stretch).seed(seeding)
-    }
-
-    /// Gives the stations of a stretch from index `new` on states by a guess, and improves all. Returns whether there
-    /// is a motion.
-    pub fn find_from_guess(&mut self, stretch: Stretch, new: usize) -> bool {
-        let solving = self.begin_finding(stretch, new);
-        self.solve(solving);
-        self.holds(stretch)
     }
 
     /// Gives stations the states of the plan that is being executed.
