@@ -8,7 +8,7 @@
 
 use super::budget;
 use crate::block::range::{check_coordinates, in_range};
-use crate::block::{Block, BlockError, Motion};
+use crate::block::{Block, BlockError, Feed, Motion};
 use crate::machine::{Config, Quantity};
 use crate::number::{Coord, Range, Scalar};
 use crate::spline::bezier::cubic_from_origin;
@@ -29,7 +29,7 @@ pub struct Chords<S, const N: usize> {
     end: [Coord; N],
     /// From the start to the other three Bezier points, mm.
     offsets: [[f64; N]; 3],
-    /// Length, mm.
+    /// Length, mm, where a duration makes a speed of it; else none.
     length: S,
     cut: Cut,
     count: u32,
@@ -75,7 +75,9 @@ impl<S: Scalar, const N: usize> Chords<S, N> {
             count: 1,
             next: 1,
         };
-        chords.length = S::of(chords.measured());
+        if let Feed::Duration(_) = block.feed {
+            chords.length = chords.measured();
+        }
         if let Some((count, at)) = turning_points(&offsets, sag) {
             (chords.count, chords.cut) = (count + 1, Cut::At(at));
             return Ok(Some(chords));
@@ -96,7 +98,7 @@ impl<S: Scalar, const N: usize> Chords<S, N> {
         &self.end
     }
 
-    /// Length of the whole curve, mm.
+    /// Length of the whole curve, mm, if its feed is a duration; else none.
     pub fn whole(&self) -> S {
         self.length
     }
@@ -128,24 +130,25 @@ impl<S: Scalar, const N: usize> Chords<S, N> {
     }
 
     /// Length, mm: the integral of the speed along it, by Simpson's rule in equal parts.
-    fn measured(&self) -> f64 {
-        let [a, b, c] = &self.offsets;
-        let speed = |u: f64| -> f64 {
-            let v = 1.0 - u;
-            let mut square = 0.0;
+    fn measured(&self) -> S {
+        let [a, b, c] = self.offsets.map(|offset| offset.map(S::of));
+        let two = S::of(2.0);
+        let speed = |u: S| -> S {
+            let v = S::ONE - u;
+            let mut square = S::ZERO;
             for i in 0..N {
-                let d = v * v * a[i] + 2.0 * v * u * (b[i] - a[i]) + u * u * (c[i] - b[i]);
+                let d = v * v * a[i] + two * v * u * (b[i] - a[i]) + u * u * (c[i] - b[i]);
                 square += d * d;
             }
-            3.0 * Scalar::sqrt(square)
+            square.sqrt()
         };
-        let step = 1.0 / f64::from(PARTS);
-        let mut sum = 0.0;
+        let step = S::of(1.0 / f64::from(PARTS));
+        let mut sum = S::ZERO;
         for k in 0..PARTS {
-            let u = f64::from(k) * step;
-            sum += speed(u) + 4.0 * speed(u + step / 2.0) + speed(u + step);
+            let u = S::from_u32(k) * step;
+            sum += speed(u) + S::of(4.0) * speed(u + step * S::of(0.5)) + speed(u + step);
         }
-        sum * step / 6.0
+        sum * step * S::of(3.0 / 6.0)
     }
 
     /// The next chord, as a line.
@@ -286,7 +289,8 @@ mod tests {
     #[test]
     fn length_is_exact_enough() {
         let a = at(0.0, 0.0);
-        let block = Block::cubic([at(0.0, 10.0), at(10.0, 10.0)], at(10.0, 0.0), 1.0, 0);
+        let mut block = Block::cubic([at(0.0, 10.0), at(10.0, 10.0)], at(10.0, 0.0), 1.0, 0);
+        block.feed = Feed::Duration(1.0);
         let chords = Chords::<f64, 2>::new(a, &block, &config()).unwrap().unwrap();
         // |c'|^2 / 900 = (v^2 - u^2)^2 + (2 u v)^2 = (u^2 + v^2)^2, and its integral over u is 2 / 3.
         assert!((chords.length - 20.0).abs() < 1.0e-9, "{}", chords.length);

@@ -36,14 +36,8 @@ pub struct Sleeve<const N: usize> {
 
 impl<const N: usize> Sleeve<N> {
     /// No line yet.
-    pub const NONE: Self =
+    const NONE: Self =
         Self { direction: [0.0; N], straight: [Bounds::NONE; N], rounded: [Bounds::NONE; N] };
-
-    /// The memory of one.
-    pub const UNSET: Self = {
-        let bounds = [Bounds { low: 0.0, high: 0.0 }; N];
-        Self { direction: [0.0; N], straight: bounds, rounded: bounds }
-    };
 
     /// The sleeve of a line.
     pub fn of(start: &[Coord; N], end: &[Coord; N]) -> Self {

@@ -22,7 +22,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     }
 
     fn cut(&mut self, last: &Node<S, N>, config: &Config<S, N>) -> Option<Cut<S, N>> {
-        self.take_chords(config);
+        if self.take_chord(config) {
+            return Some(Cut::Working);
+        }
         // A finished stage leads to the next: body, joint, next block. Each turn of this loop
         // moves on by one of these, and a block has a body or a joint with cells, or is dropped.
         for _ in 0..4 * BLOCKS {

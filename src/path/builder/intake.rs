@@ -30,7 +30,7 @@ struct Longer<S, const N: usize> {
 impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// Takes a block, or leaves everything as it was.
     pub fn push(&mut self, block: &Block<S, N>, config: &Config<S, N>) -> Result<(), PushError> {
-        self.take_chords(config);
+        self.take_chord(config);
         if self.is_full() {
             return Err(PushError::Full);
         }
@@ -39,24 +39,23 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             // The first chord is checked as the block is, by its feed; the others are what it is.
             self.take(&chords.line(), Some(chords.whole()), config)?;
             self.chords.set(chords.advanced());
-            self.take_chords(config);
             return Ok(());
         }
         self.take(block, None, config)
     }
 
-    /// Takes chords of the curve that was accepted last as long as there is room.
-    pub(super) fn take_chords(&mut self, config: &Config<S, N>) {
-        for _ in 0..BLOCKS {
-            let Some(chords) = self.chords.as_ref().copied() else { return };
-            if self.queue.is_full() {
-                return;
-            }
-            // Its fields are those of the first, and its end lies between control points.
-            let taken = self.take(&chords.line(), Some(chords.whole()), config);
-            debug_assert!(taken.is_ok(), "a chord of a curve that was accepted is refused");
-            self.chords.set(chords.advanced());
+    /// Takes a chord of the curve that was accepted last, if there is room. Returns whether it did.
+    pub(super) fn take_chord(&mut self, config: &Config<S, N>) -> bool {
+        let Some(chords) = self.chords.as_ref() else { return false };
+        if self.queue.is_full() {
+            return false;
         }
+        let (line, whole, rest) = (chords.line(), chords.whole(), chords.advanced());
+        // Its fields are those of the first, and its end lies between control points.
+        let taken = self.take(&line, Some(whole), config);
+        debug_assert!(taken.is_ok(), "a chord of a curve that was accepted is refused");
+        self.chords.set(rest);
+        true
     }
 
     /// Takes a block for which there is room, or leaves everything as it was. `whole` is the length of the
@@ -84,10 +83,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         if self.take_as_part(&item, config) {
             return Ok(());
         }
-        self.sleeve = match &item.segment {
-            Some(segment) => Sleeve::of(&segment.start, &segment.end),
-            None => Sleeve::NONE,
-        };
+        self.sleeve.set(None);
         // The joint behind a block that is being cut has been decided, unless a run goes on.
         if (self.waits() || self.queue.len() > 1)
             && let Some(last) = self.queue.back_mut()
@@ -126,7 +122,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         if let Some(mark) = mark {
             self.marks.push(mark);
         }
-        self.sleeve = sleeve;
+        self.sleeve.set(Some(sleeve));
         if let Some(last) = self.queue.back_mut() {
             *last = longer;
         }
@@ -158,8 +154,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         if turn > least + S::EPSILON * S::of(TURN_ROUNDING) {
             return None;
         }
-        let (sleeve, error) =
-            self.sleeve.extended(&before.start, &before.end, &after.end, slack)?;
+        let sleeve = self.sleeve.as_ref().copied();
+        let (sleeve, error) = sleeve
+            .unwrap_or_else(|| Sleeve::of(&before.start, &before.end))
+            .extended(&before.start, &before.end, &after.end, slack)?;
         let exact = error <= slack.exact;
         if !self.last_is_open(exact) {
             return None;

@@ -75,8 +75,8 @@ pub struct Builder<S, const N: usize, const BLOCKS: usize> {
     queue: Deque<QueuedBlock<S, N>, BLOCKS>,
     /// The rest of a curve that has been accepted last.
     chords: Optional<Chords<S, N>>,
-    /// Where the last block, a line, may run on to.
-    sleeve: Sleeve<N>,
+    /// Where the last block may run on to, if lines have become one in it.
+    sleeve: Optional<Sleeve<N>>,
     /// Marks of the queued lines, in order.
     marks: Marks<S, BLOCKS>,
     /// End of the last accepted block.
@@ -100,7 +100,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     pub const EMPTY: Self = Self {
         queue: Deque::new(),
         chords: Optional::NONE,
-        sleeve: Sleeve::UNSET,
+        sleeve: Optional::NONE,
         marks: Marks::new(),
         end: [Coord::ZERO; N],
         closed: false,
@@ -116,7 +116,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     pub fn restart(&mut self, start: [Coord; N]) {
         const { assert!(BLOCKS >= 4, "a look-ahead of fewer than 4 blocks cannot share legs") };
         self.queue.clear();
-        self.sleeve = Sleeve::NONE;
+        self.sleeve.set(None);
         self.marks.clear();
         self.chords.set(None);
         self.end = start;
