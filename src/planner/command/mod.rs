@@ -38,6 +38,8 @@ mod brake;
 pub mod halting;
 pub mod reaction;
 pub mod retune;
+#[cfg(test)]
+mod tests;
 
 use self::halting::FIRST_REACH;
 use self::reaction::Asked;
