@@ -30,6 +30,8 @@ use splineway_simulator::program::Program;
 use splineway_studies::stop::{Limits, Moment, shortest};
 use std::path::Path;
 
+/// A speed that differs by more shows, mm/s: what jerk changes in two servo cycles.
+const SHOWN: f32 = 0.1;
 /// Standing still is less, mm/s.
 const STILL: f32 = 0.3;
 
@@ -222,7 +224,7 @@ fn answer(job: &Job<'_>, trial: &Trial, base: &Run, at: usize) -> Result<Answer>
     let run = job.real(&trial.setup(job, Some(at)))?;
     let differs = |k: &usize| {
         let (before, now) = (base.samples[*k].speed, run.samples[*k].speed);
-        (before - now).abs() > 0.01 * base.samples[at].speed.max(1.0)
+        (before - now).abs() > SHOWN
     };
     let shared = run.samples.len().min(base.samples.len());
     let reaction = (at + 1..shared).find(differs).map(|k| (k - at) as f64 * cycle);
