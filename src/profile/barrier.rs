@@ -1,10 +1,10 @@
 //! The barrier over one cell: its value, its derivatives, and what stands in for the curvature of
 //! the time.
 //!
-//! It is the logarithm of what is left of every limit, or the [relaxed](super::relaxation) one.
+//! It is the logarithm of what is left of every limit that may bind, or the [relaxed](super::relaxation) one.
 
 use super::law::{Law, PathState};
-use super::relaxation::Relaxation;
+use super::relaxation::{NEAR, Relaxation};
 use super::rows::{End, Gradient, Sink};
 use crate::number::Scalar;
 use core::array::from_fn;
@@ -114,9 +114,11 @@ impl<S: Scalar> Model<S> {
     #[inline]
     fn bend(&self, left: S, scale: S) -> Bend<S> {
         let relaxation = &self.slack.relaxation;
-        let (slope, curvature) = if left >= relaxation.delta() {
+        let (slope, curvature) = if !is_near(left) {
+            (S::ZERO, S::ZERO)
+        } else if left >= relaxation.delta() {
             let per = S::ONE / left;
-            (per, per * per)
+            (per - S::of(1.0 / NEAR), per * per)
         } else {
             (relaxation.one_sided.slope(relaxation.delta() - left), relaxation.one_sided.curvature)
         };
@@ -147,6 +149,12 @@ impl<S: Scalar> Model<S> {
             curvature: self.mu_curvature * curvature * (scale * scale),
         }
     }
+}
+
+/// Whether a limit on one side of which so much is left is in the barrier; NaN is.
+#[inline]
+fn is_near<S: Scalar>(left: S) -> bool {
+    !(left >= S::of(NEAR))
 }
 
 /// Gradients that nobody asks for.
@@ -180,25 +188,33 @@ impl<S: Scalar> Sink<S> for Model<S> {
         scale: S,
         g: impl FnOnce() -> [Gradient<S>; M],
     ) {
-        self.slack.one_sided(r, scale, none);
-        let g = g();
-        let rows: [_; M] = from_fn(|k| (self.bend(S::ONE - r[k], scale), g[k]));
-        self.sums.add(&rows);
+        if r.iter().any(|r| is_near(S::ONE - *r)) {
+            self.slack.one_sided(r, scale, none);
+            let g = g();
+            let rows: [_; M] = from_fn(|k| (self.bend(S::ONE - r[k], scale), g[k]));
+            self.sums.add(&rows);
+        }
     }
     #[inline]
     fn one_sided_at(&mut self, end: End, r: S, scale: S, g: [S; 2]) {
-        self.slack.one_sided_at(end, r, scale, g);
-        self.sums.add_at(end, self.bend(S::ONE - r, scale), g);
+        if is_near(S::ONE - r) {
+            self.slack.near(S::ONE - r);
+            self.sums.add_at(end, self.bend(S::ONE - r, scale), g);
+        }
     }
     #[inline]
     fn positive(&mut self, r: S, g: impl FnOnce() -> Gradient<S>) {
-        self.slack.positive(r, || [S::ZERO; 4]);
-        self.sums.add(&[(self.bend(r, -S::ONE), g())]);
+        if is_near(r) {
+            self.slack.near(r);
+            self.sums.add(&[(self.bend(r, -S::ONE), g())]);
+        }
     }
     #[inline]
     fn positive_at(&mut self, end: End, r: S, g: [S; 2]) {
-        self.slack.positive_at(end, r, g);
-        self.sums.add_at(end, self.bend(r, -S::ONE), g);
+        if is_near(r) {
+            self.slack.near(r);
+            self.sums.add_at(end, self.bend(r, -S::ONE), g);
+        }
     }
     #[inline]
     fn penalised<const M: usize>(
@@ -278,6 +294,28 @@ impl<S: Scalar> Slack<S> {
         }
     }
 
+    /// Takes a row with one side of which so much is left.
+    #[inline]
+    fn near(&mut self, left: S) {
+        if !is_near(left) {
+            return;
+        }
+        if !(left > self.least) {
+            self.least = left;
+        }
+        let delta = self.relaxation.delta();
+        if left >= delta {
+            let u = left * S::of(1.0 / NEAR);
+            self.barrier = self.barrier + (u - S::ONE);
+            self.product = self.product * u;
+            if self.product < S::of(LEAST_PRODUCT) {
+                self.fold();
+            }
+        } else {
+            self.barrier = self.barrier + self.relaxation.one_sided.value(delta - left);
+        }
+    }
+
     #[inline]
     fn fold(&mut self) {
         self.barrier = self.barrier - self.product.ln();
@@ -315,11 +353,9 @@ impl<S: Scalar> Sink<S> for Slack<S> {
     }
     #[inline]
     fn one_sided<const M: usize>(&mut self, r: [S; M], _: S, _: impl FnOnce() -> [Gradient<S>; M]) {
-        let mut slack = r;
-        for s in &mut slack {
-            *s = S::ONE - *s;
+        for r in r {
+            self.near(S::ONE - r);
         }
-        self.take(slack, |relaxed, k| relaxed.one_sided.value(relaxed.delta() - slack[k]));
     }
     #[inline]
     fn one_sided_at(&mut self, _: End, r: S, scale: S, _: [S; 2]) {
@@ -327,7 +363,7 @@ impl<S: Scalar> Sink<S> for Slack<S> {
     }
     #[inline]
     fn positive(&mut self, r: S, _: impl FnOnce() -> Gradient<S>) {
-        self.take([r], |relaxed, _| relaxed.one_sided.value(relaxed.delta() - r));
+        self.near(r);
     }
     #[inline]
     fn positive_at(&mut self, _: End, r: S, _: [S; 2]) {

@@ -8,6 +8,11 @@
 
 use crate::number::Scalar;
 
+/// A limit on one side of which this share is left, or more, is not in the barrier: of the share u of it that is left the
+/// barrier is -ln(u) + u - 1, which meets 0 with slope 0 at 1. (Of limits on two sides all are: without
+/// what those add to the second derivatives far from their limits, two and a half times as many steps are needed.)
+pub const NEAR: f64 = 0.5;
+
 /// Value, slope and curvature of the barrier, by what is left of a limit or by how much of it is
 /// used, where its parabola begins.
 #[derive(Clone, Copy, Debug)]
@@ -38,7 +43,7 @@ pub struct Relaxation<S> {
     delta: S,
     /// What is used of a two-sided limit there: 1 - r^2 = delta.
     used: S,
-    /// By what is left, of a limit on one side: -ln(z).
+    /// By what is left, of a limit on one side: see [`NEAR`].
     pub one_sided: Parabola<S>,
     /// By what is used, of a limit on both sides: -ln(1 - r^2).
     pub two_sided: Parabola<S>,
@@ -51,16 +56,20 @@ impl<S: Scalar> Relaxation<S> {
         Self { delta: S::ZERO, used: S::ONE, one_sided: none, two_sided: none }
     };
 
-    /// A barrier that goes on as a parabola where less than the share `delta` of a limit is left; 0 < delta < 1.
+    /// A barrier that goes on as a parabola where less than the share `delta` of a limit is left; 0 < delta < [`NEAR`].
     pub fn new(delta: S) -> Self {
-        debug_assert!(delta > S::ZERO && delta < S::ONE);
+        debug_assert!(delta > S::ZERO && delta < S::of(NEAR));
         let (per, used) = (S::ONE / delta, (S::ONE - delta).sqrt());
-        let value = -delta.ln();
+        let (value, u) = (-delta.ln(), delta * S::of(1.0 / NEAR));
         let slope = S::of(2.0) * used * per;
         Self {
             delta,
             used,
-            one_sided: Parabola { value, slope: per, curvature: per * per },
+            one_sided: Parabola {
+                value: u - S::ONE - u.ln(),
+                slope: per - S::of(1.0 / NEAR),
+                curvature: per * per,
+            },
             two_sided: Parabola { value, slope, curvature: S::of(2.0) * per + slope * slope },
         }
     }
@@ -102,13 +111,14 @@ mod tests {
             // So near that the third derivative of the logarithm makes 1e-9 of its value.
             let step = 1.0e-3 * delta;
             let Parabola { value, slope, curvature } = relaxation.one_sided;
-            assert!((value + delta.ln()).abs() < 1e-12);
+            let barrier = |left: f64| left / NEAR - 1.0 - (left / NEAR).ln();
+            assert!((value - barrier(delta)).abs() < 1e-12);
             for sign in [-1.0, 1.0] {
-                let log = -(delta - sign * step).ln();
+                let log = barrier(delta - sign * step);
                 let parabola = relaxation.one_sided.value(sign * step);
                 assert!((log - parabola).abs() < 1e-8, "{delta}: {log} {parabola}");
             }
-            assert!((slope - 1.0 / delta).abs() < 1e-9 * slope);
+            assert!((slope - 1.0 / delta + 1.0 / NEAR).abs() < 1e-9 * slope);
             assert!((curvature - 1.0 / (delta * delta)).abs() < 1e-9 * curvature);
             let used = relaxation.used();
             let step = 1.0e-3 * (1.0 - used);

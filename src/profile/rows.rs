@@ -314,9 +314,9 @@ fn straight_rows<S: Scalar, const N: usize, K: Sink<S>>(
 ) {
     let (zero, one) = (S::ZERO, S::ONE);
     let per = one / view.bounds.jerk;
-    let [j0, j1, j2] = law.jerk;
-    sink.two_sided([j0 * per, j1 * per, j2 * per], [per; 3], || slopes.jerk);
-    let [g0, _, g2] = slopes.jerk;
+    // The jerk is linear in time: greatest at an end.
+    let ([j0, _, j2], [g0, _, g2]) = (law.jerk, slopes.jerk);
+    sink.two_sided([j0 * per, j2 * per], [per; 2], || [g0, g2]);
     let ends = Ends {
         per: one / view.bounds.acceleration,
         acceleration: [law.a0, law.a1],
