@@ -145,7 +145,9 @@ fn run<S: Scalar>(path: &Path, presses: &[(u32, Press)], pace: Pace) -> Result<(
             if progress == Progress::Planned {
                 progress = Progress::Planning;
             }
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            seed = seed
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             if progress == Progress::Planning {
                 behind += pace.slice * (seed >> 40) as f64 / f64::from(1 << 24);
             }

@@ -111,8 +111,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// How long it will be until a plan made now can be taken up, s.
     fn planned(&self, at: NodeSerial) -> S {
-        let cells = self.horizon.window.len() - self.horizon.window.clamped_index(at);
-        self.effort.cycles(cells) * self.horizon.config.cycle
+        self.effort.cycles(self.cells_ahead(at)) * self.horizon.config.cycle
+    }
+
+    /// Cells of the window that lie ahead of a node.
+    pub(super) fn cells_ahead(&self, at: NodeSerial) -> usize {
+        self.horizon.window.len() - self.horizon.window.clamped_index(at)
     }
 
     /// In motion: plan on when a part of the plan has been run, or its end is near or begins to show.
@@ -160,13 +164,16 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// Begins a plan from a node on, over everything behind it.
     pub(super) fn plan(&mut self, branch: NodeSerial, at: NodeSerial, single: bool) -> Progress {
-        let Some((proposal, new)) = self.horizon.propose_from(branch, single) else {
+        let Some((mut proposal, new)) = self.horizon.propose_from(branch, single) else {
             return Progress::NeedsBlocks;
         };
         let stretch = proposal.stretch;
         self.horizon.begin_draft();
         self.horizon.loosen(stretch.first, new);
         let solving = self.horizon.begin_finding(stretch, new);
+        // Where nothing would change, the agreed plan is run on.
+        proposal.stretch.first = solving.first();
+        proposal.branch = Branch::Node(self.horizon.window.serial(solving.first()));
         self.making = Some(Making::ahead(proposal, solving, new, (self.side.cycles(), at)));
         Progress::Planning
     }

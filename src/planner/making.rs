@@ -223,10 +223,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             if last < proposal.stretch.last {
                 return Progress::Planning;
             }
-            let (purpose, began) = (making.purpose, making.began);
+            let Making { purpose, began, at, .. } = *making;
             self.making = None;
             if purpose == Purpose::Ahead {
-                let cells = proposal.stretch.last - proposal.stretch.first;
+                let cells = self.cells_ahead(at);
                 self.effort.learn(cells, self.side.cycles().since(began).unwrap_or(0));
             }
             self.offer(proposal);

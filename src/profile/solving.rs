@@ -60,6 +60,11 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
 }
 
 impl<S: Scalar> Solving<S> {
+    /// The first station of the stretch: those before it keep their states.
+    pub fn first(&self) -> usize {
+        self.task.stretch.first
+    }
+
     /// Steps that may still be taken.
     pub fn left(&self) -> u16 {
         self.left
