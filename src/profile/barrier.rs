@@ -322,6 +322,12 @@ impl<S: Scalar> Slack<S> {
         self.product = S::ONE;
     }
 
+    /// What the value of the barrier is at least: without a logarithm that is never negative.
+    #[inline]
+    pub fn least_barrier(&self) -> S {
+        self.barrier
+    }
+
     /// Value of the barrier.
     pub fn barrier(&mut self) -> S {
         self.fold();

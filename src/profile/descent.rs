@@ -35,6 +35,7 @@
 
 use super::problem::{Assembly, Probe, Problem, Weights};
 use super::tridiagonal::solve;
+use crate::machine::UNLIMITED;
 use crate::number::Scalar;
 
 /// Most shortenings of one step.
@@ -207,14 +208,14 @@ impl<S: Scalar> Descent<S> {
         mut trial: Trial<S>,
     ) -> Went {
         let mu = self.weights.mu;
-        let value = |share: S| problem.value(Probe { mu, share }, problem.cells());
-        let slack = trial.here.abs() * S::EPSILON * S::of(ROUNDING_ERRORS);
-        let there = value(trial.share);
-        let found = there.is_some_and(|there| there <= trial.here + slack);
+        let value = |share: S, most: S| problem.value(Probe { mu, share, most }, problem.cells());
+        let most = trial.here + trial.here.abs() * S::EPSILON * S::of(ROUNDING_ERRORS);
+        let there = value(trial.share, most);
+        let found = there.is_some_and(|there| there <= most);
         if found {
             // A limit is near: keep a distance from it, or the next steps only slide along.
             let shorter = trial.share * S::of(DISTANCE);
-            if trial.blocked && value(shorter).is_some() {
+            if trial.blocked && value(shorter, S::of(UNLIMITED)).is_some() {
                 trial.share = shorter;
             }
         } else {

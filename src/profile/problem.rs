@@ -11,13 +11,16 @@ use super::relaxation::Relaxation;
 use super::rows::{View, rows, time_gradient};
 use super::tridiagonal::BlockRow;
 use super::window::{Station, Window};
-use crate::machine::Limits;
+use crate::machine::{Limits, UNLIMITED};
 use crate::number::Scalar;
 use crate::number::list::{part_mut, some_mut};
 use core::ops::Range;
 
 /// Share of acceleration and jerk that the last cell before an open end may use.
 const OPEN_END_SHARE: f64 = 0.4;
+/// Share of the limits that is used while they may be exceeded: they are kept before the last digits of a solution are
+/// found, which saves a step in 25 and costs 0.02 % of the time.
+const RELAXED_SHARE: f64 = 0.9995;
 /// How much dearer it is to be above the goal than time is at the goal. Above 1 no time that could be won there pays for
 /// it: the penalty is exact.
 const EXCESS_PENALTY: f64 = 1.5;
@@ -70,6 +73,8 @@ pub(super) struct Probe<S> {
     pub mu: S,
     /// Share of the step.
     pub share: S,
+    /// A value above this need not be known any better.
+    pub most: S,
 }
 
 /// Cells whose derivatives are made at once: some 100,000 instructions on the target with three axes, 250,000 with nine.
@@ -163,6 +168,12 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
         if view.share < S::ONE {
             view.bounds = view.bounds.share(view.share);
         }
+        if self.task.relaxation.is_relaxed() {
+            let share = S::of(RELAXED_SHARE);
+            view.share = view.share * share;
+            view.bounds = view.bounds.share(share);
+            view.bounds.speed = view.bounds.speed * share;
+        }
         if matches!(self.task.objective, Objective::PenalisedTime) {
             view.penalty = S::of(EXCESS_PENALTY) * station.cell.length / station.bounds.goal;
         }
@@ -222,7 +233,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
 
     /// What is minimised, over some cells of the stretch; `None` if a limit is broken that must not be.
     pub(super) fn value(&self, probe: Probe<S>, cells: Range<usize>) -> Option<S> {
-        let Probe { mu, share } = probe;
+        let Probe { mu, share, most } = probe;
         let timed = self.is_timed();
         let mut time = S::ZERO;
         let mut slack = Slack::new(self.task.relaxation);
@@ -244,6 +255,11 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
                 }
             }
             time += self.cost_of_speed(i, station, after) * next.b;
+            // What the cells to come add is not negative.
+            let least = time + slack.penalty + mu * slack.least_barrier();
+            if least > most {
+                return Some(least);
+            }
             here = next;
         }
         let value = time + slack.penalty + mu * slack.barrier();
@@ -265,7 +281,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
         }
         let task = self.task;
         (self.task.relaxation, self.task.share) = (Relaxation::STRICT, S::ONE);
-        let holds = self.value(Probe { mu: S::ZERO, share: S::ZERO }, cells).is_some();
+        let everywhere = Probe { mu: S::ZERO, share: S::ZERO, most: S::of(UNLIMITED) };
+        let holds = self.value(everywhere, cells).is_some();
         self.task = task;
         holds
     }

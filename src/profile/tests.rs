@@ -263,7 +263,8 @@ fn the_model_has_the_slope_of_the_value() {
                 // A step is taken away from the state.
                 problem.rows(cells.clone())[i].step[k] = -b;
                 let step = if k == 0 { 1e-5 } else { 1e-4 };
-                let value = |share: f64| problem.value(Probe { mu, share }, cells.clone()).unwrap();
+                let probe = |share: f64| Probe { mu, share, most: f64::MAX };
+                let value = |share: f64| problem.value(probe(share), cells.clone()).unwrap();
                 let slope = (value(step) - value(-step)) / (2.0 * step * b);
                 let scale = gradients[i][k].abs().max(1e-7);
                 assert!(
