@@ -126,6 +126,8 @@ struct Sides<'a, S, const N: usize> {
     after: &'a Segment<S, N>,
     /// Their directions and bends at the joint.
     frames: [Frame<S, N>; 2],
+    /// Their angles per length, rad/mm.
+    rates: [S; 2],
     /// Length that a blend takes of either, mm.
     reach: S,
     /// From the joint to the start of the blend, mm.
@@ -135,8 +137,9 @@ struct Sides<'a, S, const N: usize> {
 impl<'a, S: Scalar, const N: usize> Sides<'a, S, N> {
     fn new(before: &'a Segment<S, N>, after: &'a Segment<S, N>, reach: S) -> Self {
         let frames = [before.end_frame(), after.start_frame()];
-        let origin = before.walk(&frames[0], -reach);
-        Self { before, after, frames, reach, origin }
+        let rates = [before.rate(), after.rate()];
+        let origin = before.walk(&frames[0], rates[0], -reach);
+        Self { before, after, frames, rates, reach, origin }
     }
 
     /// Distance between a blend at `u` in [0, 1] and the point at the same share of the arc length of both segments, mm:
@@ -145,9 +148,9 @@ impl<'a, S: Scalar, const N: usize> Sides<'a, S, N> {
         let along = (S::of(2.0) * u - S::ONE) * self.reach;
         let [frame_in, frame_out] = &self.frames;
         let point = if along < S::ZERO {
-            self.before.walk(frame_in, along)
+            self.before.walk(frame_in, self.rates[0], along)
         } else {
-            self.after.walk(frame_out, along)
+            self.after.walk(frame_out, self.rates[1], along)
         };
         let p = blend.offset(u);
         let gap: Vector<S, N> = from_fn(|i| self.origin[i] + p[i] - point[i]);

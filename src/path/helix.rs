@@ -58,7 +58,8 @@ pub struct Helix {
 }
 
 /// A point of the arc in its plane, in polar form about the centre.
-struct Polar {
+#[derive(Clone, Copy)]
+pub struct Polar {
     radius: f64,
     sin: f64,
     cos: f64,
@@ -130,7 +131,7 @@ impl Helix {
     }
 
     /// Where the arc is at a share of its angle.
-    fn polar(&self, share: i64) -> Polar {
+    pub fn polar(&self, share: i64) -> Polar {
         let per = 1.0 / WHOLE as f64;
         // Whole turns drop out of the product exactly.
         let part = share.wrapping_mul(i64::from(self.turns)) & (WHOLE - 1);
@@ -181,15 +182,21 @@ impl Helix {
         (0..PARTS).map(|k| from + step * f64::from(k)).map(|u| integral(u, u + step, speed)).sum()
     }
 
-    /// Position of the plane's axes at a share; the others are left.
-    pub fn set_position<const N: usize>(&self, at: &mut [Coord; N], share: i64) {
-        let Polar { radius, sin, cos } = self.polar(share);
+    /// Position of the plane's axes at a point; the others are left.
+    pub fn set_position<const N: usize>(
+        &self,
+        at: &mut [Coord; N],
+        Polar { radius, sin, cos }: Polar,
+    ) {
         self.put(at, self.centre.0.plus(radius * cos), self.centre.1.plus(radius * sin));
     }
 
-    /// Tangent and curvature at a share.
-    pub fn frame<S: Scalar, const N: usize>(&self, share: i64, climb: &[f64; N]) -> Frame<S, N> {
-        let Polar { radius, sin, cos } = self.polar(share);
+    /// Tangent and curvature at a point.
+    pub fn frame<S: Scalar, const N: usize>(
+        &self,
+        Polar { radius, sin, cos }: Polar,
+        climb: &[f64; N],
+    ) -> Frame<S, N> {
         let (turn, growth) = (self.angle(), self.growth);
         let speed = self.speed(radius, climb);
         let mut tangent: [f64; N] = from_fn(|i| climb[i] / speed);
@@ -340,7 +347,7 @@ mod tests {
             let climb = helix.climb(&start, &end);
             let at = |share: i64| -> [f64; 3] {
                 let mut at = start.map(|_| Coord::ZERO);
-                helix.set_position(&mut at, share);
+                helix.set_position(&mut at, helix.polar(share));
                 let z = climb[2] * (share as f64 / WHOLE as f64);
                 [at[0].to_mm(), at[1].to_mm(), z]
             };
@@ -355,9 +362,9 @@ mod tests {
             for share in [0, WHOLE / 3, WHOLE - step] {
                 let (length, tangent_offset) = helix.cell::<f64, 3>((share, share + step), &climb);
                 let Frame { tangent: t0, curvature: k0 }: Frame<f64, 3> =
-                    helix.frame(share, &climb);
+                    helix.frame(helix.polar(share), &climb);
                 let Frame { tangent: t1, curvature: k1 }: Frame<f64, 3> =
-                    helix.frame(share + step, &climb);
+                    helix.frame(helix.polar(share + step), &climb);
                 let (a, b) = (at(share), at(share + step));
                 let expected = whole * (step as f64 / WHOLE as f64);
                 assert!((length - expected).abs() < 1e-3 * expected);

@@ -114,7 +114,9 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
     fn frame(&self, share: i64) -> Frame<S, N> {
         match &self.shape {
             Shape::Line(tangent) => Frame { tangent: *tangent, curvature: zero() },
-            Shape::Arc(helix) => helix.frame(share, &helix.climb(&self.start, &self.end)),
+            Shape::Arc(helix) => {
+                helix.frame(helix.polar(share), &helix.climb(&self.start, &self.end))
+            }
         }
     }
 
@@ -127,13 +129,12 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
     pub fn node(&self, s: Length) -> Node<S, N> {
         let share = self.share(s);
         let mut at = from_fn(|i| self.start[i].towards(self.end[i], share));
-        if let Shape::Arc(helix) = &self.shape
-            && share > 0
-            && share < WHOLE
-        {
-            helix.set_position(&mut at, share);
+        let Shape::Arc(helix) = &self.shape else { return Node::new(at, self.frame(share)) };
+        let point = helix.polar(share);
+        if share > 0 && share < WHOLE {
+            helix.set_position(&mut at, point);
         }
-        Node::new(at, self.frame(share))
+        Node::new(at, helix.frame(point, &helix.climb(&self.start, &self.end)))
     }
 
     /// The cell over a piece of it.
@@ -173,13 +174,21 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
         }
     }
 
-    /// Offset from a node of the curve to the point `along` mm further on (back if negative).
-    pub fn walk(&self, frame: &Frame<S, N>, along: S) -> Vector<S, N> {
+    /// Angle per length, rad/mm; none on a line.
+    pub fn rate(&self) -> S {
+        match &self.shape {
+            Shape::Line(_) => S::ZERO,
+            Shape::Arc(helix) => helix.rate(self.length),
+        }
+    }
+
+    /// Offset from a node of the curve to the point `along` mm further on (back if negative), at the segment's own
+    /// [`rate`](Self::rate).
+    pub fn walk(&self, frame: &Frame<S, N>, rate: S, along: S) -> Vector<S, N> {
         match &self.shape {
             Shape::Line(tangent) => from_fn(|i| tangent[i] * along),
             Shape::Arc(helix) => {
-                let tangent_offset =
-                    tangent_offset_along(helix, helix.rate(self.length), frame, along);
+                let tangent_offset = tangent_offset_along(helix, rate, frame, along);
                 from_fn(|i| frame.tangent[i] * along + tangent_offset[i])
             }
         }
@@ -195,19 +204,23 @@ fn tangent_offset_along<S: Scalar, const N: usize>(
     along: S,
 ) -> Vector<S, N> {
     let phi = rate * along;
-    let (sin_half, _) = (phi * S::of(0.5)).sin_cos();
-    // curvature = rate^2 R towards the centre, so R (1 - cos) = curvature 2 sin^2(phi/2) / rate^2.
-    let towards = (sin_half + sin_half) / rate * (sin_half / rate);
-    // (sin phi - phi) / phi, small: from the series where the difference would lose its digits.
     let square = phi * phi;
-    let short = if square < S::of(0.25) {
+    // (sin phi - phi) / phi, small: from the series where the difference would lose its digits. So much of an angle
+    // is all that a blend takes; the series are as exact there as the functions, and far less work.
+    let short = |square: S| {
         -square / S::of(6.0)
             * (S::ONE
                 - square / S::of(20.0)
                     * (S::ONE - square / S::of(42.0) * (S::ONE - square / S::of(72.0))))
-    } else {
-        phi.sin_cos().0 / phi - S::ONE
     };
+    let half = phi * S::of(0.5);
+    let (short, sin_half) = if square < S::of(0.25) {
+        (short(square), half + half * short(square * S::of(0.25)))
+    } else {
+        (phi.sin_cos().0 / phi - S::ONE, half.sin_cos().0)
+    };
+    // curvature = rate^2 R towards the centre, so R (1 - cos) = curvature 2 sin^2(phi/2) / rate^2.
+    let towards = (sin_half + sin_half) / rate * (sin_half / rate);
     from_fn(|i| {
         if helix.turns_axis(i) {
             tangent[i] * along * short + curvature[i] * towards

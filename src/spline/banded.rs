@@ -45,10 +45,12 @@ impl<S: Scalar, const N: usize, const SIZE: usize> System<S, N, SIZE> {
         Self { rows: [[S::ZERO; 4]; SIZE], right: [[S::ZERO; N]; SIZE] }
     }
 
-    /// Empties the rows of the free control points.
-    pub(super) fn clear(&mut self, free: &Range<usize>) {
-        part_mut(&mut self.rows, free.clone()).fill([S::ZERO; 4]);
-        part_mut(&mut self.right, free.clone()).fill([S::ZERO; N]);
+    /// Begins anew, for the sums of spans in ascending order, from that on which ends at the first of the free control
+    /// points if there is one.
+    pub(super) fn begin(&mut self) {
+        // What no span ends at; the others are set by the span that does.
+        part_mut(&mut self.rows, 0..3).fill([S::ZERO; 4]);
+        part_mut(&mut self.right, 0..3).fill([S::ZERO; N]);
     }
 
     /// What has been solved for, one row for a control point.
@@ -67,6 +69,11 @@ impl<S: Scalar, const N: usize, const SIZE: usize> System<S, N, SIZE> {
             let (Some(sums), Some(right)) = (self.rows.get_mut(i), self.right.get_mut(i)) else {
                 return;
             };
+            if a == 3 {
+                *sums = [sum.rows[3][3], S::ZERO, S::ZERO, S::ZERO];
+                *right = sum.right[3];
+                continue;
+            }
             for (sum, x) in sums.iter_mut().zip(&sum.rows[a][a..]) {
                 *sum += *x;
             }

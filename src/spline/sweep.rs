@@ -292,7 +292,7 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
         (free, spans): (&Range<usize>, &Range<usize>),
         change: impl Fn(S) -> S,
     ) {
-        system.clear(free);
+        system.begin();
         for (k, span) in self.spans.iter().enumerate().take(spans.end).skip(spans.start) {
             let edges = trial_edges(self.poles, k);
             let mut sum = Sum::new();
