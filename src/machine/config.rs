@@ -36,9 +36,9 @@ pub struct Config<S, const N: usize> {
     pub tolerance: S,
     /// How corners are rounded.
     pub corner: CornerMode<S>,
-    /// Time by which a new plan is handed over before it takes effect, s. It must cover the time
-    /// one planning step takes in the background. Where less than twice as much is left of the plan under
-    /// way, half of what is left.
+    /// Least time by which a new plan is handed over before it takes effect, s. The planner measures, in servo
+    /// cycles, what its plans take, and begins them earlier where that is more. Where less than twice as much is left
+    /// of the plan under way, half of what is left.
     pub lead: S,
     /// How long a start from rest waits for the look-ahead to fill, s.
     pub start_delay: S,
