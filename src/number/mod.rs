@@ -17,6 +17,7 @@ mod scalar;
 pub(crate) use root::cube_root;
 pub(crate) mod serial;
 pub(crate) mod shared;
+pub(crate) mod trig;
 pub mod vector;
 mod wide;
 

@@ -28,6 +28,9 @@ impl<T> Optional<T> {
 
     pub fn set(&mut self, value: Option<T>) {
         self.0.clear();
-        self.0.extend(value);
+        if let Some(value) = value {
+            // There is room for one.
+            let _ = self.0.push(value);
+        }
     }
 }

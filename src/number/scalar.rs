@@ -3,6 +3,7 @@
 use super::atomic::AtomicU32;
 use super::root::sqrtf;
 use super::shared::Shared;
+use super::trig;
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -165,7 +166,7 @@ scalar!(
     sqrtf,
     libm::cbrtf,
     libm::logf,
-    libm::sincosf,
+    trig::sin_cos_f32,
     conversions::nearest,
     conversions::truncated
 );
@@ -175,7 +176,7 @@ scalar!(
     libm::sqrt,
     libm::cbrt,
     libm::log,
-    libm::sincos,
+    trig::sin_cos,
     |x: i64| x as f64,
     |x: f64| x as i64
 );

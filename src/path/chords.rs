@@ -47,6 +47,7 @@ enum Cut {
 
 impl<S: Scalar, const N: usize> Chords<S, N> {
     /// A curve that starts at `from`, checked; `None` if the block is none.
+    #[inline(never)]
     pub fn new(
         from: [Coord; N],
         block: &Block<S, N>,
@@ -163,8 +164,9 @@ impl<S: Scalar, const N: usize> Chords<S, N> {
     }
 
     /// Moves on to the chord after it; `None` if that was the last.
-    pub fn advanced(self) -> Option<Self> {
-        (self.next < self.count).then_some(Self { next: self.next + 1, ..self })
+    #[inline(never)]
+    pub fn advanced(&self) -> Option<Self> {
+        (self.next < self.count).then_some(Self { next: self.next + 1, ..*self })
     }
 }
 

@@ -14,6 +14,7 @@
 use super::node::Frame;
 use crate::block::{BlockError, Turn};
 use crate::number::quadrature::integral;
+use crate::number::trig::sin_cos;
 use crate::number::{Coord, Scalar};
 use core::array::from_fn;
 use core::f64::consts::TAU;
@@ -138,7 +139,7 @@ impl Helix {
         let turned = TAU * (part as f64 * per);
         let u = share as f64 * per;
         let turned = if self.sweep < 0.0 { -turned } else { turned };
-        let (sin, cos) = libm::sincos(self.from + (turned + self.sweep * u));
+        let (sin, cos) = sin_cos(self.from + (turned + self.sweep * u));
         Polar { radius: self.radius + self.growth * u, sin, cos }
     }
 
@@ -228,7 +229,7 @@ impl Helix {
         let (u0, part) = (from as f64 * per, (to - from) as f64 * per);
         let length = self.length((u0, u0 + part), climb);
         let middle = self.polar(from + (to - from) / 2);
-        let (half_sin, half_cos) = libm::sincos(self.angle() * part * 0.5);
+        let (half_sin, half_cos) = sin_cos(self.angle() * part * 0.5);
         // Seen from the middle: what the radius grows by along it, and the chord across it.
         let grown = self.growth * part;
         let (out, across) = (grown * half_cos, 2.0 * middle.radius * half_sin);

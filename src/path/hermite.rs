@@ -112,6 +112,7 @@ impl<S: Scalar, const N: usize> Hermite<S, N> {
 }
 
 /// Splits a cell in its middle: the two cells follow the same curve.
+#[inline(never)]
 pub fn split<S: Scalar, const N: usize>(
     from: &Node<S, N>,
     cell: &Cell<S, N>,

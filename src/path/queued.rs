@@ -88,6 +88,7 @@ impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
 
     /// A block that starts at `from`, checked; `None` if there is nothing to do for it. `whole` is the length
     /// of the curve that it is a part of, mm.
+    #[inline(never)]
     pub fn new(
         from: [Coord; N],
         block: &Block<S, N>,

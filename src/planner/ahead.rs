@@ -68,6 +68,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// At rest where the plan ends: start when the look-ahead is full, when no more is to come, or
     /// when more has not come for a while.
+    #[inline(never)]
     pub(super) fn poll_at_rest(&mut self, at: NodeSerial, single: bool) -> Progress {
         let Phase::Resting(Rest::Ready { since }) = self.phase else {
             debug_assert!(false, "no rest to start from: {:?}", self.phase);
@@ -120,6 +121,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// In motion: plan on when a part of the plan has been run, or its end is near or begins to show.
+    #[inline(never)]
     pub(super) fn poll_moving(&mut self, at: NodeSerial) -> Progress {
         let Phase::Following(now) = self.phase else {
             debug_assert!(false, "no plan to follow: {:?}", self.phase);

@@ -213,6 +213,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     Planner<'_, S, N, BLOCKS, NODES>
 {
     /// The next slice of the plan in the making.
+    #[inline(never)]
     pub(super) fn go_on(&mut self) -> Progress {
         let Some(making) = &mut self.making else { return Progress::Waiting };
         if let Stage::Publishing { next } = making.stage {
@@ -286,6 +287,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// Drops the plan in the making if it does not serve what is asked for, or can no longer be taken up.
+    #[inline(never)]
     pub(super) fn drop_unwanted(&mut self, wish: &Wish, at: NodeSerial) {
         let Some(making) = &self.making else { return };
         let brakes = wish.holds() || wish.aborts != self.answered.aborts;

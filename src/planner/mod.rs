@@ -229,6 +229,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// Begins what is to be done now, with no plan in the making.
+    #[inline(never)]
     fn begin(&mut self, wish: &Wish, at: NodeSerial) -> Progress {
         // While a plan is undecided, the motion may be on the one before, whose running numbers mean
         // something else from the new plan's first node on: keep all behind that.

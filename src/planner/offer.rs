@@ -52,6 +52,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// The interrupt's word on the plan on offer.
+    #[inline(never)]
     pub(super) fn hear(&mut self) {
         let Phase::Offered(offer) = self.phase else { return };
         if self.decided(&offer) == Some(false) {

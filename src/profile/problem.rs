@@ -120,7 +120,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
     /// The same with all states from a station of the stretch on as they are.
     #[must_use]
     pub fn until(mut self, station: usize) -> Self {
-        self.task.until = station.clamp(self.task.stretch.first, self.task.stretch.last);
+        // Not `clamp`, which can panic.
+        self.task.until = station.min(self.task.stretch.last).max(self.task.stretch.first);
         self
     }
 

@@ -123,6 +123,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
     }
 
     /// Adds a cell behind the last station; the new last station rests.
+    #[inline(never)]
     pub fn append(&mut self, cell: Cell<S, N>, node: Node<S, N>, rest: bool, pace: &Pace<S, N>) {
         debug_assert!(cell.length >= S::ZERO && cell.dwell >= S::ZERO);
         debug_assert!(cell.length > S::ZERO || rest, "a dwell ends at rest");
@@ -149,6 +150,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
 
     /// Puts a station behind the one at `index`; the running numbers of those behind grow by one.
     /// Returns whether there was room.
+    #[inline(never)]
     pub fn insert_after(&mut self, index: usize, station: Station<S, N>) -> bool {
         if self.stations.push_back(station).is_err() {
             return false;

@@ -16,15 +16,17 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     ///
     /// Cost: bounded; of what takes long, a part.
     pub fn emit(&mut self, last: &Node<S, N>, config: &Config<S, N>) -> Cut<S, N> {
+        // Not in `cut`, whose frame is large.
+        if self.take_chord(config) {
+            return Cut::Working;
+        }
         let cut = self.cut(last, config).unwrap_or(Cut::Nothing);
         debug_assert!(!matches!(&cut, Cut::Cell(cell) if !cell.holds()), "a broken cell");
         cut
     }
 
+    #[inline(never)]
     fn cut(&mut self, last: &Node<S, N>, config: &Config<S, N>) -> Option<Cut<S, N>> {
-        if self.take_chord(config) {
-            return Some(Cut::Working);
-        }
         // A finished stage leads to the next: body, joint, next block. Each turn of this loop
         // moves on by one of these, and a block has a body or a joint with cells, or is dropped.
         for _ in 0..4 * BLOCKS {
@@ -66,25 +68,48 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                 }
                 Stage::Body(_) => self.start_joint(&front),
                 Stage::Corner { transition, index } if index < transition.cells() => {
-                    self.stage = Stage::Corner { transition, index: index + 1 };
-                    let cells = transition.cells();
-                    let programmed = self.programmed_beside(index, cells, front.segment.length)?;
-                    let from = if self.rested { transition.node(index) } else { *last };
-                    let cell = transition.cell(index, &from, programmed);
-                    return Some(Cut::Cell(self.moving(from, cell, transition.node(index + 1))));
+                    return self.emit_corner(&front, &transition, index, last).map(Cut::Cell);
                 }
                 Stage::Blend { blend, index } if index < blend::CELLS => {
-                    self.stage = Stage::Blend { blend, index: index + 1 };
-                    let length = front.segment.length;
-                    let programmed = self.programmed_beside(index, blend::CELLS, length)?;
-                    let from = if self.rested { blend.node(index) } else { *last };
-                    let cell = blend.cell(index, &from, programmed);
-                    return Some(Cut::Cell(self.moving(from, cell, blend.node(index + 1))));
+                    return self.emit_blend(&front, &blend, index, last).map(Cut::Cell);
                 }
                 Stage::Corner { .. } | Stage::Blend { .. } => self.next_block(),
             }
         }
         None
+    }
+
+    /// The next cell of the corner behind the front segment.
+    #[inline(never)]
+    fn emit_corner(
+        &mut self,
+        front: &Front<S, N>,
+        transition: &Transition<S, N>,
+        index: u8,
+        last: &Node<S, N>,
+    ) -> Option<Emitted<S, N>> {
+        self.stage = Stage::Corner { transition: *transition, index: index + 1 };
+        let cells = transition.cells();
+        let programmed = self.programmed_beside(index, cells, front.segment.length)?;
+        let from = if self.rested { transition.node(index) } else { *last };
+        let cell = transition.cell(index, &from, programmed);
+        Some(self.moving(from, cell, transition.node(index + 1)))
+    }
+
+    /// The next cell of the blend behind the front segment.
+    #[inline(never)]
+    fn emit_blend(
+        &mut self,
+        front: &Front<S, N>,
+        blend: &Blend<S, N>,
+        index: u8,
+        last: &Node<S, N>,
+    ) -> Option<Emitted<S, N>> {
+        self.stage = Stage::Blend { blend: *blend, index: index + 1 };
+        let programmed = self.programmed_beside(index, blend::CELLS, front.segment.length)?;
+        let from = if self.rested { blend.node(index) } else { *last };
+        let cell = blend.cell(index, &from, programmed);
+        Some(self.moving(from, cell, blend.node(index + 1)))
     }
 
     /// A cell that is passed.
@@ -94,6 +119,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     }
 
     /// As much of a standstill at the front as one cell may take.
+    #[inline(never)]
     fn stand(
         &mut self,
         last: &Node<S, N>,
@@ -110,6 +136,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     }
 
     /// The next cell of the front segment's body.
+    #[inline(never)]
     fn emit_body(
         &mut self,
         front: &Front<S, N>,
@@ -138,6 +165,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
 
     /// The cell over a piece of the front segment's body. `entry` is the segment's own node at its start,
     /// `from` the node of the path there, which may hold the mean direction of two segments.
+    #[inline(never)]
     fn body_cell(
         &self,
         Front { block, segment }: &Front<S, N>,
@@ -164,6 +192,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     }
 
     /// The body is done: on to the joint, or over it.
+    #[inline(never)]
     fn start_joint(&mut self, Front { block, segment }: &Front<S, N>) {
         let ahead = self.queue.get(1).and_then(|next| next.segment);
         let Some(ahead) = ahead else {

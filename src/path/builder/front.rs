@@ -22,6 +22,7 @@ fn beside<S: Scalar, const N: usize>(joint: Joint, taken: Length, segment: &Segm
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// Whether the joint behind the front block can be decided.
+    #[inline(never)]
     pub(super) fn front_is_ready(&self, config: &Config<S, N>) -> bool {
         let Some(item) = self.queue.front() else { return false };
         if item.stop_after || self.queue.len() >= 3 {
@@ -64,6 +65,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     }
 
     /// Decides the joint behind the front block and starts on its body.
+    #[inline(never)]
     pub(super) fn start_front(&mut self, front: &Front<S, N>, config: &Config<S, N>) {
         let joint = self.decide(front, config);
         let Front { block, segment } = front;
@@ -90,6 +92,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     }
 
     /// Starts a run `s` along the front segment.
+    #[inline(never)]
     pub(super) fn start_run(
         &mut self,
         Front { block, segment }: &Front<S, N>,
@@ -105,6 +108,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     }
 
     /// Takes the front block into the run, if its joint is known. Returns whether it was.
+    #[inline(never)]
     pub(super) fn extend_run(&mut self, front: &Front<S, N>, config: &Config<S, N>) -> bool {
         if !self.front_is_ready(config) {
             return false;
@@ -134,6 +138,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     }
 
     /// The run is done: on with the rest of its last line.
+    #[inline(never)]
     pub(super) fn leave_run(&mut self, segment: &Segment<S, N>, s: Length) {
         if let Some(front) = self.queue.front_mut() {
             front.taken = s;

@@ -1,7 +1,7 @@
 //! Taking blocks in: the look-ahead grows, or its last line becomes longer.
 
 use super::{Builder, Stage};
-use crate::block::{Block, PushError};
+use crate::block::{Block, Motion, PushError};
 use crate::machine::{Config, CornerMode, Ramp};
 use crate::number::Length;
 use crate::number::Scalar;
@@ -34,32 +34,44 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         if self.is_full() {
             return Err(PushError::Full);
         }
-        let reject = |reason| PushError::Rejected { tag: block.tag, reason };
-        if let Some(chords) = Chords::new(self.end, block, config).map_err(reject)? {
-            // The first chord is checked as the block is, by its feed; the others are what it is.
-            self.take(&chords.line(), Some(chords.whole()), config)?;
-            self.chords.set(chords.advanced());
-            return Ok(());
+        if matches!(block.motion, Motion::Cubic { .. }) {
+            return self.take_curve(block, config);
         }
         self.take(block, None, config)
     }
 
+    /// Takes a curve for which there is room, or leaves everything as it was.
+    #[inline(never)]
+    fn take_curve(&mut self, block: &Block<S, N>, config: &Config<S, N>) -> Result<(), PushError> {
+        let reject = |reason| PushError::Rejected { tag: block.tag, reason };
+        let Some(chords) = Chords::new(self.end, block, config).map_err(reject)? else {
+            return self.take(block, None, config);
+        };
+        // The first chord is checked as the block is, by its feed; the others are what it is.
+        self.take(&chords.line(), Some(chords.whole()), config)?;
+        self.chords.set(chords.advanced());
+        Ok(())
+    }
+
     /// Takes a chord of the curve that was accepted last, if there is room. Returns whether it did.
+    #[inline(never)]
     pub(super) fn take_chord(&mut self, config: &Config<S, N>) -> bool {
         let Some(chords) = self.chords.as_ref() else { return false };
         if self.queue.is_full() {
             return false;
         }
-        let (line, whole, rest) = (chords.line(), chords.whole(), chords.advanced());
+        let (line, whole) = (chords.line(), chords.whole());
         // Its fields are those of the first, and its end lies between control points.
         let taken = self.take(&line, Some(whole), config);
         debug_assert!(taken.is_ok(), "a chord of a curve that was accepted is refused");
+        let rest = self.chords.as_ref().and_then(Chords::advanced);
         self.chords.set(rest);
         true
     }
 
     /// Takes a block for which there is room, or leaves everything as it was. `whole` is the length of the
     /// curve that it is a part of, mm.
+    #[inline(never)]
     fn take(
         &mut self,
         block: &Block<S, N>,
@@ -115,6 +127,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     }
 
     /// Takes a line on to which the last one runs straight as a part of it. Returns whether it is one.
+    #[inline(never)]
     fn take_as_part(&mut self, item: &QueuedBlock<S, N>, config: &Config<S, N>) -> bool {
         let Some(Longer { block: longer, sleeve, mark }) = self.longer(item, config) else {
             return false;
@@ -138,6 +151,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
 
     /// The last block with a line that runs straight on from it, and the mark between them, if that is
     /// to be shown. At equal feed, tolerance and kind only, where no stop is asked for.
+    #[inline(never)]
     fn longer(&self, item: &QueuedBlock<S, N>, config: &Config<S, N>) -> Option<Longer<S, N>> {
         let last = self.queue.back().filter(|last| last.runs_on(item))?;
         let (before, after) = (last.segment.as_ref()?, item.segment.as_ref()?);

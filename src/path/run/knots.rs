@@ -19,6 +19,7 @@ pub enum KnotState {
 
 impl<S: Scalar, const N: usize> Run<S, N> {
     /// Lays the next knot, if enough is known and there is room.
+    #[inline(never)]
     pub(super) fn extend(&mut self) -> bool {
         let known = self.dominant.len() >= if self.end.is_some() { 2 } else { 3 };
         let (from, to) = (self.dominant.front().copied(), self.dominant.get(1).copied());
@@ -125,6 +126,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     }
 
     /// Goes on from rest behind a broken stretch.
+    #[inline(never)]
     pub(super) fn reopen(&mut self) {
         let s = self.spline.end();
         let ahead = self.dominant.get(1).map(|point| point.feed);

@@ -170,6 +170,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     }
 
     /// Takes the last line, to `at`. Next to a smooth end spans are `beside` mm long at most.
+    #[inline(never)]
     pub fn finish(&mut self, at: [Coord; N], leg: Leg<S>, tie: Tie, beside: S) {
         if tie == Tie::Smooth {
             // It stays as it is.
@@ -204,6 +205,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     /// spline's own direction counts.
     ///
     /// Cost: one cell, or one knot, or one step of smoothing.
+    #[inline(never)]
     pub fn next(&mut self, last: &Node<S, N>, rested: bool, sweeps: u16) -> Cut<S, N> {
         // Every turn hands on a cell, lays a knot, or makes spans ready.
         for _ in 0..4 * sliding::CONTROLS {
@@ -248,6 +250,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     }
 
     /// The spline has been smoothed: its first spans may be handed on.
+    #[inline(never)]
     fn make_ready(&mut self) {
         let spans = self.spline.spans.len();
         self.ready = if self.is_tied() { spans.min(BATCH) } else { BATCH.min(spans - 1) };
@@ -255,6 +258,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     }
 
     /// Hands on a cell.
+    #[inline(never)]
     fn hand(&mut self, last: &Node<S, N>, rested: bool) -> Option<Emitted<S, N>> {
         let (span, part) = (self.handed, self.part);
         let curve = self.spline.curve(span);

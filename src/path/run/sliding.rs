@@ -302,6 +302,7 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
     }
 
     /// A place at which the motion has to be slow, and the reach there.
+    #[inline(never)]
     pub fn slow_at(&mut self, s: Length, reach: S) {
         if self.slow_points.is_full() {
             self.slow_points.remove(0);
@@ -323,6 +324,7 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
     }
 
     /// Forgets the first `count` spans, which have been handed on.
+    #[inline(never)]
     pub fn release(&mut self, count: usize) {
         if count == 0 {
             return;
@@ -390,12 +392,14 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
 
     /// Begins to smooth the spline by `sweeps` sweeps; the control points that may move are those between
     /// the frozen and the tied ones. `None` if there is nothing to do.
+    #[inline(never)]
     pub fn begin_smoothing(&mut self, sweeps: u16) -> Option<Smoothing<S>> {
         let free = self.free();
         self.tube().begin(sweeps, &free)
     }
 
     /// One step of a smoothing of the spline as it stands; `None` if that was the last.
+    #[inline(never)]
     pub fn smooth_on(&mut self, now: Smoothing<S>) -> Option<Smoothing<S>> {
         let mut system = System::<S, N, CONTROLS>::new();
         let free = self.free();

@@ -63,6 +63,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     Planner<'_, S, N, BLOCKS, NODES>
 {
     /// Does what is asked for, with the motion at node `at`. `Some` if there is nothing else to do in this call.
+    #[inline(never)]
     pub(super) fn obey(&mut self, wish: &Wish, at: NodeSerial) -> Option<Progress> {
         let resumed = wish.resumes != self.answered.resumes;
         self.answered.resumes = wish.resumes;
