@@ -262,9 +262,13 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     fn hand(&mut self, last: &Node<S, N>, rested: bool) -> Option<Emitted<S, N>> {
         let (span, part) = (self.handed, self.part);
         let curve = self.spline.curve(span);
-        let ends = (&self.spline.start(span), &self.spline.finish(span));
-        let from = if rested { Node { at: last.at, ..curve.node(part, ends) } } else { *last };
-        let node = curve.node(part + 1, ends);
+        let from = if rested { Node::new(last.at, curve.frame(part)) } else { *last };
+        let end = if part + 1 < curve.parts() {
+            curve.point(part + 1, &self.spline.start(span))
+        } else {
+            self.spline.finish(span)
+        };
+        let node = Node::new(end, curve.frame(part + 1));
         let programmed = self.spline.legs.get(span)?.programmed;
         let cell = curve.cell(part, &from, &node, programmed);
         self.part += 1;

@@ -3,7 +3,7 @@
 use crate::number::quadrature::integral;
 use crate::number::vector::{Vector, dot, norm, shifted, sub};
 use crate::number::{Coord, Scalar};
-use crate::path::node::{Cell, Node, Programmed, by_arc_length};
+use crate::path::node::{Cell, Frame, Node, Programmed, by_arc_length};
 use core::array::from_fn;
 
 /// Turn of a cell, rad. A cell is a quintic through its ends with their tangents and curvatures,
@@ -74,19 +74,18 @@ impl<S: Scalar, const N: usize> SpanCurve<S, N> {
         integral(from, to, |u| norm(&self.first(u))) * self.step
     }
 
-    /// The node before a part, given where the curve starts and ends.
-    pub fn node(&self, part: u32, (start, end): (&[Coord; N], &[Coord; N])) -> Node<S, N> {
+    /// Direction and bend before a part.
+    pub fn frame(&self, part: u32) -> Frame<S, N> {
         let u = self.place(part);
         let [a, b, c] = &self.first;
         let per = S::of(2.0) / self.step;
         let second = from_fn(|i| ((b[i] - a[i]) * (S::ONE - u) + (c[i] - b[i]) * u) * per);
-        let frame = by_arc_length(&self.first(u), &second);
-        let at = match part {
-            0 => *start,
-            _ if part == self.parts => *end,
-            _ => shifted(start, &self.offset(u)),
-        };
-        Node::new(at, frame)
+        by_arc_length(&self.first(u), &second)
+    }
+
+    /// The point before a part, given where the curve starts.
+    pub fn point(&self, part: u32, start: &[Coord; N]) -> [Coord; N] {
+        shifted(start, &self.offset(self.place(part)))
     }
 
     /// The cell over a part, between two nodes.
