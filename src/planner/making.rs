@@ -18,7 +18,7 @@ use super::command::halting::{Flow, Halting};
 use super::command::reaction::{Asked, Reacting};
 use super::command::retune::Retuning;
 use super::horizon::{Horizon, Proposal};
-use super::phase::Phase;
+use super::phase::{Halt, Phase};
 use super::{Planner, Progress};
 use crate::number::Scalar;
 use crate::number::serial::{CycleSerial, NodeSerial};
@@ -246,7 +246,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 self.abandon();
                 if let Failure::Unanswered { reach } = failure {
                     if purpose == Purpose::Hold {
-                        self.pressing.fail(reach);
+                        if self.phase.halt() == Some(Halt::Hold) {
+                            self.pressing.nearer = self.pressing.nearer.saturating_add(1);
+                        } else {
+                            self.pressing.fail(reach);
+                        }
                     }
                     return Progress::Planning;
                 }

@@ -51,7 +51,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             }
             (self.pressing.attempts, self.pressing.reach) = (0, FIRST_REACH);
         }
-        self.pressing.at = at;
+        (self.pressing.at, self.pressing.nearer) = (at, 0);
         let began = (self.side.cycles(), at);
         let attempt = (self.pressing.attempts, self.pressing.reach);
         match self.horizon.begin_halt(self.moment_of_attempt(), attempt) {
@@ -63,6 +63,20 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             Begun::Soon => self.rest_as_agreed(),
             Begun::Nothing => self.rest_next(Halt::Hold),
         }
+    }
+
+    /// A rest has been found: looks for a nearer one while the motion brakes towards it. Whether one is in the making.
+    pub(super) fn come_nearer(&mut self, at: NodeSerial) -> bool {
+        if !matches!(self.phase, Phase::Following(_)) || self.horizon.stands(at) {
+            return false;
+        }
+        let failures = self.pressing.nearer;
+        let begun = self.horizon.begin_nearer(self.moment_of_attempt(), failures);
+        // Without an attempt it does not get any nearer.
+        self.pressing.nearer = if begun.is_some() { failures } else { u8::MAX };
+        let began = (self.side.cycles(), at);
+        self.making = begun.map(|(proposal, halting)| Making::halting(proposal, halting, began));
+        self.making.is_some()
     }
 
     /// If the motion comes to rest at the end of the piece under way, lets it stay there.

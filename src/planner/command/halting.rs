@@ -29,6 +29,10 @@ const USED: [(u16, f64); 2] = [(7, 1.1), (11, 1.03)];
 pub const ATTEMPTS: u8 = STOPS + 2;
 /// The attempt with stops from the agreed motion.
 const STOPS: u8 = 6;
+/// What is tried of the distance that is left to a rest which has been found, by attempts that have come to nothing.
+const NEARER: [f64; 2] = [0.8, 0.9];
+/// More than this of it is not worth the work.
+const HARDLY_NEARER: f64 = 0.92;
 /// A stop of fewer servo cycles is brief: it is looked for in closed form.
 const BRIEF: f64 = 8.0;
 /// The rest that the plan comes to anyway is taken if the shortest stop takes as long but for this factor and
@@ -113,6 +117,39 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let attempt = if brief || reach > LAST_REACH { attempt.max(STOPS) } else { attempt };
         let proposal = Proposal { stretch, branch, halt: Some(Halt::Hold) };
         Begun::Attempt(proposal, Halting::Placing { attempt, reach })
+    }
+
+    /// Begins to look for a rest nearer than the one that the agreed motion comes to, if there may be one that is much
+    /// nearer. There is a draft afterwards only if there is an attempt.
+    pub(super) fn begin_nearer(
+        &mut self,
+        moment: Option<Moment<S>>,
+        failures: u8,
+    ) -> Option<(Proposal, Halting<S>)> {
+        let share = NEARER.get(usize::from(failures))?;
+        self.begin_draft();
+        let begun = self.nearer(moment, S::of(*share));
+        if begun.is_none() {
+            self.drop_draft();
+        }
+        begun
+    }
+
+    fn nearer(&mut self, moment: Option<Moment<S>>, share: S) -> Option<(Proposal, Halting<S>)> {
+        let (stretch, branch) = self.prepare(moment?)?;
+        let mut left = S::ZERO;
+        for i in stretch.first..stretch.last {
+            left += self.window.get(i)?.cell.length;
+        }
+        let least = self.least_reach(stretch)?;
+        let reach = (left * share).greatest(least * S::of(f64::from(FIRST_REACH) * 1.0e-3));
+        if reach > left * S::of(HARDLY_NEARER) {
+            return None;
+        }
+        let held = self.put_rest(stretch, reach)?;
+        let solving = self.begin_resting(held, STOP_STEPS);
+        let proposal = Proposal { stretch: held, branch, halt: Some(Halt::Hold) };
+        Some((proposal, Halting::Resting { solving, reach: LAST_REACH }))
     }
 
     /// The stop from a station as if the path were straight from there on.

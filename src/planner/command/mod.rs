@@ -88,7 +88,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         });
         if brakes {
             if self.phase.halt() == Some(Halt::Hold) {
-                return Some(Progress::Waiting);
+                let nearer = self.come_nearer(at);
+                return Some(if nearer { Progress::Planning } else { Progress::Waiting });
             }
             let planned = self.revoke() && self.brake(at);
             // If it could not be done at once: the plan is not taken further, and ends at rest.

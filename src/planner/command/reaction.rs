@@ -43,6 +43,8 @@ pub struct Pressing {
     pub attempts: u8,
     /// How far away the next one puts it, in thousandths of a stop on a straight.
     pub reach: u16,
+    /// Attempts to find a nearer rest than the one found that have come to nothing.
+    pub nearer: u8,
     /// Tries to come to other overrides that have come to nothing.
     pub retunes: u8,
     /// Those overrides, when no more tries are made for now.
@@ -59,6 +61,7 @@ impl Pressing {
         reacted: None,
         attempts: 0,
         reach: FIRST_REACH,
+        nearer: 0,
         retunes: 0,
         refused: None,
         retuned: CycleSerial::ZERO,
