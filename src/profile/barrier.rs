@@ -294,12 +294,9 @@ impl<S: Scalar> Slack<S> {
         }
     }
 
-    /// Takes a row with one side of which so much is left.
-    #[inline]
+    /// Takes a row with one side, of which so much is left that it is near.
     fn near(&mut self, left: S) {
-        if !is_near(left) {
-            return;
-        }
+        debug_assert!(is_near(left));
         if !(left > self.least) {
             self.least = left;
         }
@@ -360,7 +357,9 @@ impl<S: Scalar> Sink<S> for Slack<S> {
     #[inline]
     fn one_sided<const M: usize>(&mut self, r: [S; M], _: S, _: impl FnOnce() -> [Gradient<S>; M]) {
         for r in r {
-            self.near(S::ONE - r);
+            if is_near(S::ONE - r) {
+                self.near(S::ONE - r);
+            }
         }
     }
     #[inline]
@@ -369,7 +368,9 @@ impl<S: Scalar> Sink<S> for Slack<S> {
     }
     #[inline]
     fn positive(&mut self, r: S, _: impl FnOnce() -> Gradient<S>) {
-        self.near(r);
+        if is_near(r) {
+            self.near(r);
+        }
     }
     #[inline]
     fn positive_at(&mut self, _: End, r: S, _: [S; 2]) {
@@ -402,21 +403,35 @@ pub struct CellEnds<S> {
 /// From derivatives by v to derivatives by b = v^2; those by fixed states vanish.
 #[inline]
 pub fn by_square<S: Scalar>(sums: &Sums<S>, law: &Law<S>, [free0, free1]: [bool; 2]) -> Sums<S> {
-    let mut factor = [S::ZERO; 4];
-    if free0 {
-        factor[0] = S::of(0.5) / law.v0;
-        factor[1] = S::ONE;
+    let zero = S::ZERO;
+    let by = |free: bool, v: S| if free { S::of(0.5) / v } else { zero };
+    let (f, e) = (by(free0, law.v0), by(free1, law.v1));
+    let [g0, g1, g2, g3] = sums.gradient;
+    let [h00, h01, h02, h03, h11, h12, h13, h22, h23, h33] = sums.hessian;
+    let mut out = Sums {
+        gradient: [g0 * f, g1, g2 * e, g3],
+        hessian: [
+            h00 * (f * f),
+            h01 * f,
+            h02 * (f * e),
+            h03 * f,
+            h11,
+            h12 * e,
+            h13,
+            h22 * (e * e),
+            h23 * e,
+            h33,
+        ],
+    };
+    let [_, g1, _, g3] = &mut out.gradient;
+    let [_, _, _, h03, h11, h12, h13, _, _, h33] = &mut out.hessian;
+    if !free0 {
+        (*g1, *h11, *h12, *h13) = (zero, zero, zero, zero);
     }
-    if free1 {
-        factor[2] = S::of(0.5) / law.v1;
-        factor[3] = S::ONE;
+    if !free1 {
+        (*g3, *h03, *h13, *h33) = (zero, zero, zero, zero);
     }
-    let gradient = from_fn(|k| sums.gradient[k] * factor[k]);
-    let mut hessian = sums.hessian;
-    for (x, product) in hessian.iter_mut().zip(outer(S::ONE, &factor)) {
-        *x = *x * product;
-    }
-    Sums { gradient, hessian }
+    out
 }
 
 /// Damping, by relative changes of b and of a over the cell. It shortens a step along a curved
@@ -455,17 +470,26 @@ pub fn add_time_curvature<S: Scalar>(
     let sum = (from.b + to.b) * S::of(0.5);
     let quarter = length * S::of(0.25);
     let middle = (sum + quarter * (from.a - to.a)).greatest(sum * S::of(0.1));
+    // By (1/2, h/4, 1/2, -h/4).
     let weight = S::of(4.0) * steepness(middle);
-    let mut g = [S::ZERO; 4];
+    let bb = weight * S::of(0.25);
+    let ba = weight * S::of(0.5) * quarter;
+    let aa = weight * quarter * quarter;
+    let [h00, h01, h02, h03, h11, h12, h13, h22, h23, h33] = hessian;
     if free0 {
-        g[0] = S::of(0.5);
-        g[1] = quarter;
+        *h00 += bb;
+        *h01 += ba;
+        *h11 += aa;
     }
     if free1 {
-        g[2] = S::of(0.5);
-        g[3] = -quarter;
+        *h22 += bb;
+        *h23 -= ba;
+        *h33 += aa;
     }
-    for (x, product) in hessian.iter_mut().zip(outer(weight, &g)) {
-        *x += product;
+    if free0 && free1 {
+        *h02 += bb;
+        *h03 -= ba;
+        *h12 += ba;
+        *h13 -= aa;
     }
 }
