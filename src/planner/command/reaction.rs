@@ -17,7 +17,7 @@ use crate::profile::solving::Solving;
 use crate::servo::control::Overrides;
 
 /// Newton steps of a first answer.
-const STEPS: u16 = 2;
+const STEPS: u16 = 4;
 /// Cells that take as much work in a plan ahead as a first answer does in all.
 const CELLS: usize = 4;
 /// Cells that take as much work in a plan ahead as an attempt to find a rest.
