@@ -18,8 +18,8 @@ use core::ops::Range;
 
 /// Share of acceleration and jerk that the last cell before an open end may use.
 const OPEN_END_SHARE: f64 = 0.4;
-/// Share of the limits that is used while they may be exceeded: they are kept before the last digits of a solution are
-/// found, which saves a step in 25 and costs 0.02 % of the time.
+/// Share of the limits that is aimed at while they may be exceeded: they are kept before the last digits of a solution are
+/// found.
 const RELAXED_SHARE: f64 = 0.9995;
 /// How much dearer it is to be above the goal than time is at the goal. Above 1 no time that could be won there pays for
 /// it: the penalty is exact.
