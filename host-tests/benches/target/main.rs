@@ -39,9 +39,9 @@ const STACKS: [(&str, u32); 7] = [
     ("tick", 1024),
     ("split", 1024),
     ("init", 2048),
-    ("poll", 4 * 1024),
-    ("settle", 4 * 1024),
-    ("push", 4 * 1024),
+    ("poll", 4 * 1024 + 256),
+    ("settle", 4 * 1024 + 256),
+    ("push", 4 * 1024 + 256),
     ("", 1024),
 ];
 /// RAM of a core in three axes at most, bytes.
