@@ -29,7 +29,7 @@
 //! | [`RELAXED`], `fall` | 0.3 | 0.5 | 796, 778 |
 //! | [`RELAXED`], `small` | 150 | 600 | 739, 736 |
 //! | [`RELAXED`], `last` | 5e-5 | 2e-4 | 797, 658 |
-//! | factor of the second derivative of the time ([`super::barrier`]) | 0.2 | 0.5 | 734, 736 |
+//! | factor of the second derivative of the time ([`super::model`]) | 0.2 | 0.5 | 734, 736 |
 //! | share of the limits that is aimed at ([`super::problem`]) | 0.999 | 1 | 727, 740 |
 //!
 //! The method, and the words, are those of Boyd and Vandenberghe, Convex Optimization (2004), chapters 9 and 11: mu is 1 / t

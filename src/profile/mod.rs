@@ -7,7 +7,7 @@
 //! times is minimised over a stretch of a [`window`] of the path, whose end is always at rest.
 //!
 //! What [`bounds`] a cell besides its shape is set when it comes into the window. A [`solver`] is the workspace, a [`problem`] what it is put to: what is minimised, and its second-order model of
-//! [`barrier`] ([`relaxation`]) and time. It is solved by Newton's method ([`descent`], on a block [`tridiagonal`]
+//! [`barrier`] ([`relaxation`]) and time ([`model`]). It is solved by Newton's method ([`descent`], on a block [`tridiagonal`]
 //! system) from a [`guess`] (or from slow seeds: [`seeding`]), step by step ([`solving`]). What comes out is made pieces of motion by [`compile`].
 
 mod barrier;
@@ -19,6 +19,7 @@ mod held;
 #[cfg(test)]
 mod hull;
 pub(crate) mod law;
+mod model;
 mod problem;
 mod relaxation;
 pub(crate) mod rows;

@@ -5,8 +5,9 @@
 //! second derivatives of the rows out, so it is positive definite: block tridiagonal, each 2 x 2 block
 //! coupled to the next ([`super::tridiagonal`]). How it is minimised is in [`super::descent`].
 
-use super::barrier::{CellEnds, Model, Slack, Sums, add_damping, add_time_curvature, by_square};
+use super::barrier::Slack;
 use super::law::{Law, PathState};
+use super::model::{CellEnds, Model, Sums, add_damping, add_time_curvature, by_square};
 use super::relaxation::Relaxation;
 use super::rows::{View, rows, time_gradient};
 use super::tridiagonal::BlockRow;
