@@ -243,7 +243,11 @@ fn answer(job: &Job<'_>, trial: &Trial, base: &Run, at: usize) -> Result<Answer>
             acceleration: sample.acceleration.map(f64::from).to_vec(),
         })
         .collect();
-    let least = shortest(&moments, cycle, job.limits(), f64::from(goal))?;
+    // Without the shortest one there is nothing to compare with.
+    let least = shortest(&moments, cycle, job.limits(), f64::from(goal)).unwrap_or_else(|error| {
+        println!("    cycle {at}: {error:#}");
+        None
+    });
     Ok(Answer { reaction, over: there.zip(least).map(|(there, least)| there - least) })
 }
 
