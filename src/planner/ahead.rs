@@ -13,6 +13,8 @@ use crate::servo::link::Branch;
 
 /// Room in the window for one more cell, and for the stations that a draft adds.
 const LEAST_ROOM: usize = 2 + ADDED;
+/// A producer from which nothing has come for this part of a lead has nothing.
+const QUIET_LEADS: f64 = 0.5;
 /// So many new cells are worth a plan.
 const LEAST_NEW: u32 = 4;
 /// A stop is imminent when less than this many leads remain.
@@ -91,7 +93,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.is_vain(at) {
             return Progress::Waiting;
         }
-        if !full {
+        if !full && self.is_quiet() {
             self.builder.close();
             if self.build_one() {
                 self.phase = Phase::Resting(Rest::Ready { since: Some(since) });
@@ -108,6 +110,14 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let new = self.last_node().since(self.horizon.end()).unwrap_or(0);
         let until = self.planned(at) + self.horizon.config.lead;
         new >= LEAST_NEW && !self.is_vain(at) && self.horizon.reaches_within(until, at, now.shown)
+    }
+
+    /// Whether no block has come for so long that the producer has none: one that has some pushes them whenever there
+    /// is room.
+    fn is_quiet(&self) -> bool {
+        let config = &self.horizon.config;
+        let cycles = self.side.cycles().since(self.pushed).unwrap_or(u32::MAX);
+        S::from_u32(cycles) * config.cycle >= config.lead * S::of(QUIET_LEADS)
     }
 
     /// How long it will be until a plan made now can be taken up, s.
@@ -132,12 +142,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return Progress::Waiting;
         }
         let (lead, planned) = (self.horizon.config.lead, self.planned(at));
-        let soon = (lead * S::of(URGENT_LEADS)).greatest(planned);
+        let soon = (lead * S::of(URGENT_LEADS)).greatest(planned + lead);
         let urgent = self.horizon.reaches_within(soon, at, self.horizon.end());
         if urgent
             && self.horizon.window.room() >= LEAST_ROOM
             && !self.builder.is_full()
             && self.builder.len() > 0
+            && self.is_quiet()
         {
             // The blocks that wait for their neighbours must go as they are.
             self.builder.close();

@@ -29,7 +29,7 @@ use self::making::{Making, Vain};
 use self::phase::{Phase, Rest};
 
 use crate::block::{Block, PushError};
-use crate::number::serial::NodeSerial;
+use crate::number::serial::{CycleSerial, NodeSerial};
 use crate::number::{Coord, Scalar};
 use crate::path::builder::Builder;
 use crate::servo::Controls;
@@ -109,6 +109,8 @@ pub struct Planner<
     pressing: Pressing,
     /// Whether the producer has said that no more blocks come for now.
     finished: bool,
+    /// Servo cycle in which the last block was taken.
+    pushed: CycleSerial,
     /// Servo cycles after which an answer to a command takes effect: more after one that came too late.
     reaction: u32,
     counters: Counters,
@@ -131,6 +133,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         self.builder.push(block, &self.horizon.config)?;
         self.finished = false;
+        self.pushed = self.side.cycles();
         Ok(())
     }
 
