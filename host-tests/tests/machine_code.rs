@@ -8,14 +8,18 @@ mod longest;
 
 use listing::Listing;
 use longest::{Rule, longest};
+use std::fmt::Write;
+
+/// Name and instructions: address, mnemonic, operands.
+type Function<'a> = (&'a str, &'a [(u32, &'a str, &'a str)]);
 
 /// A listing as objdump prints it: functions, and lines of address, mnemonic and operands.
-fn listed(functions: &[(&str, &[(u32, &str, &str)])]) -> Listing {
+fn listed(functions: &[Function<'_>]) -> Listing {
     let mut text = String::new();
     for (name, code) in functions {
-        text.push_str(&format!("{:08x} <{name}>:\n", code[0].0));
+        let _ = writeln!(text, "{:08x} <{name}>:", code[0].0);
         for (address, mnemonic, operands) in *code {
-            text.push_str(&format!(" {address:x}:\t{mnemonic}\t{operands}\n"));
+            let _ = writeln!(text, " {address:x}:\t{mnemonic}\t{operands}");
         }
         text.push('\n');
     }
@@ -24,7 +28,7 @@ fn listed(functions: &[(&str, &[(u32, &str, &str)])]) -> Listing {
 
 const TWICE: Rule = Rule { function: "tick", contains: "subs", times: 2 };
 
-fn most(functions: &[(&str, &[(u32, &str, &str)])], rules: &[Rule]) -> Result<u64, String> {
+fn most(functions: &[Function<'_>], rules: &[Rule]) -> Result<u64, String> {
     longest(&listed(functions), "tick", rules).map_err(|error| format!("{error:#}"))
 }
 

@@ -35,8 +35,7 @@ const SHOWN: f32 = 0.1;
 /// Standing still is less, mm/s.
 const STILL: f32 = 0.3;
 
-/// What must hold of a path in `host-tests/data`. Planning comes in lumps as yet: the bounds are somewhat more than was
-/// measured.
+/// What must hold of a path in `host-tests/data`: somewhat more than was measured.
 struct Bound {
     path: &'static str,
     /// Real time over zero time.
@@ -48,9 +47,9 @@ struct Bound {
 }
 
 const BOUNDS: [Bound; 3] = [
-    Bound { path: "noisy.txt", ratio: 2.0, round: 200.0, hold: 1000.0 },
-    Bound { path: "butterfly.json", ratio: 2.0, round: 200.0, hold: 1000.0 },
-    Bound { path: "zigzag.txt", ratio: 1.5, round: 100.0, hold: 700.0 },
+    Bound { path: "noisy.txt", ratio: 1.05, round: 2.5, hold: 120.0 },
+    Bound { path: "butterfly.json", ratio: 1.03, round: 2.5, hold: 60.0 },
+    Bound { path: "zigzag.txt", ratio: 1.01, round: 2.5, hold: 60.0 },
 ];
 
 /// Settings of a bench run.
