@@ -21,6 +21,9 @@ enum Waiting<S, const N: usize> {
     End,
 }
 
+/// Lines that are handed over in one call: no more work than a slice of planning.
+const FED: usize = 4;
+
 /// The session of the sender that has the machine.
 #[derive(Clone, Copy, Debug)]
 struct Session {
@@ -242,7 +245,8 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
     /// that has been silent for longer than its session allows is lost with this call, and the machine is
     /// held. `events` are the firmware's.
     ///
-    /// Cost: at most `QUEUE` times that of [`Planner::push`], and that of [`Planner::poll`].
+    /// Cost: that of [`Planner::push`] for one block that bends, or for four that do not, and that of
+    /// [`Planner::poll`]. If items are left that the planner could take at once, it says [`Progress::Planning`].
     pub fn poll<const BLOCKS: usize, const NODES: usize, const M: usize>(
         &mut self,
         planner: &mut Planner<'_, S, N, BLOCKS, NODES>,
@@ -250,7 +254,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
         now: u32,
     ) -> Progress {
         self.watch(planner, now);
-        self.feed(planner, events);
+        let more = self.feed(planner, events);
         self.progress = planner.poll();
         if self.progress == Progress::Aborted && !self.aborting {
             self.close(Refusal::Aborted);
@@ -266,7 +270,10 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
                 Err(reason) => self.due.denied = Some((opening.session, reason)),
             }
         }
-        self.progress
+        match self.progress {
+            Progress::Waiting | Progress::NeedsBlocks if more => Progress::Planning,
+            progress => progress,
+        }
     }
 
     /// Holds the machine if its sender is gone.
@@ -348,19 +355,21 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
         Ok(())
     }
 
-    /// Hands items to the planner as long as it has room.
+    /// Hands items to the planner as long as it has room, and what that takes is a slice. Whether there are more that it
+    /// might take.
     fn feed<const BLOCKS: usize, const NODES: usize, const M: usize>(
         &mut self,
         planner: &mut Planner<'_, S, N, BLOCKS, NODES>,
         events: &Events<M>,
-    ) {
-        for _ in 0..QUEUE {
+    ) -> bool {
+        for fed in 0..QUEUE {
             let (block, event) = match self.queue.front() {
-                None => return,
+                None => return false,
+                Some(_) if fed >= FED => return true,
                 Some(Waiting::End) => (None, None),
                 Some(Waiting::Block(block)) => (Some(*block), None),
                 // It comes when one before it has happened.
-                Some(Waiting::Event(_)) if !events.has_room() => return,
+                Some(Waiting::Event(_)) if !events.has_room() => return false,
                 Some(Waiting::Event(event)) => (Some(event.block()), Some(*event)),
             };
             match block.map(|block| planner.push(&block)) {
@@ -370,13 +379,13 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
                         events.put(event);
                     }
                 }
-                Some(Err(PushError::Full)) => return,
+                Some(Err(PushError::Full)) => return false,
                 Some(Err(PushError::Aborted)) => {
                     if !self.aborting {
                         self.close(Refusal::Aborted);
                     }
                     self.queue.clear();
-                    return;
+                    return false;
                 }
                 Some(Err(PushError::Rejected { tag, .. })) => {
                     self.queue.clear();
@@ -387,7 +396,12 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
             self.queue.pop_front();
             // Room has come: the host wants to know.
             self.due.taken = true;
+            let bends = block.is_some_and(|block| !matches!(block.motion, Motion::Line { .. }));
+            if bends && !self.queue.is_empty() {
+                return true;
+            }
         }
+        false
     }
 
     /// Items taken in this session.
