@@ -8,12 +8,13 @@
 //!   Hold:       Halting ─────────────────────────────────▶│
 //!   Overrides:  Retuning ────────────────────────────────▶│
 //!   Reaction:   Reacting ────────────────────────────────▶│
-//!   BlockEnd, in one slice ───────────────────────────────┘
+//!   BlockEnd:   Ending ───────────────────────────────────┘
 //! ```
 //!
 //! What it has changed lies in the horizon as a draft ([`super::horizon`]), so it can be dropped after any slice: by
 //! a command that it does not serve, or because the motion has passed the place where it would have branched off.
 
+use super::command::block_end::Ending;
 use super::command::halting::{Flow, Halting};
 use super::command::reaction::{Asked, Reacting};
 use super::command::retune::Retuning;
@@ -69,6 +70,8 @@ enum Stage<S> {
     Seeding(Seeding<S>),
     /// A slice of looking for a rest.
     Halting(Halting<S>),
+    /// A slice of looking for a rest at the end of a block.
+    Ending(Ending<S>),
     /// A slice of a first answer to a command.
     Reacting(Reacting<S>),
     /// A slice of a plan at other overrides.
@@ -117,6 +120,15 @@ impl<S: Scalar> Making<S> {
         (began, at): (CycleSerial, NodeSerial),
     ) -> Self {
         Self { purpose: Purpose::Hold, proposal, began, at, stage: Stage::Halting(halting) }
+    }
+
+    /// A rest at the end of a block that is to be found.
+    pub fn ending(
+        proposal: Proposal,
+        ending: Ending<S>,
+        (began, at): (CycleSerial, NodeSerial),
+    ) -> Self {
+        Self { purpose: Purpose::BlockEnd, proposal, began, at, stage: Stage::Ending(ending) }
     }
 
     /// A plan at other overrides.
@@ -184,6 +196,13 @@ impl<S: Scalar> Making<S> {
                 Flow::Further(reach) => {
                     let reach = Some(reach);
                     return ControlFlow::Break(Failure::Unanswered { reach });
+                }
+            },
+            Stage::Ending(ending) => match horizon.go_on_ending(ending, &mut self.proposal) {
+                Flow::Working => return ControlFlow::Continue(()),
+                Flow::Ready => Stage::Publishing { next: stretch.first },
+                Flow::Nothing | Flow::Further(_) => {
+                    return ControlFlow::Break(Failure::Unanswered { reach: None });
                 }
             },
             Stage::Reacting(reacting) => match horizon.go_on_reacting(reacting, self.proposal) {
@@ -316,6 +335,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if passed {
             if matches!(making.purpose, Purpose::Reaction(_)) {
                 self.pressing.reacted = None;
+            }
+            if let (Purpose::BlockEnd, Phase::Following(now)) = (making.purpose, &mut self.phase) {
+                now.tried_block_end = false;
             }
             let stretch = making.proposal.stretch;
             let cycles = self.side.cycles().since(making.began).unwrap_or(0);

@@ -1,52 +1,88 @@
-//! Coming to rest at the end of a block.
+//! Coming to rest at the end of a block, slice by slice: the motion is made to brake as hard as the limits allow, a rest is
+//! tried at the ends of blocks that lie ahead, and the motion to the first that can be is improved for time.
 
-use super::halting::Tried;
+use super::halting::{Flow, Tried};
 use crate::number::Scalar;
+use crate::planner::Planner;
 use crate::planner::horizon::{Horizon, Moment, Proposal};
+use crate::planner::making::Making;
 use crate::planner::phase::Halt;
 use crate::profile::law::PathState;
 use crate::profile::solver::{Aim, Stretch};
-use crate::servo::link::Branch;
+use crate::profile::solving::Solving;
 
 /// Nodes tried for a stop.
 const END_TRIES: u8 = 6;
+/// So many times the work of a plan ahead.
+const PLANS: usize = 3;
+
+/// A rest at the end of a block that is being looked for.
+#[derive(Clone, Copy, Debug)]
+pub enum Ending<S> {
+    /// States that brake as hard as the limits allow are being found.
+    Braking(Solving<S>),
+    /// Ends of blocks from `next` on are tried.
+    Trying { next: usize, tries: u8 },
+    /// One is found; the motion there is being improved.
+    Improving(Solving<S>),
+}
+
+impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
+    Planner<'_, S, N, BLOCKS, NODES>
+{
+    /// Begins to look for a rest at the end of the block under way, or of the first one that is possible. Whether
+    /// that is under way.
+    pub(super) fn rest_at_block_end(&mut self) -> bool {
+        let began = (self.side.cycles(), self.side.progress());
+        let moment = self.moment_after(PLANS * self.cells_ahead(began.1));
+        let begun = moment.and_then(|moment| self.horizon.begin_ending(moment));
+        self.making = begun.map(|(proposal, ending)| Making::ending(proposal, ending, began));
+        self.making.is_some()
+    }
+}
 
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
-    /// A plan that rests at the end of the block under way, or of the first one that is possible.
-    pub(super) fn rest_at_block_end(&mut self, moment: Option<Moment<S>>) -> Option<Proposal> {
+    /// There is a draft afterwards only if there is something to look for.
+    fn begin_ending(&mut self, moment: Moment<S>) -> Option<(Proposal, Ending<S>)> {
         self.draft(|draft| {
-            let (stretch, branch) = draft.prepare(moment?)?;
+            let (stretch, branch) = draft.prepare(moment)?;
             if draft.is_stopping(stretch.first) {
                 return None;
             }
-            draft.improve(stretch, Aim::Halt);
-            draft.rest_at(stretch, branch, Halt::Block, Self::ends_block)
+            let ending = Ending::Braking(draft.begin_improving(stretch, Aim::Halt));
+            Some((Proposal { stretch, branch, halt: Some(Halt::Block) }, ending))
         })
     }
 
-    /// A plan that rests at the first node that can be and that is fit for it.
-    fn rest_at(
-        &mut self,
-        stretch: Stretch,
-        branch: Branch,
-        halt: Halt,
-        fits: impl Fn(&Self, usize) -> bool,
-    ) -> Option<Proposal> {
-        let mut tries = 0;
-        for end in stretch.first + 1..=stretch.last {
-            if !fits(self, end) {
-                continue;
+    /// A slice of looking for a rest at the end of a block: a part of a Newton step, or one try.
+    pub fn go_on_ending(&mut self, ending: &mut Ending<S>, proposal: &mut Proposal) -> Flow {
+        let stretch = proposal.stretch;
+        *ending = match ending {
+            Ending::Braking(solving) => {
+                if self.go_on(solving) {
+                    return Flow::Working;
+                }
+                Ending::Trying { next: stretch.first + 1, tries: 0 }
             }
-            if let Some(stretch) = self.rest_at_node(stretch, end) {
-                self.improve(stretch, Aim::Time);
-                return Some(Proposal { stretch, branch, halt: Some(halt) });
+            Ending::Trying { next, tries } => {
+                let Some(end) = (*next..=stretch.last).find(|&i| self.ends_block(i)) else {
+                    return Flow::Nothing;
+                };
+                *next = end;
+                match self.try_rest_at(stretch, next, tries) {
+                    Tried::Rests(held) => {
+                        proposal.stretch = held;
+                        Ending::Improving(self.begin_improving(held, Aim::Time))
+                    }
+                    Tried::Fails => return Flow::Working,
+                    Tried::Exhausted => return Flow::Nothing,
+                }
             }
-            tries += 1;
-            if tries >= END_TRIES {
-                break;
+            Ending::Improving(solving) => {
+                return if self.go_on(solving) { Flow::Working } else { Flow::Ready };
             }
-        }
-        None
+        };
+        Flow::Working
     }
 
     /// Tries a rest at the next node of a stretch, from `next` on.

@@ -33,7 +33,7 @@
 //! [`Aim::Slow`]: crate::profile::solver::Aim::Slow
 //! [`Aim::Time`]: crate::profile::solver::Aim::Time
 
-mod block_end;
+pub mod block_end;
 mod brake;
 pub mod halting;
 pub mod reaction;
@@ -43,7 +43,6 @@ mod tests;
 
 use self::halting::FIRST_REACH;
 use self::reaction::Asked;
-use super::making::Purpose;
 use super::phase::{Following, Halt, Phase, Rest};
 use super::{Planner, Progress};
 use crate::number::Scalar;
@@ -121,9 +120,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             false
         } else {
             now.tried_block_end = true;
-            let moment = self.moment();
-            let made = self.horizon.rest_at_block_end(moment);
-            self.propose(Purpose::BlockEnd, made)
+            self.rest_at_block_end()
         };
         planned.then_some(Progress::Planning)
     }

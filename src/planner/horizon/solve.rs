@@ -75,12 +75,14 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// All parts of all steps of a problem.
+    #[cfg(test)]
     pub fn solve(&mut self, mut solving: Solving<S>) {
         // Bounded by the iterations that are set, and the parts of one.
         while self.go_on(&mut solving) {}
     }
 
     /// Improves the states of a stretch for an aim.
+    #[cfg(test)]
     pub fn improve(&mut self, stretch: Stretch, aim: Aim) {
         let solving = self.begin_improving(stretch, aim);
         self.solve(solving);
