@@ -11,4 +11,4 @@ pub const START_DELAY: f64 = 0.05;
 /// Improvement steps of one planning step.
 pub const ITERATIONS: u16 = 40;
 /// Smoothing sweeps over a stretch of a run.
-pub const SWEEPS: u16 = 2;
+pub const SWEEPS: u16 = 8;

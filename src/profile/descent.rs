@@ -28,7 +28,7 @@
 //! | [`SHARPEN`] | 30 | 120 | 731, 731 |
 //! | [`RELAXED`], `fall` | 0.3 | 0.5 | 796, 778 |
 //! | [`RELAXED`], `small` | 150 | 600 | 739, 736 |
-//! | [`RELAXED`], `last` | 5e-5 | 2e-4 | 797, 658 |
+//! | [`RELAXED`], `last` | 1e-4 | 2e-4 | 731, 658, of 797 |
 //! | factor of the second derivative of the time ([`super::model`]) | 0.2 | 0.5 | 734, 736 |
 //! | share of the limits that is aimed at ([`super::problem`]) | 0.999 | 1 | 727, 740 |
 //!
@@ -76,7 +76,7 @@ pub(super) struct Schedule {
 /// Where the limits are kept, the states must stay near the centre of what is left.
 pub(super) const STRICT: Schedule = Schedule { fall: 0.3, small: 10.0, last: 5.0e-5 };
 /// Where they may be broken, there is no need to.
-pub(super) const RELAXED: Schedule = Schedule { fall: 0.4, small: 300.0, last: 1.0e-4 };
+pub(super) const RELAXED: Schedule = Schedule { fall: 0.4, small: 300.0, last: 5.0e-5 };
 
 /// Share of a limit from which on the barrier is relaxed, at first.
 pub(super) const FIRST_DELTA: f64 = 0.4;

@@ -47,11 +47,6 @@ const REPAIR_GROWTH: f64 = 6.0;
 const MOST_REPAIR: f64 = 4.0;
 /// Sweeps for that, at most.
 const REPAIRS: u8 = 8;
-/// Control points on either side of such places that move with them. (Half or twice: no path by more than 0.4 %.)
-const REPAIR_MARGIN: usize = 2;
-/// Spans between the first and the last of such places up to which only they are repaired. (All of the spline at any
-/// time: twice the work for 0.1 %. Half: nothing; twice: a spline that is new is drawn into the tube by kinks.)
-const FEW_SPANS: usize = 10;
 /// Share of the radius that weights aim at; the rest is for what a few sweeps leave over.
 const TARGET: f64 = 0.98;
 /// A spline that has become longer to run by this factor has curled up: the sweeps are taken back. The
@@ -246,13 +241,7 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
         free: &Range<usize>,
         outside: Range<usize>,
     ) -> Range<usize> {
-        let near = if outside.len() <= FEW_SPANS {
-            let first = outside.start.saturating_sub(REPAIR_MARGIN).max(free.start);
-            first..(outside.end + 3 + REPAIR_MARGIN).min(free.end).max(first)
-        } else {
-            free.clone()
-        };
-        let moved = self.sweep(system, &near, |ratio| {
+        let moved = self.sweep(system, free, |ratio| {
             let growth = S::ONE + (ratio - S::ONE) * S::of(REPAIR_GROWTH);
             growth.greatest(S::ONE).least(S::of(MOST_REPAIR))
         });
