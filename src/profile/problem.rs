@@ -19,7 +19,7 @@ use core::ops::Range;
 
 /// Share of acceleration and jerk that the last cell before an open end may use.
 const OPEN_END_SHARE: f64 = 0.4;
-/// Share of the limits that is aimed at while they may be exceeded: they are kept before the last digits of a solution are
+/// Share of acceleration and jerk that is aimed at while they may be exceeded: they are kept before the last digits of a solution are
 /// found.
 const RELAXED_SHARE: f64 = 0.9995;
 /// How much dearer it is to be above the goal than time is at the goal. Above 1 no time that could be won there pays for
@@ -174,7 +174,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
             let share = S::of(RELAXED_SHARE);
             view.share = view.share * share;
             view.bounds = view.bounds.share(share);
-            view.bounds.speed = view.bounds.speed * share;
         }
         if matches!(self.task.objective, Objective::PenalisedTime) {
             view.penalty = S::of(EXCESS_PENALTY) * station.cell.length / station.bounds.goal;

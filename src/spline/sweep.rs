@@ -40,9 +40,9 @@ const MOST_WEIGHT: f64 = 1.0e4;
 const LEAST_CHANGE: f64 = 0.05;
 /// Greatest of it.
 const MOST_CHANGE: f64 = 4.0;
-/// Growth of the weight, by what the target is exceeded by, where sweeps have left the band in places. (Half: 15 % more
-/// repairs; twice: 0.7 % longer.)
-const REPAIR_GROWTH: f64 = 6.0;
+/// Growth of the weight, by what the target is exceeded by, where sweeps have left the band in places. (Six: a line with noise
+/// takes a tenth longer.)
+const REPAIR_GROWTH: f64 = 10.0;
 /// Most that a weight grows by there. (Half or twice: no path by more than 0.6 %.)
 const MOST_REPAIR: f64 = 4.0;
 /// Sweeps for that, at most.
