@@ -34,8 +34,8 @@ const MOST: usize = 8192;
 const ROUNDINGS: f64 = 12.0;
 /// What the trapezoidal rule leaves may be exceeded by this factor: in `f32` a piece that the answer to a
 /// command has cut starts from a place, a speed and an acceleration that are rounded once more, and a stop for which a nearer
-/// one is found is cut again (1.011 seen).
-const CUT: f64 = 1.02;
+/// one is found is cut again (1.021 seen).
+const CUT: f64 = 1.05;
 /// Fixed point: both ends of a piece, mm.
 const FIXED: f64 = 1.0e-12;
 /// Sums of the magnitudes of the coefficients of polynomials of degree 5, 4 and 3 within +-1 on 0..1.
