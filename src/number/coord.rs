@@ -75,7 +75,7 @@ impl Coord {
     #[inline]
     #[must_use]
     pub fn plus<S: Scalar>(self, mm: S) -> Self {
-        Self(self.0.saturating_add((mm * S::of(1.0e12)).to_i64()))
+        Self(self.0.saturating_add(mm.to_units()))
     }
 
     /// The point at `fraction` (in 1/2^62, 0..=2^62) of the line to `to`; exact to one unit.

@@ -26,7 +26,7 @@ impl Length {
     /// From mm, rounded towards zero; what is beyond the range becomes its end, NaN zero.
     #[inline]
     pub fn from_mm<S: Scalar>(mm: S) -> Self {
-        Self((mm * S::of(1.0e12)).to_i64())
+        Self(mm.to_units())
     }
 
     /// From mm, rounded to the nearest.

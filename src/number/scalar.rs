@@ -59,6 +59,8 @@ pub trait Scalar:
     fn from_i64(x: i64) -> Self;
     /// Truncated to an integer; saturates, NaN gives 0.
     fn to_i64(self) -> i64;
+    /// Units of 1e-12 in it, truncated; saturates, NaN gives 0. Exact in `f32`.
+    fn to_units(self) -> i64;
     /// Square root; NaN below zero.
     #[must_use]
     fn sqrt(self) -> Self;
@@ -93,7 +95,7 @@ pub trait Scalar:
 }
 
 macro_rules! scalar {
-    ($t:ident, $shared:ty, $sqrt:path, $cbrt:path, $ln:path, $sincos:path, $nearest:expr, $truncated:expr) => {
+    ($t:ident, $shared:ty, $sqrt:path, $cbrt:path, $ln:path, $sincos:path, $nearest:expr, $truncated:expr, $units:expr) => {
         impl Scalar for $t {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -120,6 +122,10 @@ macro_rules! scalar {
             #[inline]
             fn to_i64(self) -> i64 {
                 $truncated(self)
+            }
+            #[inline]
+            fn to_units(self) -> i64 {
+                $units(self)
             }
             #[inline]
             fn sqrt(self) -> Self {
@@ -168,7 +174,8 @@ scalar!(
     libm::logf,
     trig::sin_cos_f32,
     conversions::nearest,
-    conversions::truncated
+    conversions::truncated,
+    super::wide::units
 );
 scalar!(
     f64,
@@ -178,7 +185,8 @@ scalar!(
     libm::log,
     trig::sin_cos,
     |x: i64| x as f64,
-    |x: f64| x as i64
+    |x: f64| x as i64,
+    |x: f64| (x * 1.0e12) as i64
 );
 
 #[cfg(test)]

@@ -32,10 +32,6 @@ const LONGEST: f64 = 5.0e-3;
 const MOST: usize = 8192;
 /// Roundings of half a unit.
 const ROUNDINGS: f64 = 12.0;
-/// What the trapezoidal rule leaves may be exceeded by this factor: in `f32` a piece that the answer to a
-/// command has cut starts from a place, a speed and an acceleration that are rounded once more, and a stop for which a nearer
-/// one is found is cut again (1.021 seen).
-const CUT: f64 = 1.05;
 /// Fixed point: both ends of a piece, mm.
 const FIXED: f64 = 1.0e-12;
 /// Sums of the magnitudes of the coefficients of polynomials of degree 5, 4 and 3 within +-1 on 0..1.
@@ -282,5 +278,5 @@ fn mismatch(now: &State, before: &State, count: f64, h: f64, jerk: f64) -> f64 {
         + ends(1)
         + count * h * ends(2)
         + lost * now.sums[1].abs().max(1.0);
-    (way.abs() / (CUT * may_way)).max(gain.abs() / (CUT * may_gain))
+    (way.abs() / may_way).max(gain.abs() / may_gain)
 }
