@@ -23,6 +23,12 @@ use core::array::from_fn;
 const LEAST_CYCLES: f64 = 2.0;
 /// A crawl is slower than so many J c^2, with the servo cycle c: what jerk builds up in less than three cycles.
 const CRAWL: f64 = 4.0;
+/// An acceleration across the path may leap by this share of what jerk changes in a servo cycle: within what `profile`
+/// keeps of the jerk's limit in reserve. (A start or an end of a curved cell, taken for the path's own curve, leapt by
+/// .006 of it, and a jerk was 1.0014 of its limit.)
+const LEAP: f64 = 2.5e-4;
+/// Share of a crawl below which an acceleration across the path, over the square of the speed, says nothing of a curvature.
+const SLOW: f64 = 0.05;
 /// Share of a crawl below which a motion is not cut: it comes to rest or gets going in a moment.
 const LEAST_SPEED: f64 = 1.0e-3;
 /// Share of a servo cycle that is left of a dwell when it is suspended: then it is over in the cycle that
@@ -149,15 +155,24 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             let size = norm(&here.velocity);
             let tangent = from_fn(|k| here.velocity[k] / size);
             let along = dot(&here.acceleration, &tangent);
-            let per = S::ONE / (size * size);
-            let curvature = if size > self.crawl() {
-                from_fn(|k| (here.acceleration[k] - tangent[k] * along) * per)
+            let across: [S; N] = from_fn(|k| here.acceleration[k] - tangent[k] * along);
+            let crawl = self.crawl();
+            let curvature = if size > crawl {
+                across.map(|a| a / (size * size))
             } else {
                 // In a crawl the motion says little of the shape of the path, and the path's own
-                // curvature makes no difference that could be felt.
+                // curvature makes no difference that could be felt, as a rule.
                 let end = station.arrival(after);
                 let curve = Hermite::of_cell(&station.node, &station.cell, &end);
-                curve.node(&station.node, distance / station.cell.length).curvature
+                let own = curve.node(&station.node, distance / station.cell.length).curvature;
+                let leap = crawl / self.config.cycle * S::of(LEAP / CRAWL);
+                if (0..N).all(|k| (across[k] - own[k] * (size * size)).abs() <= leap) {
+                    own
+                } else if size > crawl * S::of(SLOW) {
+                    across.map(|a| a / (size * size))
+                } else {
+                    return None;
+                }
             };
             Node { at, tangent, curvature }
         };
