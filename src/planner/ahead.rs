@@ -1,7 +1,7 @@
 //! Planning ahead: blocks cut into cells, and plans that go as far as is known.
 
 use super::horizon::{ADDED, Horizon, Proposal};
-use super::making::Making;
+use super::making::{Purpose, Stage};
 use super::phase::{Halt, Phase, Rest};
 use super::{Planner, Progress};
 use crate::number::Scalar;
@@ -127,7 +127,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// Cells of the window that lie ahead of a node.
     pub(super) fn cells_ahead(&self, at: NodeSerial) -> usize {
-        self.horizon.window.len() - self.horizon.window.clamped_index(at)
+        self.horizon.window.len() - 1 - self.horizon.window.clamped_index(at)
     }
 
     /// In motion: plan on when a part of the plan has been run, or its end is near or begins to show.
@@ -187,7 +187,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         // Where nothing would change, the agreed plan is run on.
         proposal.stretch.first = solving.first();
         proposal.branch = Branch::Node(self.horizon.window.serial(solving.first()));
-        self.making = Some(Making::ahead(proposal, solving, new, (self.side.cycles(), at)));
+        self.make(
+            (Purpose::Ahead, at),
+            Some((proposal, Stage::Solving { solving, guessed: Some(new) })),
+        );
         Progress::Planning
     }
 }

@@ -52,7 +52,7 @@ pub enum Purpose {
 #[derive(Clone, Copy, Debug)]
 pub struct Making<S> {
     pub purpose: Purpose,
-    pub proposal: Proposal,
+    proposal: Proposal,
     /// Servo cycle in which it was begun, and where the motion was.
     began: CycleSerial,
     at: NodeSerial,
@@ -61,11 +61,11 @@ pub struct Making<S> {
 
 /// What the next slice does.
 #[derive(Clone, Copy, Debug)]
-enum Stage<S> {
-    /// A Newton step; the states from station `new` on began as a guess, or as a slow seed.
-    Solving { solving: Solving<S>, new: usize, seeded: bool },
+pub enum Stage<S> {
+    /// A Newton step; the states from station `guessed` on began as a guess, or all as slow seeds.
+    Solving { solving: Solving<S>, guessed: Option<usize> },
     /// Are all limits kept?
-    Checking { new: usize, seeded: bool },
+    Checking { guessed: Option<usize> },
     /// A try for slow states that keep them, where the guess has led to none.
     Seeding(Seeding<S>),
     /// A slice of looking for a rest.
@@ -80,6 +80,13 @@ enum Stage<S> {
     Publishing { next: usize },
 }
 
+impl<S> Stage<S> {
+    /// The states of a proposal are found.
+    pub const fn publishing(proposal: &Proposal) -> Self {
+        Self::Publishing { next: proposal.stretch.first }
+    }
+}
+
 /// Why there is no plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Failure {
@@ -92,135 +99,68 @@ enum Failure {
 }
 
 impl<S: Scalar> Making<S> {
-    /// A plan for what lies ahead: `solving` starts from a guess at the states from station `new` on.
-    pub fn ahead(
-        proposal: Proposal,
-        solving: Solving<S>,
-        new: usize,
-        (began, at): (CycleSerial, NodeSerial),
-    ) -> Self {
-        let stage = Stage::Solving { solving, new, seeded: false };
-        Self { purpose: Purpose::Ahead, proposal, began, at, stage }
-    }
-
-    /// A plan whose states are found.
-    pub fn publishing(
-        purpose: Purpose,
-        proposal: Proposal,
-        (began, at): (CycleSerial, NodeSerial),
-    ) -> Self {
-        let next = proposal.stretch.first;
-        Self { purpose, proposal, began, at, stage: Stage::Publishing { next } }
-    }
-
-    /// A rest that is to be found.
-    pub fn halting(
-        proposal: Proposal,
-        halting: Halting<S>,
-        (began, at): (CycleSerial, NodeSerial),
-    ) -> Self {
-        Self { purpose: Purpose::Hold, proposal, began, at, stage: Stage::Halting(halting) }
-    }
-
-    /// A rest at the end of a block that is to be found.
-    pub fn ending(
-        proposal: Proposal,
-        ending: Ending<S>,
-        (began, at): (CycleSerial, NodeSerial),
-    ) -> Self {
-        Self { purpose: Purpose::BlockEnd, proposal, began, at, stage: Stage::Ending(ending) }
-    }
-
-    /// A plan at other overrides.
-    pub fn retuning(
-        proposal: Proposal,
-        retuning: Retuning<S>,
-        (began, at): (CycleSerial, NodeSerial),
-    ) -> Self {
-        let stage = Stage::Retuning(retuning);
-        Self { purpose: Purpose::Overrides, proposal, began, at, stage }
-    }
-
-    /// A first answer to a command.
-    pub fn reacting(
-        purpose: Purpose,
-        proposal: Proposal,
-        reacting: Reacting<S>,
-        (began, at): (CycleSerial, NodeSerial),
-    ) -> Self {
-        Self { purpose, proposal, began, at, stage: Stage::Reacting(reacting) }
-    }
-
     /// A slice of looking for states; `Publishing` is the planner's.
     fn step<const N: usize, const NODES: usize>(
         &mut self,
         horizon: &mut Horizon<S, N, NODES>,
     ) -> ControlFlow<Failure> {
+        let flow = match &mut self.stage {
+            Stage::Halting(halting) => horizon.go_on_halting(halting, &mut self.proposal),
+            Stage::Ending(ending) => horizon.go_on_ending(ending, &mut self.proposal),
+            Stage::Reacting(reacting) => horizon.go_on_reacting(reacting, self.proposal),
+            Stage::Retuning(retuning) => horizon.go_on_retuning(retuning, self.proposal),
+            _ => return self.step_ahead(horizon),
+        };
+        match flow {
+            Flow::Working => {}
+            Flow::Ready => self.stage = Stage::publishing(&self.proposal),
+            Flow::Nothing => return ControlFlow::Break(Failure::Unanswered { reach: None }),
+            Flow::Further(reach) => {
+                let reach = Some(reach);
+                return ControlFlow::Break(Failure::Unanswered { reach });
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// The same for what lies ahead.
+    fn step_ahead<const N: usize, const NODES: usize>(
+        &mut self,
+        horizon: &mut Horizon<S, N, NODES>,
+    ) -> ControlFlow<Failure> {
         let stretch = self.proposal.stretch;
         self.stage = match &mut self.stage {
-            Stage::Solving { solving, new, seeded } => {
+            Stage::Solving { solving, guessed } => {
                 if horizon.go_on(solving) {
                     return ControlFlow::Continue(());
                 }
-                Stage::Checking { new: *new, seeded: *seeded }
+                Stage::Checking { guessed: *guessed }
             }
-            Stage::Checking { new, seeded } => {
+            Stage::Checking { guessed } => {
                 if horizon.holds(stretch) {
                     let goes_on = self.proposal.branch != Branch::Node(horizon.end());
                     if goes_on && horizon.crawl_in(stretch).is_some() {
                         return ControlFlow::Break(Failure::Crawl);
                     }
-                    Stage::Publishing { next: stretch.first }
-                } else if *seeded {
-                    return ControlFlow::Break(Failure::Stuck);
-                } else {
+                    Stage::publishing(&self.proposal)
+                } else if let Some(new) = *guessed {
                     // From the plan as it stands, and slow speeds behind it.
-                    horizon.take_agreed(stretch.first..*new);
-                    Stage::Seeding(Seeding::new(&horizon.config.limits, stretch, *new))
+                    horizon.take_agreed(stretch.first..new);
+                    Stage::Seeding(Seeding::new(&horizon.config.limits, stretch, new))
+                } else {
+                    return ControlFlow::Break(Failure::Stuck);
                 }
             }
             Stage::Seeding(seeding) => match horizon.seed(stretch, seeding) {
                 None => return ControlFlow::Continue(()),
                 Some(false) => return ControlFlow::Break(Failure::Stuck),
                 Some(true) => {
-                    // The part before may break a limit by a rounding, and what is improved from there may too.
-                    let new = stretch.first + 1;
                     let solving = horizon.begin_improving(stretch, Aim::Time);
-                    Stage::Solving { solving, new, seeded: true }
+                    Stage::Solving { solving, guessed: None }
                 }
             },
-            Stage::Halting(halting) => match horizon.go_on_halting(halting, &mut self.proposal) {
-                Flow::Working => return ControlFlow::Continue(()),
-                Flow::Ready => Stage::Publishing { next: stretch.first },
-                Flow::Nothing => return ControlFlow::Break(Failure::Unanswered { reach: None }),
-                Flow::Further(reach) => {
-                    let reach = Some(reach);
-                    return ControlFlow::Break(Failure::Unanswered { reach });
-                }
-            },
-            Stage::Ending(ending) => match horizon.go_on_ending(ending, &mut self.proposal) {
-                Flow::Working => return ControlFlow::Continue(()),
-                Flow::Ready => Stage::Publishing { next: stretch.first },
-                Flow::Nothing | Flow::Further(_) => {
-                    return ControlFlow::Break(Failure::Unanswered { reach: None });
-                }
-            },
-            Stage::Reacting(reacting) => match horizon.go_on_reacting(reacting, self.proposal) {
-                Flow::Working => return ControlFlow::Continue(()),
-                Flow::Ready => Stage::Publishing { next: stretch.first },
-                Flow::Nothing | Flow::Further(_) => {
-                    return ControlFlow::Break(Failure::Unanswered { reach: None });
-                }
-            },
-            Stage::Retuning(retuning) => match horizon.go_on_retuning(retuning, self.proposal) {
-                Flow::Working => return ControlFlow::Continue(()),
-                Flow::Ready => Stage::Publishing { next: stretch.first },
-                Flow::Nothing | Flow::Further(_) => {
-                    return ControlFlow::Break(Failure::Unanswered { reach: None });
-                }
-            },
-            Stage::Publishing { .. } => {
-                debug_assert!(false, "its states are found");
+            _ => {
+                debug_assert!(false, "nothing to look for");
                 return ControlFlow::Continue(());
             }
         };
@@ -294,12 +234,22 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         Progress::Waiting
     }
 
-    /// Takes a proposal, with its draft, for the plan that is handed over next. Whether there was one.
-    pub(super) fn propose(&mut self, purpose: Purpose, proposal: Option<Proposal>) -> bool {
+    /// Takes what has been begun, in a draft, for the plan in the making. Whether anything was.
+    pub(super) fn make(
+        &mut self,
+        (purpose, at): (Purpose, NodeSerial),
+        begun: Option<(Proposal, Stage<S>)>,
+    ) -> bool {
         debug_assert!(self.making.is_none(), "one plan at a time");
-        let began = (self.side.cycles(), self.side.progress());
-        self.making = proposal.map(|proposal| Making::publishing(purpose, proposal, began));
+        let began = self.side.cycles();
+        self.making = begun.map(|(proposal, stage)| Making { purpose, proposal, began, at, stage });
         self.making.is_some()
+    }
+
+    /// The same for a proposal whose states are found.
+    pub(super) fn propose(&mut self, purpose: Purpose, proposal: Option<Proposal>) -> bool {
+        let begun = proposal.map(|proposal| (proposal, Stage::publishing(&proposal)));
+        self.make((purpose, self.side.progress()), begun)
     }
 
     /// Drops the plan in the making, with all that it has changed.
@@ -313,7 +263,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     #[inline(never)]
     pub(super) fn drop_unwanted(&mut self, wish: &Wish, at: NodeSerial) {
         let Some(making) = &self.making else { return };
-        let brakes = wish.holds() || wish.aborts != self.answered.aborts;
+        let brakes = self.brakes(wish);
         // Those of a draft are what it is made for.
         let paced = wish.overrides == self.horizon.overrides();
         // Until they can be answered, the motion goes on at those before.
@@ -341,7 +291,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             }
             let stretch = making.proposal.stretch;
             let cycles = self.side.cycles().since(making.began).unwrap_or(0);
-            let by_cycle = matches!(making.proposal.branch, Branch::Cycle(_));
+            let by_cycle = making.proposal.branch.is_by_cycle();
             self.late(by_cycle, stretch.last - stretch.first, cycles);
         }
         if passed || !serves {

@@ -188,7 +188,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// Nodes of the window that lie ahead of the motion: the fill of the look-ahead.
     pub fn nodes_ahead(&self) -> usize {
-        self.horizon.window.len() - 1 - self.horizon.window.clamped_index(self.side.progress())
+        self.cells_ahead(self.side.progress())
     }
 
     /// Counts since the start.

@@ -4,7 +4,6 @@ use super::Planner;
 use super::horizon::{Moment, Proposal};
 use super::phase::{Following, Halt, Offer, Phase};
 use crate::number::Scalar;
-use crate::servo::link::Branch;
 
 /// New plans are asked for when this part of the present one has been run, and no more than this
 /// many cells of it are left: enough that its stop at the end does not show in what is run.
@@ -36,7 +35,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let (first, end) = (window.serial(stretch.first), window.serial(stretch.last));
         let cells = end.since(first).unwrap_or(0);
         let run = (cells / PLAN_PART).max(cells.saturating_sub(CELLS_LEFT)).max(1);
-        let by_cycle = matches!(branch, Branch::Cycle(_));
+        let by_cycle = branch.is_by_cycle();
         let checkpoint = first.plus(run);
         let taken = Following { halt, checkpoint, shown: end, tried_block_end: false };
         self.phase = Phase::Offered(Offer { first, end, by_cycle, taken, before });

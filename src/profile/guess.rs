@@ -32,7 +32,7 @@ const ACCELERATION: f64 = 0.7;
 const FELT: f64 = 3.0;
 /// Most relative change of v^2 that a guessed acceleration makes over a cell, by half. Below 0.75 there
 /// is a motion between any two guesses ([`Law`]).
-pub(super) const STEEPEST: f64 = 0.7;
+const STEEPEST: f64 = 0.7;
 /// v^3 where nothing bounds it yet, (mm/s)^3; an `f32` holds it.
 const NO_CUBE_LIMIT: f64 = 1.0e30;
 
@@ -100,18 +100,24 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
         }
         let mut before = self.window.get(start).map_or(S::ZERO, |station| station.state.b);
         for i in start + 1..last {
-            let Some((arriving, here)) = self.window.pair(i - 1) else { return };
-            let b = here.state.b;
+            let b = self.window.get(i).map_or(S::ZERO, |station| station.state.b);
             let after = self.window.get(i + 1).filter(|_| i + 1 < last);
             let rise = after.map_or(S::ZERO, |station| station.state.b) - before;
-            let lengths = (arriving.cell.length, here.cell.length);
             if self.is_free(i) {
-                let most = S::of(STEEPEST) * b / lengths.0.greatest(lengths.1);
-                let a = rise * S::of(0.5) / (lengths.0 + lengths.1);
-                self.window.set_state(i, PathState { b, a: a.least(most).greatest(-most) });
+                self.set_between(i, b, rise);
             }
             before = b;
         }
+    }
+
+    /// Gives a station v^2, and about the acceleration that leads from the one before to the one behind it, whose v^2 is
+    /// greater by `rise`.
+    pub(super) fn set_between(&mut self, i: usize, b: S, rise: S) {
+        let Some((arriving, here)) = self.window.pair(i - 1) else { return };
+        let (before, behind) = (arriving.cell.length, here.cell.length);
+        let most = S::of(STEEPEST) * b / before.greatest(behind);
+        let a = rise * S::of(0.5) / (before + behind);
+        self.window.set_state(i, PathState { b, a: a.least(most).greatest(-most) });
     }
 
     /// The station before which nothing changes when those from `start` on do: the states there are of least time

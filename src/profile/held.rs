@@ -1,7 +1,5 @@
 //! First states for a rest nearer than the one that the states at hand lead to.
 
-use super::guess::STEEPEST;
-use super::law::PathState;
 use super::problem::{Problem, Stretch};
 use crate::number::{Scalar, cube_root};
 
@@ -23,14 +21,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
         for i in first + 1..last {
             let [Some(here), Some(behind)] = [i, i + 1].map(|i| self.rows.get(i)) else { return };
             let ([y, before], [next, _]) = (here.step, behind.step);
-            let Some((arriving, station)) = self.window.pair(i - 1) else { return };
+            let arriving = self.window.get(i - 1).map_or(S::ZERO, |station| station.state.b);
             if y < before && self.is_free(i) {
-                let b = y * cube_root(y);
-                let lengths = [arriving.cell.length, station.cell.length];
-                let most = S::of(STEEPEST) * b / lengths[0].greatest(lengths[1]);
-                let rise = next * cube_root(next) - arriving.state.b;
-                let a = rise * S::of(0.5) / (lengths[0] + lengths[1]);
-                self.window.set_state(i, PathState { b, a: a.least(most).greatest(-most) });
+                self.set_between(i, y * cube_root(y), next * cube_root(next) - arriving);
             }
         }
     }

@@ -50,6 +50,13 @@ pub enum Branch {
     Cycle(CycleSerial),
 }
 
+impl Branch {
+    /// Whether it does so at a servo cycle.
+    pub const fn is_by_cycle(self) -> bool {
+        matches!(self, Self::Cycle(_))
+    }
+}
+
 /// What has become of an offer: the low two bits of [`Flags::offer`]; the others count offers.
 /// Taken is 0, so that an empty channel is all zeros and takes no room in the image.
 const TAKEN: u32 = 0;

@@ -123,8 +123,8 @@ pub struct Smoothing<S> {
 enum Stage {
     /// A sweep, of so many.
     Sweeps(u16),
-    /// A sweep where the spline as tried is not inside the tube: of so many, and only these spans may be outside.
-    Repairs { left: u8, within: Range<usize> },
+    /// A sweep where the spline as tried is not inside the tube, of so many.
+    Repairs(u8),
     /// Moves are shortened where they lead out of the tube.
     Shortening { round: u8 },
 }
@@ -174,19 +174,15 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
                     ratio * ratio.sqrt()
                 });
                 match left {
-                    0 | 1 => Stage::Repairs { left: REPAIRS, within: 0..self.spans.len() },
+                    0 | 1 => Stage::Repairs(REPAIRS),
                     _ => Stage::Sweeps(left - 1),
                 }
             }
-            Stage::Repairs { left, within } => {
-                let Some(outside) = self.outside(within) else { return self.take_on(hard) };
-                match left {
-                    0 => Stage::Shortening { round: 0 },
-                    _ => Stage::Repairs {
-                        left: left - 1,
-                        within: self.repair(system, free, outside),
-                    },
-                }
+            Stage::Repairs(_) if self.is_inside() => return self.take_on(hard),
+            Stage::Repairs(0) => Stage::Shortening { round: 0 },
+            Stage::Repairs(left) => {
+                self.repair(system, free);
+                Stage::Repairs(left - 1)
             }
             Stage::Shortening { round: ROUNDS } => return None,
             Stage::Shortening { round } => {
@@ -213,13 +209,13 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
     }
 
     /// Moves what is tried of the `free` control points to the minimiser for new weights: `change` is the factor of a weight
-    /// by the distance over the target. Returns the spans that they are in.
+    /// by the distance over the target.
     fn sweep<const SIZE: usize>(
         &mut self,
         system: &mut System<S, N, SIZE>,
         free: &Range<usize>,
         change: impl Fn(S) -> S,
-    ) -> Range<usize> {
+    ) {
         let spans = free.start.saturating_sub(3)..free.end.min(self.spans.len());
         self.assemble(system, (free, &spans), change);
         system.solve(free);
@@ -230,22 +226,15 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
                 *x += *dx;
             }
         }
-        self.measure(spans.clone());
-        spans
+        self.measure(spans);
     }
 
-    /// Draws the spline back into the tube where it is outside. Returns the spans in which it may still be.
-    fn repair<const SIZE: usize>(
-        &mut self,
-        system: &mut System<S, N, SIZE>,
-        free: &Range<usize>,
-        outside: Range<usize>,
-    ) -> Range<usize> {
-        let moved = self.sweep(system, free, |ratio| {
+    /// Draws the spline back into the tube where it is outside.
+    fn repair<const SIZE: usize>(&mut self, system: &mut System<S, N, SIZE>, free: &Range<usize>) {
+        self.sweep(system, free, |ratio| {
             let growth = S::ONE + (ratio - S::ONE) * S::of(REPAIR_GROWTH);
             growth.greatest(S::ONE).least(S::of(MOST_REPAIR))
         });
-        outside.start.min(moved.start)..outside.end.max(moved.end)
     }
 
     /// What is kept free of the tube between the check points of a span, as tried.
@@ -306,15 +295,9 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
         }
     }
 
-    /// The spans from the first to the last that are outside the tube as tried and measured, of some; `None` if none is.
-    fn outside(&self, within: Range<usize>) -> Option<Range<usize>> {
-        let mut found: Option<Range<usize>> = None;
-        for (k, span) in self.spans.iter().enumerate().take(within.end).skip(within.start) {
-            if !self.holds(k, span) {
-                found = Some(found.map_or(k, |found| found.start)..k + 1);
-            }
-        }
-        found
+    /// Whether the spline is inside the tube everywhere, as tried and measured.
+    fn is_inside(&self) -> bool {
+        self.spans.iter().enumerate().all(|(k, span)| self.holds(k, span))
     }
 
     /// Whether a span is inside the tube, as tried and measured, and goes on without a kink.

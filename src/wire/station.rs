@@ -245,7 +245,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
     /// that has been silent for longer than its session allows is lost with this call, and the machine is
     /// held. `events` are the firmware's.
     ///
-    /// Cost: that of [`Planner::push`] for one block that bends, or for four that do not, and that of
+    /// Cost: that of [`Planner::push`] for one block that is not a line, or for four others, and that of
     /// [`Planner::poll`]. If items are left that the planner could take at once, it says [`Progress::Planning`].
     pub fn poll<const BLOCKS: usize, const NODES: usize, const M: usize>(
         &mut self,
@@ -396,8 +396,8 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
             self.queue.pop_front();
             // Room has come: the host wants to know.
             self.due.taken = true;
-            let bends = block.is_some_and(|block| !matches!(block.motion, Motion::Line { .. }));
-            if bends && !self.queue.is_empty() {
+            let line = block.is_none_or(|block| matches!(block.motion, Motion::Line { .. }));
+            if !line && !self.queue.is_empty() {
                 return true;
             }
         }

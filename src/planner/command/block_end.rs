@@ -3,9 +3,10 @@
 
 use super::halting::{Flow, Tried};
 use crate::number::Scalar;
+use crate::number::serial::NodeSerial;
 use crate::planner::Planner;
 use crate::planner::horizon::{Horizon, Moment, Proposal};
-use crate::planner::making::Making;
+use crate::planner::making::{Purpose, Stage};
 use crate::planner::phase::Halt;
 use crate::profile::law::PathState;
 use crate::profile::solver::{Aim, Stretch};
@@ -13,8 +14,6 @@ use crate::profile::solving::Solving;
 
 /// Nodes tried for a stop.
 const END_TRIES: u8 = 6;
-/// So many times the work of a plan ahead.
-const PLANS: usize = 3;
 
 /// A rest at the end of a block that is being looked for.
 #[derive(Clone, Copy, Debug)]
@@ -32,25 +31,23 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 {
     /// Begins to look for a rest at the end of the block under way, or of the first one that is possible. Whether
     /// that is under way.
-    pub(super) fn rest_at_block_end(&mut self) -> bool {
-        let began = (self.side.cycles(), self.side.progress());
-        let moment = self.moment_after(PLANS * self.cells_ahead(began.1));
+    pub(super) fn rest_at_block_end(&mut self, at: NodeSerial) -> bool {
+        let moment = self.moment_of_answer(at);
         let begun = moment.and_then(|moment| self.horizon.begin_ending(moment));
-        self.making = begun.map(|(proposal, ending)| Making::ending(proposal, ending, began));
-        self.making.is_some()
+        self.make((Purpose::BlockEnd, at), begun)
     }
 }
 
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// There is a draft afterwards only if there is something to look for.
-    fn begin_ending(&mut self, moment: Moment<S>) -> Option<(Proposal, Ending<S>)> {
+    fn begin_ending(&mut self, moment: Moment<S>) -> Option<(Proposal, Stage<S>)> {
         self.draft(|draft| {
             let (stretch, branch) = draft.prepare(moment)?;
             if draft.is_stopping(stretch.first) {
                 return None;
             }
             let ending = Ending::Braking(draft.begin_improving(stretch, Aim::Halt));
-            Some((Proposal { stretch, branch, halt: Some(Halt::Block) }, ending))
+            Some((Proposal { stretch, branch, halt: Some(Halt::Block) }, Stage::Ending(ending)))
         })
     }
 

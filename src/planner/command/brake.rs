@@ -7,7 +7,7 @@ use crate::number::serial::NodeSerial;
 use crate::planner::Planner;
 use crate::planner::horizon::stop_profile::{DEPTHS, HARD, SHARES, StopProfile};
 use crate::planner::horizon::{Horizon, Proposal};
-use crate::planner::making::{Making, Purpose};
+use crate::planner::making::Purpose;
 use crate::planner::phase::{Halt, Phase};
 use crate::profile::law::PathState;
 use crate::profile::solver::Stretch;
@@ -15,8 +15,6 @@ use crate::servo::link::Branch;
 
 /// Places tried for a stop.
 const STOP_TRIES: u8 = 12;
-/// A stop of fewer servo cycles is brief.
-const BRIEF: f64 = 8.0;
 /// Servo cycles that the last part of a stop takes at least.
 const LEAST_CYCLES: f64 = 0.5;
 /// Braking distances within which a stop is wanted; if there is none, it is looked for again a
@@ -41,7 +39,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             });
             return self.propose(Purpose::Hold, made) || self.rest_next(Halt::Hold);
         }
-        if self.react(Asked::Hold) {
+        if self.react(Asked::Hold, at) {
             return true;
         }
         if self.pressing.attempts >= ATTEMPTS {
@@ -52,13 +50,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             (self.pressing.attempts, self.pressing.reach) = (0, FIRST_REACH);
         }
         (self.pressing.at, self.pressing.nearer) = (at, 0);
-        let began = (self.side.cycles(), at);
         let attempt = (self.pressing.attempts, self.pressing.reach);
         match self.horizon.begin_halt(self.moment_of_attempt(), attempt) {
-            Begun::Attempt(proposal, halting) => {
-                self.making = Some(Making::halting(proposal, halting, began));
-                true
-            }
+            Begun::Attempt(begun) => self.make((Purpose::Hold, at), Some(begun)),
             // The rest that the plan comes to anyway may be nearer than any other.
             Begun::Soon => self.rest_as_agreed(),
             Begun::Nothing => self.rest_next(Halt::Hold),
@@ -74,9 +68,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let begun = self.horizon.begin_nearer(self.moment_of_attempt(), failures);
         // Without an attempt it does not get any nearer.
         self.pressing.nearer = if begun.is_some() { failures } else { u8::MAX };
-        let began = (self.side.cycles(), at);
-        self.making = begun.map(|(proposal, halting)| Making::halting(proposal, halting, began));
-        self.making.is_some()
+        self.make((Purpose::Hold, at), begun)
     }
 
     /// If the motion comes to rest at the end of the piece under way, lets it stay there.
@@ -175,7 +167,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
                     else {
                         continue;
                     };
-                    brief = stop.time() < self.config.cycle * S::of(BRIEF);
+                    brief = self.is_brief(&stop);
                     if !self.is_clear(stretch, &stop) {
                         continue;
                     }

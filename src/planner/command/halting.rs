@@ -10,6 +10,7 @@ use crate::machine::Config;
 use crate::number::Scalar;
 use crate::planner::horizon::stop_profile::{Depth, StopProfile};
 use crate::planner::horizon::{Horizon, Moment, Proposal};
+use crate::planner::making::Stage;
 use crate::planner::phase::Halt;
 use crate::profile::law::PathState;
 use crate::profile::solver::{Aim, Stretch};
@@ -89,7 +90,7 @@ pub enum Tried {
 #[derive(Clone, Copy, Debug)]
 pub enum Begun<S> {
     /// It is under way, in a draft.
-    Attempt(Proposal, Halting<S>),
+    Attempt((Proposal, Stage<S>)),
     /// The motion as agreed comes to rest hardly later.
     Soon,
     /// The motion cannot be cut there.
@@ -103,20 +104,24 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         moment: Option<Moment<S>>,
         (attempt, reach): (u8, u16),
     ) -> Begun<S> {
-        self.begin_draft();
-        let Some((stretch, branch)) = moment.and_then(|moment| self.prepare(moment)) else {
-            self.drop_draft();
-            return Begun::Nothing;
-        };
-        let least = self.straight_stop(stretch.first);
-        if least.is_some_and(|stop| self.rests_soon(stretch, stop.time())) {
-            self.drop_draft();
-            return Begun::Soon;
+        let mut soon = false;
+        let begun = self.draft(|draft| {
+            let (stretch, branch) = draft.prepare(moment?)?;
+            let least = draft.straight_stop(stretch.first);
+            soon = least.as_ref().is_some_and(|stop| draft.rests_soon(stretch, stop.time()));
+            if soon {
+                return None;
+            }
+            let brief = least.is_none_or(|stop| draft.is_brief(&stop));
+            let attempt = if brief || reach > LAST_REACH { attempt.max(STOPS) } else { attempt };
+            let proposal = Proposal { stretch, branch, halt: Some(Halt::Hold) };
+            Some((proposal, Stage::Halting(Halting::Placing { attempt, reach })))
+        });
+        match begun {
+            Some(begun) => Begun::Attempt(begun),
+            None if soon => Begun::Soon,
+            None => Begun::Nothing,
         }
-        let brief = least.is_none_or(|stop| stop.time() < self.config.cycle * S::of(BRIEF));
-        let attempt = if brief || reach > LAST_REACH { attempt.max(STOPS) } else { attempt };
-        let proposal = Proposal { stretch, branch, halt: Some(Halt::Hold) };
-        Begun::Attempt(proposal, Halting::Placing { attempt, reach })
     }
 
     /// Begins to look for a rest nearer than the one that the agreed motion comes to, if there may be one that is much
@@ -125,18 +130,13 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         &mut self,
         moment: Option<Moment<S>>,
         failures: u8,
-    ) -> Option<(Proposal, Halting<S>)> {
+    ) -> Option<(Proposal, Stage<S>)> {
         let share = NEARER.get(usize::from(failures))?;
-        self.begin_draft();
-        let begun = self.nearer(moment, S::of(*share));
-        if begun.is_none() {
-            self.drop_draft();
-        }
-        begun
+        self.draft(|draft| draft.nearer(moment?, S::of(*share)))
     }
 
-    fn nearer(&mut self, moment: Option<Moment<S>>, share: S) -> Option<(Proposal, Halting<S>)> {
-        let (stretch, branch) = self.prepare(moment?)?;
+    fn nearer(&mut self, moment: Moment<S>, share: S) -> Option<(Proposal, Stage<S>)> {
+        let (stretch, branch) = self.prepare(moment)?;
         let mut left = S::ZERO;
         for i in stretch.first..stretch.last {
             left += self.window.get(i)?.cell.length;
@@ -149,7 +149,12 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let held = self.put_rest(stretch, reach)?;
         let solving = self.begin_resting(held, STOP_STEPS);
         let proposal = Proposal { stretch: held, branch, halt: Some(Halt::Hold) };
-        Some((proposal, Halting::Resting { solving, reach: LAST_REACH }))
+        Some((proposal, Stage::Halting(Halting::Resting { solving, reach: LAST_REACH })))
+    }
+
+    /// Whether a stop is brief: its phases are hardly longer than servo cycles.
+    pub(super) fn is_brief(&self, stop: &StopProfile<S>) -> bool {
+        stop.time() < self.config.cycle * S::of(BRIEF)
     }
 
     /// The stop from a station as if the path were straight from there on.

@@ -66,7 +66,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     pub(super) fn obey(&mut self, wish: &Wish, at: NodeSerial) -> Option<Progress> {
         let resumed = wish.resumes != self.answered.resumes;
         self.answered.resumes = wish.resumes;
-        let brakes = wish.holds() || wish.aborts != self.answered.aborts;
+        let brakes = self.brakes(wish);
         let rests = at == self.horizon.end();
         if rests && (brakes || wish.stop || wish.overrides != self.horizon.overrides()) {
             // A start that has not been taken up.
@@ -108,6 +108,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if wish.stop || wish.single { self.obey_stop(at) } else { None }
     }
 
+    /// Whether the motion is to come to rest as soon as it can: a hold, or an abort that has not been acknowledged.
+    pub(super) fn brakes(&self, wish: &Wish) -> bool {
+        wish.holds() || wish.aborts != self.answered.aborts
+    }
+
     /// In motion: rests at the end of a block, as a stop or single block mode asks for.
     fn obey_stop(&mut self, at: NodeSerial) -> Option<Progress> {
         let Phase::Following(now) = &mut self.phase else { return None };
@@ -120,7 +125,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             false
         } else {
             now.tried_block_end = true;
-            self.rest_at_block_end()
+            self.rest_at_block_end(at)
         };
         planned.then_some(Progress::Planning)
     }

@@ -10,7 +10,7 @@ use crate::number::Scalar;
 use crate::number::serial::{CycleSerial, NodeSerial};
 use crate::planner::Planner;
 use crate::planner::horizon::{Horizon, Moment, Proposal};
-use crate::planner::making::{Making, Purpose};
+use crate::planner::making::{Purpose, Stage};
 use crate::planner::phase::Halt;
 use crate::profile::solver::{Aim, Stretch};
 use crate::profile::solving::Solving;
@@ -22,6 +22,8 @@ const STEPS: u16 = 4;
 const CELLS: usize = 4;
 /// Cells that take as much work in a plan ahead as an attempt to find a rest.
 const ATTEMPT_CELLS: usize = 18;
+/// Plans ahead that an answer takes as much work as which leads past many blocks.
+const PLANS: usize = 3;
 /// Servo cycles within which an answer can do without a first one.
 const AT_ONCE: f64 = 3.0;
 
@@ -101,13 +103,18 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         Some(moment)
     }
 
+    /// The same for a plan at other overrides, or to the end of a block, with the motion at node `at`.
+    pub(super) fn moment_of_answer(&self, at: NodeSerial) -> Option<Moment<S>> {
+        self.moment_after(PLANS * self.cells_ahead(at))
+    }
+
     /// The same for an attempt to find a rest.
     pub(super) fn moment_of_attempt(&self) -> Option<Moment<S>> {
         self.moment_after(ATTEMPT_CELLS)
     }
 
     /// Begins a first answer if the whole one takes long and there is none yet. Whether one is in the making.
-    pub(super) fn react(&mut self, asked: Asked) -> bool {
+    pub(super) fn react(&mut self, asked: Asked, at: NodeSerial) -> bool {
         let long = self.effort.cycles(ATTEMPT_CELLS) > S::of(AT_ONCE);
         if !long || self.pressing.reacted == Some(asked) {
             return false;
@@ -115,12 +122,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         self.pressing.reacted = Some(asked);
         let halt = self.phase.halt();
         let Some(moment) = self.moment_after(CELLS) else { return false };
-        let began = (self.side.cycles(), self.side.progress());
-        let Some((proposal, reacting)) = self.horizon.begin_reaction(moment, asked, halt) else {
-            return false;
-        };
-        self.making = Some(Making::reacting(Purpose::Reaction(asked), proposal, reacting, began));
-        true
+        let begun = self.horizon.begin_reaction(moment, asked, halt);
+        self.make((Purpose::Reaction(asked), at), begun)
     }
 }
 
@@ -131,13 +134,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         moment: Moment<S>,
         asked: Asked,
         halt: Option<Halt>,
-    ) -> Option<(Proposal, Reacting<S>)> {
-        self.begin_draft();
-        let begun = self.reaction(moment, asked, halt);
-        if begun.is_none() {
-            self.drop_draft();
-        }
-        begun
+    ) -> Option<(Proposal, Stage<S>)> {
+        self.draft(|draft| draft.reaction(moment, asked, halt))
     }
 
     fn reaction(
@@ -145,7 +143,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         moment: Moment<S>,
         asked: Asked,
         halt: Option<Halt>,
-    ) -> Option<(Proposal, Reacting<S>)> {
+    ) -> Option<(Proposal, Stage<S>)> {
         if let Asked::Overrides(overrides) = asked {
             self.try_overrides(overrides);
         }
@@ -169,7 +167,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let until = self.near(stretch, S::of(BRAKING_REACH)).max(behind).min(stretch.last);
         stretch.open = halt.is_none() && self.is_open(stretch);
         let solving = self.begin_improving_until(stretch, until, (STEPS, aim));
-        Some((Proposal { stretch, branch, halt }, Reacting { solving, until }))
+        let reacting = Stage::Reacting(Reacting { solving, until });
+        Some((Proposal { stretch, branch, halt }, reacting))
     }
 
     /// Whether the motion ends where it does only because no more is known.

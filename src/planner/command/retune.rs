@@ -6,7 +6,7 @@ use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::planner::Planner;
 use crate::planner::horizon::{Horizon, Proposal};
-use crate::planner::making::Making;
+use crate::planner::making::{Purpose, Stage};
 use crate::planner::phase::Halt;
 use crate::profile::solver::{Aim, Stretch};
 use crate::profile::solving::Solving;
@@ -17,8 +17,6 @@ use crate::servo::link::Branch;
 const NEAR_LEADS: f64 = 4.0;
 /// Tries in a row: from a servo cycle on, and from a node on.
 const TRIES: u8 = 2;
-/// Plans ahead that an answer takes as much work as.
-const PLANS: usize = 3;
 
 /// A plan at other overrides in the making.
 #[derive(Clone, Copy, Debug)]
@@ -35,7 +33,7 @@ pub enum Retuning<S> {
 #[derive(Clone, Copy, Debug)]
 enum Begun<S> {
     /// It is under way, in a draft.
-    Attempt(Proposal, Retuning<S>),
+    Attempt((Proposal, Stage<S>)),
     /// The motion does nothing but come to rest.
     Stops,
     /// The motion cannot be cut there.
@@ -47,7 +45,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 {
     /// Begins a plan at other overrides: from a servo cycle on, or else from a node on. Whether one is in the making.
     pub(super) fn retune(&mut self, overrides: Overrides, at: NodeSerial) -> bool {
-        if self.react(Asked::Overrides(overrides)) {
+        if self.react(Asked::Overrides(overrides), at) {
             return true;
         }
         let now = self.side.cycles();
@@ -63,7 +61,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.pressing.retunes += 1;
             (self.pressing.at, self.pressing.retuned) = (at, now);
             let begun = if by_cycle {
-                let moment = self.moment_after(self.nodes_ahead() * PLANS);
+                let moment = self.moment_of_answer(at);
                 self.horizon.begin_retune(overrides, halt, |horizon| horizon.cut_in(moment?))
             } else {
                 let node = self.horizon.branch(at, S::ZERO);
@@ -74,10 +72,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 })
             };
             match begun {
-                Begun::Attempt(proposal, retuning) => {
-                    self.making = Some(Making::retuning(proposal, retuning, (now, at)));
-                    return true;
-                }
+                Begun::Attempt(begun) => return self.make((Purpose::Overrides, at), Some(begun)),
                 Begun::Stops => {
                     // A stop under way is finished; what comes after it goes at the new pace.
                     self.horizon.set_overrides(overrides);
@@ -108,34 +103,38 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         halt: Option<Halt>,
         branch: impl FnOnce(&mut Self) -> Option<(usize, Branch)>,
     ) -> Begun<S> {
-        self.begin_draft();
-        self.try_overrides(overrides);
-        let Some((first, branch)) = branch(self) else {
-            self.drop_draft();
-            return Begun::Nothing;
-        };
-        let by_cycle = matches!(branch, Branch::Cycle(_));
-        if by_cycle && self.is_stopping(first) {
-            self.drop_draft();
-            return Begun::Stops;
+        let mut stops = false;
+        let begun = self.draft(|draft| {
+            draft.try_overrides(overrides);
+            let (first, branch) = branch(draft)?;
+            stops = branch.is_by_cycle() && draft.is_stopping(first);
+            if stops {
+                return None;
+            }
+            let end = draft.end_index();
+            draft.window.bound(first, &draft.pace());
+            let speed = draft.window.get(first).map_or(S::ZERO, |station| station.state.b.sqrt());
+            let distance = draft.ramp(first, speed).greatest(draft.braking_distance(first));
+            let by_cycle = branch.is_by_cycle();
+            let last = if by_cycle { draft.refine(first, end, distance).0 } else { end };
+            draft.bound_from(first);
+            draft.loosen(first, last);
+            let mut stretch = Stretch { first, last, open: false };
+            let slower = draft.exceeds_goal(stretch);
+            stretch.open = halt.is_none() && draft.is_open(stretch);
+            let retuning = if slower {
+                // First down to the goal, at a penalty; then, with the speeds reached as bounds, for time.
+                Retuning::Slowing(draft.begin_improving(stretch, Aim::Slow))
+            } else {
+                Retuning::Finding(draft.begin_finding(stretch, first + 1))
+            };
+            Some((Proposal { stretch, branch, halt }, Stage::Retuning(retuning)))
+        });
+        match begun {
+            Some(begun) => Begun::Attempt(begun),
+            None if stops => Begun::Stops,
+            None => Begun::Nothing,
         }
-        let end = self.end_index();
-        self.window.bound(first, &self.pace());
-        let speed = self.window.get(first).map_or(S::ZERO, |station| station.state.b.sqrt());
-        let distance = self.ramp(first, speed).greatest(self.braking_distance(first));
-        let last = if by_cycle { self.refine(first, end, distance).0 } else { end };
-        self.bound_from(first);
-        self.loosen(first, last);
-        let mut stretch = Stretch { first, last, open: false };
-        let slower = self.exceeds_goal(stretch);
-        stretch.open = halt.is_none() && self.is_open(stretch);
-        let retuning = if slower {
-            // First down to the goal, at a penalty; then, with the speeds reached as bounds, for time.
-            Retuning::Slowing(self.begin_improving(stretch, Aim::Slow))
-        } else {
-            Retuning::Finding(self.begin_finding(stretch, first + 1))
-        };
-        Begun::Attempt(Proposal { stretch, branch, halt }, retuning)
     }
 
     /// Whether a speed in a stretch is more than what is asked for. Asked after [`Horizon::loosen`].
