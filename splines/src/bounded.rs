@@ -6,8 +6,8 @@
 //!   room), on the second derivative across the path, and on the third. One band system for all control
 //!   points at once; the weight of a place grows with the speed that the motion can have there, so
 //!   curvature is not moved to where it costs more;
-//! - *moves*: the thesis's own iterations ([`super::thesis`]), at most [`MOVES`] of them, but with
-//!   distances bounded instead of sampled. They are better at peaks so sharp that the speed by the
+//! - *moves*: the thesis's own iterations ([`super::thesis`]), at most [`MOVES`] of them, drawn back into the
+//!   tube as a whole where its samples missed that they leave it. They are better at peaks so sharp that the speed by the
 //!   parameter, which the sweeps hold, is what has to change;
 //! - sweeps after moves.
 //!
@@ -56,10 +56,8 @@ const PARTS: u32 = 8;
 /// The same where curvature times length, rad, is greater than this.
 const SHARP_PARTS: u32 = 40;
 const SHARP_TURN: f64 = 1.0;
-/// Places per span at which the moves are bounded.
+/// Places per span at which the result of the moves is bounded.
 const PRECISION: u32 = 20;
-/// Share of the radius within which the moves end.
-const ACCURACY: f64 = 5.0e-4;
 /// Control points of a closed spline that are held while the others move.
 const HELD: usize = 3;
 
@@ -167,22 +165,19 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
         let mut moved = given.clone();
         let mut thesis = super::thesis::Options::new(options.radius * S::of(SHARE));
         thesis.most_iterations = MOVES;
-        thesis.bounded = true;
-        thesis.precision = PRECISION;
-        thesis.accuracy = S::of(ACCURACY);
         super::thesis::smooth(&mut moved, &thesis)?;
-        if options.ends_stay && !given.is_closed() {
-            if let ([first, .., last], [start, .., end]) = (moved.controls_mut(), given.controls())
-            {
-                (*first, *last) = (*start, *end);
-            }
-            // What the ends no longer hold against may lead out of the tube.
-            let off = moved.difference(&given).map_or(S::ZERO, |off| off.bound(PRECISION));
-            let share = options.radius * S::of(SHARE) / off;
-            if share < S::ONE {
-                for (control, start) in moved.controls_mut().iter_mut().zip(given.controls()) {
-                    *control = from_fn(|i| start[i] + share * (control[i] - start[i]));
-                }
+        if options.ends_stay
+            && !given.is_closed()
+            && let ([first, .., last], [start, .., end]) = (moved.controls_mut(), given.controls())
+        {
+            (*first, *last) = (*start, *end);
+        }
+        // What the samples missed, or the ends no longer hold against, may lie outside the tube.
+        let off = moved.difference(&given).map_or(S::ZERO, |off| off.bound(PRECISION));
+        let share = options.radius * S::of(SHARE) / off;
+        if share < S::ONE {
+            for (control, start) in moved.controls_mut().iter_mut().zip(given.controls()) {
+                *control = from_fn(|i| start[i] + share * (control[i] - start[i]));
             }
         }
         consider(self, &moved, MOVED_CURL_SHARE);

@@ -7,7 +7,7 @@ use serde::Serialize;
 use splineway_simulator::spline::{Path, SplineFile, read, write};
 use splineway_splines::Trajectory;
 use splineway_studies::smoothing::{
-    Figures, Method, Request, Smoothed, measure, profile, run, smooth,
+    Figures, Method, Reading, Request, Smoothed, measure, profile, run, smooth,
 };
 use std::path::PathBuf;
 
@@ -47,6 +47,9 @@ pub struct Smooth {
     /// Its jerk, mm/s3
     #[arg(long, value_name = "MM_PER_S3", default_value_t = 20_000.0)]
     jerk: f64,
+    /// How section 4.5 of the thesis is read
+    #[arg(long, value_enum, default_value = "free")]
+    reading: Reading,
     /// The smoothed spline (.json, .toml or .txt)
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -89,12 +92,13 @@ fn thin(points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
     all.into_iter().step_by(step).collect()
 }
 
-fn side(path: &Path, trajectory: &Trajectory<f64>) -> Side {
+fn side(path: &Path, trajectory: &Trajectory<f64>, reading: Reading) -> Side {
     let places = profile(path);
+    let moments = run(trajectory, &places, reading).moments;
     Side {
-        figures: measure(path, trajectory),
+        figures: measure(path, trajectory, reading),
         curvature: thin(places.iter().map(|place| [place.way, place.curvature])),
-        feed: thin(run(trajectory, &places).points.into_iter().map(|(way, v)| [way, v])),
+        feed: thin(moments.into_iter().map(|moment| [moment.way, moment.speed])),
     }
 }
 
@@ -145,9 +149,10 @@ impl Smooth {
                 &TubeScene {
                     title: &title,
                     given: &given,
-                    smooth: &smoothed.path,
+                    smooth: &[("smoothed".to_owned(), &smoothed.path)],
                     radius,
                     trajectory: &trajectory,
+                    reading: self.reading,
                 },
             )?;
         }
@@ -178,8 +183,8 @@ impl Smooth {
             calculation_s: smoothed.took.as_secs_f64(),
             deviation_mm: off.as_ref().map_or(0.0, |off| off.greatest(200)),
             deviation_bound_mm: off.as_ref().map_or(0.0, |off| off.bound(200)),
-            before: side(given, trajectory),
-            after: side(&smoothed.path, trajectory),
+            before: side(given, trajectory, self.reading),
+            after: side(&smoothed.path, trajectory, self.reading),
         }
     }
 }

@@ -1,11 +1,13 @@
 //! Showing a run: plots, tables, progress. Nothing is judged here.
 
 mod html;
+mod panels;
 mod picture;
 mod progress;
 pub mod table;
 mod tube;
 
+pub use panels::{Panel, Series};
 pub use progress::Progress;
 pub use tube::TubeScene;
 
@@ -64,6 +66,19 @@ pub fn plot_tube(path: &Path, scene: &TubeScene<'_>) -> Result<()> {
     let svg = || {
         let mut text = String::new();
         tube::draw(&mut text, scene).map_err(|error| anyhow!("plot: {error}"))?;
+        Ok(text)
+    };
+    write(path, svg, bare_page)
+}
+
+/// Writes panels of points or lines, two in a row.
+///
+/// # Errors
+/// An unknown ending, or a file that cannot be written.
+pub fn plot_panels(path: &Path, title: &str, panels: &[Panel]) -> Result<()> {
+    let svg = || {
+        let mut text = String::new();
+        panels::draw(&mut text, title, panels).map_err(|error| anyhow!("plot: {error}"))?;
         Ok(text)
     };
     write(path, svg, bare_page)

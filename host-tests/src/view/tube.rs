@@ -1,15 +1,14 @@
-//! A smoothed path in its tube, and curvature and feed along it, as in figures 4-8 to 4-27 of Naseath
-//! 2007.
+//! A smoothed path in its tube, curvature along it and feed over time, as in figures 4-8 to 4-27 of Naseath 2007.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use splineway_simulator::spline::Path;
 use splineway_splines::Trajectory;
-use splineway_studies::smoothing::{Place, profile, run};
+use splineway_studies::smoothing::{Place, Reading, profile, run};
 
 const SIZE: (u32, u32) = (1400, 1700);
 const GIVEN: RGBColor = RGBColor(0, 92, 171);
-const SMOOTH: RGBColor = RGBColor(200, 40, 40);
+const SMOOTH: [RGBColor; 3] = [RGBColor(200, 40, 40), RGBColor(0, 130, 80), RGBColor(150, 60, 160)];
 const TUBE: RGBColor = RGBColor(120, 120, 120);
 /// Share of the path's extent that the close-up shows at least.
 const CLOSE: f64 = 0.06;
@@ -24,12 +23,14 @@ pub struct TubeScene<'a> {
     pub title: &'a str,
     /// Path as given.
     pub given: &'a Path,
-    /// Path smoothed.
-    pub smooth: &'a Path,
+    /// Paths smoothed, with their names; the last one is shown in the tube.
+    pub smooth: &'a [(String, &'a Path)],
     /// Radius of the tube, mm.
     pub radius: f64,
     /// The generator whose feed is shown.
     pub trajectory: &'a Trajectory<f64>,
+    /// How it is read.
+    pub reading: Reading,
 }
 
 pub fn draw(text: &mut String, scene: &TubeScene<'_>) -> Outcome {
@@ -38,11 +39,13 @@ pub fn draw(text: &mut String, scene: &TubeScene<'_>) -> Outcome {
     let root = root.titled(scene.title, ("sans-serif", 26))?;
     let (paths, rest) = root.split_vertically(800);
     let (whole, close) = paths.split_horizontally(700);
-    let (given, smooth) = (profile(scene.given), profile(scene.smooth));
+    let given = profile(scene.given);
+    let smoothed: Vec<Vec<Place>> = scene.smooth.iter().map(|(_, path)| profile(path)).collect();
+    let smooth = smoothed.last().unwrap_or(&given);
     let edges = [-scene.radius, scene.radius].map(|radius| edge(scene.given, radius));
     // The close-up is where the path as given is bent most.
     let worst = given.iter().max_by(|a, b| a.curvature.total_cmp(&b.curvature));
-    let (low, high) = extent(given.iter().chain(&smooth));
+    let (low, high) = extent(given.iter().chain(smooth));
     let size = (high[0] - low[0]).max(high[1] - low[1]).max(scene.radius);
     let centre = [f64::midpoint(low[0], high[0]), f64::midpoint(low[1], high[1])];
     let views = [
@@ -55,14 +58,22 @@ pub fn draw(text: &mut String, scene: &TubeScene<'_>) -> Outcome {
         ),
     ];
     for (area, caption, middle, reach) in views {
-        draw_path(&area, caption, middle, reach, &edges, [&given, &smooth])?;
+        draw_path(&area, caption, middle, reach, &edges, [&given, smooth])?;
     }
     let (curvature, feed) = rest.split_vertically(430);
-    let curves = [&given, &smooth]
-        .map(|places| places.iter().map(|place| (place.way, place.curvature)).collect::<Vec<_>>());
-    draw_curves(&curvature, "curvature, 1/mm", &curves)?;
-    let curves = [&given, &smooth].map(|places| run(scene.trajectory, places).points);
-    draw_curves(&feed, "feed by section 4.5, mm/s", &curves)?;
+    let all = || std::iter::once(&given).chain(&smoothed);
+    let names = std::iter::once("given").chain(scene.smooth.iter().map(|(name, _)| name.as_str()));
+    let named = |points: Vec<Vec<(f64, f64)>>| -> Vec<(String, Vec<(f64, f64)>)> {
+        names.clone().map(str::to_owned).zip(points).collect()
+    };
+    let curvatures =
+        all().map(|places| places.iter().map(|place| (place.way, place.curvature)).collect());
+    draw_curves(&curvature, "way, mm", "curvature, 1/mm", &named(curvatures.collect()))?;
+    let feeds = all().map(|places| {
+        let motion = run(scene.trajectory, places, scene.reading);
+        motion.moments.iter().map(|moment| (moment.time, moment.speed)).collect()
+    });
+    draw_curves(&feed, "time, s", "feed by section 4.5, mm/s", &named(feeds.collect()))?;
     root.present()?;
     Ok(())
 }
@@ -114,7 +125,7 @@ fn draw_path(
             chart.draw_series(LineSeries::new(part.iter().copied(), TUBE))?;
         }
     }
-    for (places, colour) in paths.into_iter().zip([GIVEN, SMOOTH]) {
+    for (places, colour) in paths.into_iter().zip([GIVEN, SMOOTH[0]]) {
         let line: Vec<(f64, f64)> =
             places.iter().map(|place| (place.point[0], place.point[1])).collect();
         for part in line.split(|p| !is_seen(p)) {
@@ -124,8 +135,13 @@ fn draw_path(
     Ok(())
 }
 
-fn draw_curves(area: &Area<'_>, name: &str, curves: &[Vec<(f64, f64)>; 2]) -> Outcome {
-    let all = || curves.iter().flatten();
+fn draw_curves(
+    area: &Area<'_>,
+    along: &str,
+    name: &str,
+    curves: &[(String, Vec<(f64, f64)>)],
+) -> Outcome {
+    let all = || curves.iter().flat_map(|(_, points)| points);
     let end = all().map(|p| p.0).fold(1e-3, f64::max);
     let most = all().map(|p| p.1).fold(1e-9, f64::max) * 1.05;
     let mut chart = ChartBuilder::on(area)
@@ -133,8 +149,9 @@ fn draw_curves(area: &Area<'_>, name: &str, curves: &[Vec<(f64, f64)>; 2]) -> Ou
         .x_label_area_size(36)
         .y_label_area_size(80)
         .build_cartesian_2d(0.0..end, 0.0..most)?;
-    chart.configure_mesh().x_desc("way, mm").y_desc(name).light_line_style(WHITE).draw()?;
-    for ((points, colour), label) in curves.iter().zip([GIVEN, SMOOTH]).zip(["given", "smoothed"]) {
+    chart.configure_mesh().x_desc(along).y_desc(name).light_line_style(WHITE).draw()?;
+    let colours = std::iter::once(GIVEN).chain(SMOOTH.into_iter().cycle());
+    for ((label, points), colour) in curves.iter().zip(colours) {
         chart
             .draw_series(LineSeries::new(points.iter().copied(), colour))?
             .label(label)

@@ -1,11 +1,17 @@
 //! Smoothing of B-spline tool paths: figures, the thesis's trajectory generator and its cases.
 
 pub mod cases;
+pub mod comparison;
+pub mod correlation;
 mod figures;
+mod literal;
+pub mod printed;
+mod tables;
 mod trajectory;
 
 pub use figures::{Figures, measure, profile};
-pub use trajectory::{Motion, Place, run};
+pub use tables::tables;
+pub use trajectory::{Moment, Motion, Place, Reading, run};
 
 use anyhow::Result;
 use splineway_simulator::spline::{Path, ROOM};
