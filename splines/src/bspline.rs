@@ -421,7 +421,8 @@ impl<S: Scalar, const N: usize, const CAP: usize> Spline<S, N, CAP> {
     }
 
     /// The point beside the path at the signed distance `radius`, to the left, in the plane of the
-    /// first two axes (Naseath 2007, equation 2-18).
+    /// first two axes (Naseath 2007, equation 2-18). Where `radius` is greater than the path's radius of curvature these
+    /// points run backwards, between two cusps (section 2.3.6); they are for the eye, and nothing is computed from them.
     pub fn offset(&self, span: usize, u: S, radius: S) -> Vector<S, N> {
         const { assert!(N >= 2, "an offset needs two axes") };
         let mut point = self.point(span, u);

@@ -20,10 +20,13 @@
 //!   points move outwards (equation 3-29).
 //! - *Double apex*: equation 3-27 takes the point after the second apex; if it lies on the line, the
 //!   one before the first is taken.
-//! - *Sensitivities* that are 0 are made 1 (section 3.9), and so are those of points without a direction.
+//! - *Sensitivities* that are 0 are made 1 (section 3.9). A point without a direction has the one that its
+//!   neighbours' moves give its place: 1 only if the spline rests there.
 //! - *Maximum distance* is sampled, `precision` places per knot interval (section 3.8): between them
 //!   the spline may be farther out, by up to several per cent of the radius where knots are uneven.
 //!   [`super::bounded`] is bounded instead.
+//! - *Overshooting*: a move is as long as the tube allows, not as the way to the straight line is. A ripple smaller than the
+//!   tube passes that line to and fro, and its curvature may be greater in the end than it was.
 //! - *First iteration*: where smooth groups move as a whole it may reach the tube at once, and the
 //!   result would be the spline as given. Then its moves are halved until it does not.
 //! - *No end*: if no point has a direction the spline is straight; then, and after
