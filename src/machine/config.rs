@@ -11,14 +11,23 @@ pub enum CornerMode<S> {
     /// The whole tolerance band is used, the edge length comes in closed form
     /// `L = 4 delta / sin(turn)`, and neighbouring corners share a leg by need. The default.
     Band,
-    /// As printed in Guo, Yan, Wang 2023, sections 3.3 to 3.5: `e* = delta / 2`, the next corner
-    /// starts a fraction `lambda` of the remaining leg away (where that leaves less than a 64th of the
-    /// transition's length straight, nothing), and the halving rule. For corners between programmed lines;
-    /// curves are followed as in the other mode.
+    /// As printed in Guo, Yan, Wang 2023, sections 3.2 to 3.5: `e* = delta / 2`, the next corner
+    /// starts a fraction `lambda` of the remaining leg away, and the halving rule. Control points are the printed ones to
+    /// the rounding of coordinates, and the motion keeps to the printed curve to 2e-3 of `delta`.
+    ///
+    /// The routines begin anew, without `lambda`, where the motion rests: so it does where a turn is beyond
+    /// [`CornerMode::STOP_COSINE`] (160 degrees), where less than half a micrometre is left for a transition, and at an
+    /// exact stop. For corners between programmed lines; arcs and curves are joined and followed as in the other mode.
     Paper {
-        /// Share of the remaining leg kept straight between two transitions, 0 to 0.99.
+        /// Share of the remaining leg kept straight between two transitions (eq. 8), 0 to 0.99.
         lambda: S,
     },
+}
+
+impl<S> CornerMode<S> {
+    /// Cosine of the turn (160 degrees) beyond which a corner is an exact stop, in either mode: there a stop is faster
+    /// than the rounding. (At 166 degrees no path by more than 1.2 %, at 152 a star by 8.5 %.)
+    pub const STOP_COSINE: f64 = -0.94;
 }
 
 /// Everything the core needs to know of a machine. Make it with [`Config::new`] and change the

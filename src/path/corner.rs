@@ -16,8 +16,19 @@ use super::half::Half;
 use crate::number::Scalar;
 use crate::number::vector::{Vector, dot};
 
-/// Share of a leg from which on it counts as used up by the paper's transition.
-const USED_UP: f64 = 63.0 / 64.0;
+/// Share of a leg from which on it is used up by a transition of the paper: what is left is rounding.
+const USED_UP: f64 = 1.0 - 1.0e-6;
+
+/// What a transition of the paper may use.
+#[derive(Clone, Copy, Debug)]
+pub struct Legs<S> {
+    /// What is left of the leg that comes in, after the gap to the transition before (eq. 8), mm.
+    pub before: S,
+    /// The whole leg that goes out, mm.
+    pub after: S,
+    /// Whether the path ends with that leg: routine 3 in place of routines 1 and 2.
+    pub last: bool,
+}
 
 /// The corner between two legs.
 #[derive(Clone, Copy, Debug)]
@@ -56,8 +67,9 @@ impl<S: Scalar> Corner<S> {
     }
 
     /// Distance e of the shoulder from the corner for an edge L (eq. 7), mm.
-    pub fn shoulder(&self, edge: S) -> S {
-        edge * S::of(0.5) * self.cos_theta()
+    fn shoulder(&self, edge: S) -> S {
+        // cos theta = sin 2 theta / (2 sin theta), which keeps its digits where the turn is slight.
+        edge * S::of(0.25) * (self.sin_turn / self.sin_theta())
     }
 
     /// Sine of the turn.
@@ -80,22 +92,19 @@ impl<S: Scalar> Corner<S> {
     }
 
     /// Edge L as the paper's routines give it (sections 3.2 to 3.5), mm.
-    ///
-    /// `leg_in` is the length left of the leg that comes in, after the gap to the transition
-    /// before; `leg_out` the whole leg that goes out.
-    pub fn paper_edge(&self, delta: S, leg_in: S, leg_out: S) -> S {
+    pub fn paper_edge(&self, delta: S, legs: Legs<S>) -> S {
         let half = S::of(0.5);
         // Three cases: both halves of the control polygon are as long as the shorter leg.
-        let edge = leg_in.least(leg_out) * half;
+        let edge = legs.before.least(legs.after) * half;
         let e = self.shoulder(edge);
         let sin_theta = self.sin_theta();
         // e > epsilon = delta / sin theta: shrink to e* = delta / 2.
         if e * sin_theta > delta {
             return edge * (delta * half / e);
         }
-        // The whole next leg would be used up, or so much of it that what is left is rounding or as bad, and
-        // leave a corner at its end (fig. 7): halve.
-        if leg_in >= leg_out * S::of(USED_UP) { edge * half } else { edge }
+        // P4 would be the next corner, and leave it as it is (fig. 7): halve. Routine 3 has no such rule.
+        let used_up = legs.before >= legs.after * S::of(USED_UP);
+        if used_up && !legs.last { edge * half } else { edge }
     }
 
     /// The first half of the paper's transition with edge L, mm: one Bezier span with the control
@@ -104,16 +113,17 @@ impl<S: Scalar> Corner<S> {
         let quarter = S::of(0.25);
         let shoulder = ((self.cos_turn - S::ONE) * quarter * edge, self.sin_turn * quarter * edge);
         let on_leg = |x: f64| (S::of(x) * edge, S::ZERO);
-        // The sharper, the more the curvature is gathered at the apex.
+        // The sharper, the more the curvature is gathered at the apex. The cells follow the printed curve to a
+        // thousandth of e.
         let cos = self.cos_turn.to_f64();
-        let cells = if cos > 0.96 {
-            1
-        } else if cos > -0.2 {
+        let cells = if cos > 0.5 {
             2
-        } else if cos > -0.7 {
+        } else if cos > -0.35 {
             3
-        } else {
+        } else if cos > -0.7 {
             4
+        } else {
+            6
         };
         Half::new(&[on_leg(-2.0), on_leg(-1.0), on_leg(-0.5), shoulder], cells)
     }
@@ -142,17 +152,22 @@ mod tests {
         // The paper divides by e0 cut to 0.0195.
         assert!((alpha - 0.256).abs() < 2e-3, "{alpha}");
         // Legs of 2 L give the paper's L as the first guess.
-        let shrunk = corner.paper_edge(0.01, 2.0 * edge, 3.0 * edge);
+        let legs = Legs { before: 2.0 * edge, after: 3.0 * edge, last: false };
+        let shrunk = corner.paper_edge(0.01, legs);
         assert!((shrunk - 0.0123).abs() < 1e-4, "{shrunk}");
     }
 
-    /// Section 3.5: inside the band already, and the next leg used up, so the edge is halved.
+    /// Section 3.5: inside the band already, and the next leg used up, so the edge is halved; but not by routine 3.
     #[test]
     fn halving_rule_of_the_paper() {
         let (a, b) = legs(170.0);
         let corner = Corner::new(&a, &b);
-        assert!((corner.paper_edge(0.05, 1.0, 0.4) - 0.1).abs() < 1e-12);
-        assert!((corner.paper_edge(0.05, 0.4, 1.0) - 0.2).abs() < 1e-12);
+        let edge = |before, after, last| corner.paper_edge(0.05, Legs { before, after, last });
+        assert!((edge(1.0, 0.4, false) - 0.1).abs() < 1e-12);
+        assert!((edge(0.4, 1.0, false) - 0.2).abs() < 1e-12);
+        assert!((edge(1.0, 0.4, true) - 0.2).abs() < 1e-12);
+        // P4 is not Q2 where less than all is used up.
+        assert!((edge(0.399, 0.4, false) - 0.1995).abs() < 1e-12);
     }
 
     /// The closed form meets the band, whatever the angle.

@@ -18,6 +18,37 @@ pub struct Half<S> {
     points: [Planar<S>; 3 * SPANS + 1],
     spans: u8,
     cells: u8,
+    /// The outer cells of the transition: of the half that comes in, and of its mirror image.
+    ends: [End<S>; 2],
+}
+
+/// What the outer cell of a half has besides its part of the curve.
+#[derive(Clone, Copy, Debug)]
+pub struct End<S> {
+    /// The stretch of the leg beside it, if that is too short to be a cell of its own, mm.
+    pub gap: S,
+    /// How often it is halved towards its end, because the motion rests there.
+    pub halvings: u8,
+}
+
+impl<S: Scalar> End<S> {
+    /// Nothing.
+    const NONE: Self = Self { gap: S::ZERO, halvings: 0 };
+    /// Most halvings.
+    const MOST: u8 = 8;
+
+    /// Of an outer cell of `outer` mm with a stretch of `gap` mm; where the motion rests at its end, `rest` is the
+    /// length of a first cell from there, mm.
+    pub fn new(gap: S, outer: S, rest: Option<S>) -> Self {
+        let mut end = Self { gap, halvings: 0 };
+        let Some(rest) = rest else { return end };
+        let mut length = outer;
+        while length > rest && end.halvings < Self::MOST {
+            length = length * S::of(0.5);
+            end.halvings += 1;
+        }
+        end
+    }
 }
 
 impl<S: Scalar> Half<S> {
@@ -27,6 +58,7 @@ impl<S: Scalar> Half<S> {
             points: [(S::ZERO, S::ZERO); 3 * SPANS + 1],
             spans: (points.len() / 3).min(SPANS) as u8,
             cells,
+            ends: [End::NONE; 2],
         };
         for (slot, point) in half.points.iter_mut().zip(points) {
             *slot = *point;
@@ -45,9 +77,20 @@ impl<S: Scalar> Half<S> {
         Self { points: self.points.map(|(x, y)| (x * share, y * share)), ..*self }
     }
 
-    /// Number of cells.
+    /// Number of cells, if the outer one is whole.
     pub fn cells(&self) -> u8 {
         self.cells
+    }
+
+    /// The same with other outer cells.
+    #[must_use]
+    pub fn with_ends(&self, ends: [End<S>; 2]) -> Self {
+        Self { ends, ..*self }
+    }
+
+    /// The outer cells.
+    pub fn ends(&self) -> [End<S>; 2] {
+        self.ends
     }
 
     /// The points of a span.
@@ -81,8 +124,14 @@ impl<S: Scalar> Half<S> {
         most
     }
 
-    /// Span and parameter in it of a node of the half, 0 to `cells`.
-    fn place(&self, node: u8) -> (usize, S) {
+    /// Span and parameter in it of a node of the half, 0 to `cells` and the `halvings` of the outer cell, which lies
+    /// in the first span.
+    fn place(&self, node: u8, halvings: u8) -> (usize, S) {
+        if node > 0 && node <= halvings {
+            let parts = u32::from(self.cells).max(1) << (halvings + 1 - node).min(End::<S>::MOST);
+            return (0, S::from_u32(u32::from(self.spans)) / S::from_u32(parts));
+        }
+        let node = node.saturating_sub(halvings);
         let place = u16::from(node) * u16::from(self.spans);
         let cells = u16::from(self.cells).max(1);
         let span = (place / cells).min(u16::from(self.spans).saturating_sub(1));
@@ -91,15 +140,15 @@ impl<S: Scalar> Half<S> {
     }
 
     /// Point and derivatives by the span's parameter at a node.
-    pub fn at(&self, node: u8) -> (Planar<S>, Planar<S>, Planar<S>) {
-        let (span, u) = self.place(node);
+    pub fn at(&self, node: u8, halvings: u8) -> (Planar<S>, Planar<S>, Planar<S>) {
+        let (span, u) = self.place(node, halvings);
         bezier(&self.span(span), u)
     }
 
     /// Arc length between a node and the next, mm.
-    pub fn length(&self, node: u8) -> S {
-        let (first, from) = self.place(node);
-        let (last, to) = self.place(node + 1);
+    pub fn length(&self, node: u8, halvings: u8) -> S {
+        let (first, from) = self.place(node, halvings);
+        let (last, to) = self.place(node + 1, halvings);
         let mut sum = S::ZERO;
         for index in first..=last {
             let u0 = if index == first { from } else { S::ZERO };

@@ -2,8 +2,9 @@
 
 use super::blend::Blend;
 use super::budget;
-use super::corner::Corner;
-use super::half::Half;
+use super::corner::{Corner, Legs};
+use super::cut::rest_cell;
+use super::half::{End, Half};
 use super::node::{Frame, Node};
 use super::queued::{Joint, QueuedBlock};
 use super::segment::{Segment, Shape};
@@ -13,9 +14,6 @@ use crate::number::vector::{dot, norm};
 use crate::number::{Coord, Length, Scalar};
 use core::array::from_fn;
 
-/// Cosine of the turn (160 degrees) beyond which a joint is an exact stop: there a stop is faster
-/// than the rounding. (At 166 degrees no path by more than 1.2 %, at 152 a star by 8.5 %.)
-const STOP_COSINE: f64 = -0.94;
 /// A corner between lines this many times as long as Guo's transition, with a turn whose cosine is
 /// less than this, is faster by itself than as a part of a run. (Half or twice: no path by more than 1.5 %.)
 const LONE_ROOM: f64 = 5.0;
@@ -44,8 +42,9 @@ const LEAST_REACH: Length = Length::from_raw(500_000);
 const BODY_SHARE: i64 = 8;
 /// Share of a joint's reach up to which what is left of the line is rounding.
 const ROUNDING_BODY: i64 = 1024;
-/// Least length of a straight piece between two transitions of the paper, as a part of the second's reach.
-const PAPER_BODY: i64 = 64;
+/// Least length of a straight stretch beside a transition of the paper, as a part of its reach: what is shorter, or is
+/// rounding, is passed with its outer cell, which leaves the printed curve by 1e-3 of e for it at most.
+const PAPER_BODY: i64 = 16;
 /// Most of a line that is kept to get going on it. (Half or twice: no path by more than 0.1 %.)
 const RAMP_SHARE: f64 = 0.125;
 /// Turn, rad, up to which a joint is simply passed, however tight the tolerance.
@@ -177,10 +176,12 @@ pub fn joint<S: Scalar, const N: usize>(
     let run = || if stops() { Joint::Stop } else { Joint::Run };
     // A spike smaller than the tolerance is ironed out.
     let spike = lines && shorter < tolerance * S::of(budget::SPIKE);
-    if corner.cos_turn() < S::of(STOP_COSINE) {
+    if corner.cos_turn() < S::of(CornerMode::<S>::STOP_COSINE) {
         return (if spike { run() } else { Joint::Stop }, Length::ZERO);
     }
-    let straight = corner.cos_turn() > S::ZERO && !(lines && tolerance > S::ZERO);
+    // The paper's corners are corners however slight: each takes its part of the legs.
+    let paper = a.is_line() && b.is_line() && matches!(mode, CornerMode::Paper { .. });
+    let straight = corner.cos_turn() > S::ZERO && !((lines || paper) && tolerance > S::ZERO);
     if straight && passes(a, b, (&frame_in, &frame_out), tolerance, mode) {
         return (Joint::Through, Length::ZERO);
     }
@@ -216,28 +217,34 @@ pub fn joint<S: Scalar, const N: usize>(
 /// What a joint takes of either segment.
 #[derive(Clone, Copy, Debug)]
 pub struct Taken<S> {
-    /// Length; none or less if there is no room for the joint.
-    pub length: Length,
+    /// Length of the segment before it; none or less if there is no room for the joint.
+    pub before: Length,
+    /// Length of the segment behind it.
+    pub after: Length,
     /// Its shape, if it is a corner between lines.
     pub half: Option<Half<S>>,
 }
 
 impl<S: Scalar> Taken<S> {
     /// There is no room.
-    const NONE: Self = Self { length: Length::ZERO, half: None };
+    pub const NONE: Self = Self { before: Length::ZERO, after: Length::ZERO, half: None };
 }
 
-/// What the joint behind a block takes of either segment.
+/// What the joint behind a block takes of either segment. `last`: whether the motion rests at the end of the next.
 pub fn reach<S: Scalar, const N: usize>(
     item: &QueuedBlock<S, N>,
     segment: &Segment<S, N>,
-    next: &QueuedBlock<S, N>,
-    ahead: &Segment<S, N>,
+    (next, ahead, last): (&QueuedBlock<S, N>, &Segment<S, N>, bool),
     joint: Joint,
     config: &Config<S, N>,
 ) -> Taken<S> {
     let mut left = segment.exact_length - item.taken;
-    if item.entered == Joint::Stop && item.taken == Length::ZERO {
+    let mode = corner_mode(item, next, config.corner);
+    let paper = match (joint, mode) {
+        (Joint::Corner, CornerMode::Paper { lambda }) => Some(lambda),
+        _ => None,
+    };
+    if paper.is_none() && item.entered == Joint::Stop && item.taken == Length::ZERO {
         // A transition from rest on gets going in cells as long as its shape asks for: where the feed is
         // reached in less, there must be a stretch before it that is cut for that.
         let ramp = Ramp::new(&config.limits, &segment.start_frame().tangent).length(item.feed);
@@ -252,9 +259,19 @@ pub fn reach<S: Scalar, const N: usize>(
     }
     let corner = Corner::new(&segment.end_frame().tangent, &ahead.start_frame().tangent);
     let tolerance = item.band_with(next);
-    let mode = corner_mode(item, next, config.corner);
-    if let (Joint::Corner, CornerMode::Paper { lambda }) = (joint, mode) {
-        return paper_reach(&corner, tolerance, lambda, left, ahead);
+    if let Some(lambda) = paper {
+        // There is a transition before this one from which to keep away: routine 1 has none.
+        let follows = matches!(item.entered, Joint::Corner | Joint::Blend);
+        let gap = if follows { lambda } else { S::ZERO };
+        let before = left.to_mm::<S>() * (S::ONE - gap);
+        let last = last && !next.chord;
+        let legs = Legs { before, after: ahead.length, last };
+        let starts = item.entered == Joint::Stop && item.taken == Length::ZERO;
+        let rests = [
+            starts.then(|| rest_cell(segment, item.feed, &config.limits)),
+            last.then(|| rest_cell(ahead, next.feed, &config.limits)),
+        ];
+        return paper_reach(&corner, tolerance, legs, [left, ahead.exact_length], rests);
     }
     let length = shared_reach(item, next, ahead, left);
     if length < LEAST_REACH {
@@ -275,32 +292,35 @@ pub fn reach<S: Scalar, const N: usize>(
     let length = with_body(length, left, item.entered == Joint::Through);
     // Within rounding the band has room for more.
     let half = shape.map(|half| half.scaled(length.to_mm::<S>() / half.reach()));
-    Taken { length, half }
+    Taken { before: length, after: length, half }
 }
 
-/// What a corner of the paper takes of either leg, if `left` is free of the one that comes in.
-fn paper_reach<S: Scalar, const N: usize>(
+/// What a corner of the paper takes of its legs, of which there are `[left, ahead]`. Where the motion rests at the other end
+/// of a leg, `rests` has the length of the first cell from there, mm.
+///
+/// The shape is the printed one. A stretch of a leg beside it that is rounding, or too short to be a cell of its own (a
+/// small lambda), is passed with its outer cell: as a cell, it would be passed in a crawl.
+fn paper_reach<S: Scalar>(
     corner: &Corner<S>,
     tolerance: S,
-    lambda: S,
-    left: Length,
-    ahead: &Segment<S, N>,
+    legs: Legs<S>,
+    [left, ahead]: [Length; 2],
+    rests: [Option<S>; 2],
 ) -> Taken<S> {
-    let leg_in = left.to_mm::<S>() * (S::ONE - lambda);
-    let half = corner.paper_half(corner.paper_edge(tolerance, leg_in, ahead.length));
-    let most = left.min(ahead.exact_length);
-    let mut length = Length::from_mm(half.reach()).min(most);
-    if length < LEAST_REACH {
+    let half = corner.paper_half(corner.paper_edge(tolerance, legs));
+    let reach = Length::from_mm(half.reach());
+    if reach < LEAST_REACH {
         return Taken::NONE;
     }
-    // A straight piece that is short beside the transitions at its ends, or made of rounding alone, is
-    // passed slowly for nothing: the leg is taken whole if the band has room.
-    let grown = left.to_mm::<S>() / half.reach();
-    let short = left <= most && left - length <= length / PAPER_BODY;
-    if short && half.deviation() * grown <= tolerance {
-        length = left;
-    }
-    Taken { length, half: Some(half.scaled(length.to_mm::<S>() / half.reach())) }
+    let whole = |leg: Length| if leg - reach <= reach / PAPER_BODY { leg } else { reach };
+    // What is left behind it is the next corner's.
+    let (before, after) = (whole(left), if legs.last { whole(ahead) } else { reach });
+    let outer = half.length(0, 0);
+    let end = |taken: Length, leg: Length, rest: Option<S>| {
+        End::new((taken - reach).to_mm(), outer, rest.filter(|_| taken == leg))
+    };
+    let ends = [end(before, left, rests[0]), end(after, ahead, rests[1])];
+    Taken { before, after, half: Some(half.with_ends(ends)) }
 }
 
 /// What a joint may have of either segment, if `left` is free of the first: shared by need, so that what the next joint

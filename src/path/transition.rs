@@ -28,7 +28,9 @@ impl<S: Scalar, const N: usize> Transition<S, N> {
         corner: &Corner<S>,
         half: Half<S>,
     ) -> Self {
-        let (cos, per) = (corner.cos_turn(), S::ONE / corner.sin_turn());
+        let (cos, sin) = (corner.cos_turn(), corner.sin_turn());
+        // Where the legs run straight on there is no inside, and the curve needs none.
+        let per = if sin > S::ZERO { S::ONE / sin } else { S::ZERO };
         let inside = from_fn(|i| ((b[i] - a[i]) + a[i] * (S::ONE - cos)) * per);
         let beside = from_fn(|i| ((b[i] - a[i]) - b[i] * (S::ONE - cos)) * per);
         Self { vertex, before: [*a, inside], after: [*b, beside], half }
@@ -36,23 +38,46 @@ impl<S: Scalar, const N: usize> Transition<S, N> {
 
     /// Number of cells.
     pub fn cells(&self) -> u8 {
-        2 * self.half.cells()
+        let [_, after] = self.half.ends();
+        self.middle() + self.half.cells() + after.halvings
+    }
+
+    /// Number of cells before the apex.
+    pub fn middle(&self) -> u8 {
+        let [before, _] = self.half.ends();
+        self.half.cells() + before.halvings
     }
 
     /// Offset from the vertex at node `index`, mm.
     fn offset(&self, index: u8) -> Vector<S, N> {
-        if index <= self.half.cells() {
-            let ((x, y), ..) = self.half.at(index);
-            return mix(x, &self.before[0], y, &self.before[1]);
+        let (gap_before, gap_after) = self.gaps_at(index);
+        let [before, after] = self.half.ends();
+        if index <= self.middle() {
+            let ((x, y), ..) = self.half.at(index, before.halvings);
+            return mix(x - gap_before, &self.before[0], y, &self.before[1]);
         }
-        let ((x, y), ..) = self.half.at(self.cells() - index);
-        mix(-x, &self.after[0], y, &self.after[1])
+        let ((x, y), ..) = self.half.at(self.cells() - index, after.halvings);
+        mix(gap_after - x, &self.after[0], y, &self.after[1])
+    }
+
+    /// What of the legs lies between node `index` and the transition, mm: none but at its ends.
+    fn gaps_at(&self, index: u8) -> (S, S) {
+        let [before, after] = self.half.ends();
+        (
+            if index == 0 { before.gap } else { S::ZERO },
+            if index == self.cells() { after.gap } else { S::ZERO },
+        )
     }
 
     /// Node number `index`, 0 to [`Transition::cells`].
     pub fn node(&self, index: u8) -> Node<S, N> {
-        let first = index <= self.half.cells();
-        let (_, d, dd) = self.half.at(if first { index } else { self.cells() - index });
+        let first = index <= self.middle();
+        let [before, after] = self.half.ends();
+        let (_, d, dd) = if first {
+            self.half.at(index, before.halvings)
+        } else {
+            self.half.at(self.cells() - index, after.halvings)
+        };
         let square = d.0 * d.0 + d.1 * d.1;
         let speed = square.sqrt();
         let t = (d.0 / speed, d.1 / speed);
@@ -75,8 +100,13 @@ impl<S: Scalar, const N: usize> Transition<S, N> {
 
     /// Cell number `index`, between the nodes `index` and `index + 1`.
     pub fn cell(&self, index: u8, from: &Node<S, N>, programmed: Programmed<S>) -> Cell<S, N> {
-        let first = index < self.half.cells();
-        let length = self.half.length(if first { index } else { self.cells() - 1 - index });
+        let [before, after] = self.half.ends();
+        let curve = if index < self.middle() {
+            self.half.length(index, before.halvings)
+        } else {
+            self.half.length(self.cells() - 1 - index, after.halvings)
+        };
+        let length = curve + self.gaps_at(index).0 + self.gaps_at(index + 1).1;
         let (a, b) = (self.offset(index), self.offset(index + 1));
         Cell {
             length,
@@ -116,7 +146,7 @@ mod tests {
                 }
                 // The apex as seen from either half.
                 let apex = transition.node(n / 2);
-                let ((x, y), (dx, dy), _) = half.at(n / 2);
+                let ((x, y), (dx, dy), _) = half.at(n / 2, 0);
                 let mirrored: [f64; 2] = mix(-x, &transition.after[0], y, &transition.after[1]);
                 for i in 0..2 {
                     assert!((apex.at[i].to_mm() - mirrored[i]).abs() < 1e-9, "{degrees}");

@@ -44,7 +44,7 @@ pub struct Machine {
     pub lookahead: usize,
     /// Corner rounding.
     pub mode: Mode,
-    /// Overlap factor of the paper mode.
+    /// Share of a leg kept straight between two corners of the paper mode, 0 to 0.99.
     pub lambda: f64,
     /// Lead of a plan over the motion, s.
     pub lead: f64,

@@ -5,6 +5,7 @@ use crate::lint::{Findings, look};
 use anyhow::{Context, Result};
 use splineway_simulator::machine::Machine;
 use splineway_simulator::program::{self, ReadOptions};
+use splineway_simulator::run::sharp_corners;
 use std::io::IsTerminal;
 use std::path::PathBuf;
 
@@ -58,6 +59,9 @@ impl Check {
         machine.tolerance = self.tolerance.unwrap_or(machine.tolerance);
         super::override_tolerance(&mut program, self.tolerance);
         found.extend(splineway_simulator::run::validate(&program, &machine));
+        if let Some(words) = sharp_corners(&program, &machine) {
+            eprintln!("note: {words}");
+        }
         program::refuse(&found).with_context(|| self.file.display().to_string())?;
         // As the file has them; of a curve there are none.
         let ending = self.file.extension().and_then(|ending| ending.to_str()).unwrap_or("");

@@ -8,7 +8,9 @@ use splineway_simulator::judge::{Judge, Track, violations};
 use splineway_simulator::machine::{Axis, Machine, Mode};
 use splineway_simulator::program::{self, Finding, LETTERS, Program, ReadOptions, Speed};
 use splineway_simulator::record::{CsvOut, Report, Trace};
-use splineway_simulator::run::{Events, Happenings, Observer, Precision, Stops, run_with};
+use splineway_simulator::run::{
+    Events, Happenings, Observer, Precision, Stops, run_with, sharp_corners,
+};
 use splineway_studies::baseline::{self, Law};
 use std::path::PathBuf;
 
@@ -54,6 +56,9 @@ pub struct Simulate {
     /// How corners are rounded.
     #[arg(long, value_enum)]
     pub mode: Option<Mode>,
+    /// Share of what is left of a line that stays straight between two of its corners, in paper mode (0 to 0.99).
+    #[arg(long, value_name = "SHARE")]
+    pub lambda: Option<f64>,
     /// Runs a NURBS curve as so many chords of equal parameter steps, in place of the curve itself.
     #[arg(long, value_name = "COUNT")]
     pub segments: Option<usize>,
@@ -104,6 +109,12 @@ impl Simulate {
         if let Some(mode) = self.mode {
             machine.mode = mode;
         }
+        if let Some(lambda) = self.lambda {
+            if machine.mode != Mode::Paper {
+                bail!("--lambda {lambda}: it counts in paper mode only (--mode paper)");
+            }
+            machine.lambda = lambda;
+        }
         if let Some(lookahead) = self.lookahead {
             machine.lookahead = lookahead;
         }
@@ -127,6 +138,9 @@ impl Simulate {
         let (program, mut found) = self.program()?;
         let machine = self.machine(&program)?;
         found.extend(splineway_simulator::run::validate(&program, &machine));
+        if let Some(words) = sharp_corners(&program, &machine) {
+            eprintln!("note: {words}");
+        }
         program::refuse(&found).with_context(|| self.file.display().to_string())?;
         let events = match &self.events {
             Some(path) => Events::read(path)?,

@@ -3,7 +3,8 @@
 //! [`baseline`]: other controllers' speed laws. [`mod@reference`]: the least time along a fixed path, by another method;
 //! [`geometry`] records such a path. [`stop`]: the
 //! shortest stop on a path that was run. [`corners`]: the corner transitions of the literature. [`smoothing`]: the
-//! cases of Naseath (2007). [`figures`]: times, deviations and costs of paths, judged.
+//! cases of Naseath (2007). [`paper`]: the routines and paths of Guo, Yan, Wang (2023). [`figures`]: times, deviations and
+//! costs of paths, judged.
 //!
 //! What does not belong here: anything that a simulation needs (`splineway-simulator`), and how figures are shown
 //! (`splineway-host`).
@@ -12,6 +13,7 @@ pub mod baseline;
 pub mod corners;
 pub mod figures;
 pub mod geometry;
+pub mod paper;
 pub mod reference;
 mod rows;
 pub mod smoothing;

@@ -37,7 +37,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             let front = Front { block, segment };
             match self.stage {
                 Stage::Waiting => {
-                    if !self.front_is_ready(config) {
+                    if !self.front_is_ready() {
                         return None;
                     }
                     self.start_front(&front, config);
@@ -89,11 +89,18 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         last: &Node<S, N>,
     ) -> Option<Emitted<S, N>> {
         self.stage = Stage::Corner { transition: *transition, index: index + 1 };
-        let cells = transition.cells();
-        let programmed = self.programmed_beside(index, cells, front.segment.length)?;
-        let from = if self.rested { transition.node(index) } else { *last };
+        let (cells, middle) = (transition.cells(), transition.middle());
+        let programmed = self.programmed_beside(index, (cells, middle), front.segment.length)?;
+        // A transition of the paper may begin where the path does, and end where it ends.
+        let from = if self.rested { Node { at: last.at, ..transition.node(index) } } else { *last };
         let cell = transition.cell(index, &from, programmed);
-        Some(self.moving(from, cell, transition.node(index + 1)))
+        let next = self.queue.get(1).and_then(|next| next.segment)?;
+        let node = transition.node(index + 1);
+        if index + 1 == cells && self.given >= next.exact_length {
+            self.rested = true;
+            return Some(Emitted { from, cell, node: Node { at: next.end, ..node }, rest: true });
+        }
+        Some(self.moving(from, cell, node))
     }
 
     /// The next cell of the blend behind the front segment.
@@ -106,7 +113,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         last: &Node<S, N>,
     ) -> Option<Emitted<S, N>> {
         self.stage = Stage::Blend { blend: *blend, index: index + 1 };
-        let programmed = self.programmed_beside(index, blend::CELLS, front.segment.length)?;
+        let programmed =
+            self.programmed_beside(index, (blend::CELLS, blend::CELLS / 2), front.segment.length)?;
         let from = if self.rested { blend.node(index) } else { *last };
         let cell = blend.cell(index, &from, programmed);
         Some(self.moving(from, cell, blend.node(index + 1)))
@@ -218,12 +226,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let done = self.queue.pop_front();
         self.marks.drop_front(done.as_ref().map_or(0, |done| usize::from(done.marks)));
         if let (Some(done), Some(next)) = (done, self.queue.front_mut()) {
-            next.taken = self.kept;
+            next.taken = self.given;
             next.entered = done.joint;
             next.length_before = done.segment.map_or(S::ZERO, |segment| segment.length);
         }
-        self.pass_marks(self.kept);
-        self.kept = Length::ZERO;
+        self.pass_marks(self.given);
+        (self.kept, self.given) = (Length::ZERO, Length::ZERO);
         self.stage = Stage::Waiting;
     }
 }

@@ -1,10 +1,10 @@
 //! The front block: when its joint to the next is decided, what that takes of it, and how cutting it starts.
 
 use super::{Body, Builder, Front, Stage};
-use crate::machine::{Config, CornerMode, Ramp};
+use crate::machine::{Config, Ramp};
 use crate::number::{Interval, Length, Scalar};
 use crate::path::cut::{EndSizes, rest_cell};
-use crate::path::joint::{BentLengths, Taken, corner_mode, reach};
+use crate::path::joint::{BentLengths, Taken, reach};
 use crate::path::queued::Joint;
 use crate::path::run::{Start, Tie};
 use crate::path::segment::Segment;
@@ -23,19 +23,14 @@ fn beside<S: Scalar, const N: usize>(joint: Joint, taken: Length, segment: &Segm
 impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// Whether the joint behind the front block can be decided.
     #[inline(never)]
-    pub(super) fn front_is_ready(&self, config: &Config<S, N>) -> bool {
+    pub(super) fn front_is_ready(&self) -> bool {
         let Some(item) = self.queue.front() else { return false };
         if item.stop_after || self.queue.len() >= 3 {
             return true;
         }
         match self.queue.get(1) {
             None => self.closed,
-            Some(next) => {
-                self.closed
-                    || next.stop_after
-                    || next.segment.is_none()
-                    || matches!(corner_mode(item, next, config.corner), CornerMode::Paper { .. })
-            }
+            Some(next) => self.closed || next.stop_after || next.segment.is_none(),
         }
     }
 
@@ -49,14 +44,17 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         }
         let taken = match (joint, &next, ahead) {
             (Joint::Corner | Joint::Blend, Some(next), Some(ahead)) => {
-                reach(block, segment, next, ahead, joint, config)
+                let last = next.stop_after
+                    || next.joint == Joint::Stop
+                    || self.queue.get(2).is_none_or(|third| third.segment.is_none());
+                reach(block, segment, (next, ahead, last), joint, config)
             }
-            _ => Taken { length: Length::ZERO, half: None },
+            _ => Taken::NONE,
         };
-        (self.kept, self.half) = (taken.length, taken.half);
+        (self.kept, self.given, self.half) = (taken.before, taken.after, taken.half);
         if matches!(joint, Joint::Corner | Joint::Blend) && self.kept <= Length::ZERO {
             joint = Joint::Stop;
-            self.kept = Length::ZERO;
+            (self.kept, self.given) = (Length::ZERO, Length::ZERO);
         }
         if let Some(front) = self.queue.front_mut() {
             front.joint = joint;
@@ -110,7 +108,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// Takes the front block into the run, if its joint is known. Returns whether it was.
     #[inline(never)]
     pub(super) fn extend_run(&mut self, front: &Front<S, N>, config: &Config<S, N>) -> bool {
-        if !self.front_is_ready(config) {
+        if !self.front_is_ready() {
             return false;
         }
         let joint = self.decide(front, config);

@@ -10,6 +10,8 @@ mod emit;
 mod front;
 mod intake;
 mod tags;
+#[cfg(test)]
+mod tests;
 
 use super::blend::Blend;
 use super::chords::Chords;
@@ -85,6 +87,8 @@ pub struct Builder<S, const N: usize, const BLOCKS: usize> {
     stage: Stage<S, N>,
     /// Length kept free of the front segment's end by its joint to the next.
     kept: Length,
+    /// Length that this joint takes of the next segment.
+    given: Length,
     /// Shape of that joint, if it is a corner.
     half: Option<Half<S>>,
     /// The run of lines that is cut.
@@ -106,6 +110,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         closed: false,
         stage: Stage::Waiting,
         kept: Length::ZERO,
+        given: Length::ZERO,
         half: None,
         run: Run::new(),
         run_from: Length::ZERO,
@@ -123,6 +128,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         self.closed = false;
         self.stage = Stage::Waiting;
         self.kept = Length::ZERO;
+        self.given = Length::ZERO;
         self.half = None;
         self.run.clear();
         self.rested = true;

@@ -10,17 +10,17 @@ use crate::path::node::Programmed;
 const PART_OF_CELL: i64 = 8;
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
-    /// What is asked of a cell of the joint behind the front block, of `cells` in all: in its first half
-    /// by the front block, `length` mm long, at the place beside it, in the second by the next.
+    /// What is asked of a cell of the joint behind the front block, of `cells` in all: of the first `middle` by the
+    /// front block, `length` mm long, at the place beside it, of the others by the next.
     pub(super) fn programmed_beside(
         &self,
         index: u8,
-        cells: u8,
+        (cells, middle): (u8, u8),
         length: S,
     ) -> Option<Programmed<S>> {
         let per = self.kept.to_mm::<S>() / S::from_u32(u32::from(cells));
         // From the middle of the joint to the middle of the cell.
-        let s = S::from_i64(2 * i64::from(index) + 1 - i64::from(cells)) * per;
+        let s = S::from_i64(2 * i64::from(index) + 1 - 2 * i64::from(middle)) * per;
         let (item, s) = if s < S::ZERO { (0, length + s) } else { (1, s) };
         Some(Programmed { tag: self.tag_at(item, s), ..self.queue.get(item)?.programmed() })
     }

@@ -12,4 +12,4 @@ pub use duration::{Overtime, Pace, Stops, Stopwatch};
 pub use events::{Action, Event, Events, FORMAT};
 pub use happenings::{Happening, Happenings};
 pub use runner::{Observer, Precision, Sample, Stats, Timing, block, run, run_with};
-pub use validate::{on_letters, validate};
+pub use validate::{on_letters, sharp_corners, validate};

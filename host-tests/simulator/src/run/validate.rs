@@ -1,11 +1,11 @@
 //! A program before it is run, by the core's own checks.
 
 use super::runner::block;
-use crate::machine::Machine;
+use crate::machine::{Machine, Mode};
 use crate::program::{AXES, Course, Finding, LETTERS, Program};
 use anyhow::Result;
 use splineway::block::BlockError;
-use splineway::{Config, Coord, RangeError};
+use splineway::{Config, Coord, CornerMode, RangeError};
 
 /// What the core says about a block, with the letters of the axes instead of their numbers.
 pub fn on_letters(error: &BlockError, axes: &[usize]) -> String {
@@ -58,10 +58,68 @@ pub fn validate(program: &Program, machine: &Machine) -> Vec<Finding> {
     findings
 }
 
+/// What of the paper's mode a program does not get: corners of lines that are too sharp for a transition. `None` if there
+/// are none, or in the other mode.
+pub fn sharp_corners(program: &Program, machine: &Machine) -> Option<String> {
+    if machine.mode != Mode::Paper {
+        return None;
+    }
+    let axes = program.axes();
+    let (mut before, mut here) = (None, program.start);
+    let (mut count, mut first) = (0, 0);
+    for step in &program.moves {
+        let (Course::Line { to } | Course::Arc { to, .. } | Course::Cubic { to, .. }) = &step.path
+        else {
+            before = None;
+            continue;
+        };
+        let way: Vec<f64> = axes.iter().map(|&axis| to[axis] - here[axis]).collect();
+        here = *to;
+        if !matches!(step.path, Course::Line { .. }) {
+            before = None;
+            continue;
+        }
+        let length = way.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if length > 0.0 {
+            let tangent: Vec<f64> = way.iter().map(|x| x / length).collect();
+            let cosine = |a: &Vec<f64>| a.iter().zip(&tangent).map(|(a, b)| a * b).sum::<f64>();
+            if before.as_ref().is_some_and(|a| cosine(a) < CornerMode::<f64>::STOP_COSINE) {
+                first = if count == 0 { step.line } else { first };
+                count += 1;
+            }
+            before = Some(tangent);
+        }
+        if step.exact_stop {
+            before = None;
+        }
+    }
+    (count > 0).then(|| {
+        format!(
+            "{count} corners turn by more than 160 degrees, the first before line {first}: exact stops, where the paper has transitions"
+        )
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::program::{Move, Speed, refuse};
+
+    /// A spike of 170 degrees is an exact stop, and that is said in the paper's mode only.
+    #[test]
+    fn corners_too_sharp_for_the_paper_are_named() {
+        let turn = 170.0f64.to_radians();
+        let spike = program(&[
+            Course::Line { to: point(10.0, 0.0) },
+            Course::Line { to: point(10.0 + 10.0 * turn.cos(), 10.0 * turn.sin()) },
+            Course::Line { to: point(0.0, 20.0) },
+        ]);
+        let mut machine = Machine::default();
+        assert_eq!(sharp_corners(&spike, &machine), None);
+        machine.mode = Mode::Paper;
+        let words = sharp_corners(&spike, &machine).unwrap();
+        assert!(words.starts_with("1 corners") && words.contains("line 2"), "{words}");
+    }
 
     fn program(paths: &[Course]) -> Program {
         let step = |(n, path): (usize, &Course)| Move {
