@@ -7,6 +7,7 @@ use splineway_host::commands::check::Check;
 #[cfg(unix)]
 use splineway_host::commands::controller::ControllerCommand;
 use splineway_host::commands::corners::Corners;
+use splineway_host::commands::paper::Paper;
 use splineway_host::commands::simulate::Simulate;
 use splineway_host::commands::smooth::Smooth;
 use splineway_host::commands::soak::Soak;
@@ -34,6 +35,7 @@ enum Command {
     Bench(Bench),
     Soak(Soak),
     Corners(Corners),
+    Paper(Paper),
     Thesis(Thesis),
     /// Prints a script that completes this program's arguments in a shell.
     Completions {
@@ -68,6 +70,7 @@ fn main() -> ExitCode {
         Command::Bench(bench) => bench.execute(),
         Command::Soak(soak) => soak.execute(),
         Command::Corners(corners) => corners.execute(),
+        Command::Paper(paper) => paper.execute(),
         Command::Thesis(thesis) => thesis.execute(),
         Command::Completions { shell } => {
             let mut script = Vec::new();

@@ -181,7 +181,38 @@ fn other_speed_laws_and_corners_are_compared() {
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success() && text.contains("Guo 2023"), "{text}");
     let error = error_of(&["corners", "--turns", "180"], 1);
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("paper");
+    let output = splineway(&["paper", "--plots", &folder.display().to_string()]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let counts = "as printed here: of 6 within 2 %: 6, 10 %: 6, 25 %: 6; measured";
+    assert!(output.status.success() && text.contains(counts), "{text}");
+    let curves = std::fs::read_to_string(folder.join("hexagon-curvature.svg")).unwrap();
+    assert!(curves.contains("transitions as printed"));
     assert!(error.contains("15 to 155"), "{error}");
+}
+
+#[test]
+fn the_papers_lambda_counts_in_its_mode() {
+    let path =
+        file("short.txt", "0 0 0 100\n0.2 0 0 100\n0.3 0.17 0 100\n0.2 0.34 0 100\n0 0.34 0 100\n");
+    let path = path.display().to_string();
+    let error = error_of(&["simulate", &path, "--lambda", "0.3"], 1);
+    assert!(error.contains("--mode paper"), "{error}");
+    let error = error_of(&["simulate", &path, "--mode", "paper", "--lambda", "1"], 1);
+    assert!(error.contains("lambda"), "{error}");
+    let deviation = |lambda: &str| -> f64 {
+        let arguments = ["simulate", &path, "--mode", "paper", "--lambda", lambda, "--json"];
+        let text = text_of(&arguments);
+        let report: serde_json::Value = serde_json::from_str(&text).unwrap();
+        report["max_deviation_mm"].as_f64().unwrap()
+    };
+    // The transitions behind the first are smaller, the first is not: it has the greatest deviation.
+    assert!((deviation("0") - deviation("0.3")).abs() < 1.0e-4);
+    // A corner too sharp for a transition is an exact stop, and that is said.
+    let spike = file("spike.txt", "0 0 0 100\n20 0 0 100\n0 1 0 100\n0 20 0 100\n");
+    let output = splineway(&["simulate", &spike.display().to_string(), "--mode", "paper"]);
+    let words = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success() && words.contains("more than 160 degrees"), "{words}");
 }
 
 #[test]

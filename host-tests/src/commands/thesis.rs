@@ -1,6 +1,6 @@
 //! `splineway thesis`: the tables and figures of Naseath 2007 beside this program's.
 
-use crate::view::{Panel, TubeScene, plot_panels, plot_tube};
+use crate::view::{Drawn, Panel, TubeScene, plot_panels, plot_tube};
 use anyhow::{Context, Result};
 use clap::ValueEnum;
 use splineway_splines::Trajectory;
@@ -93,8 +93,13 @@ fn plot_correlations(folder: &Path, comparison: &Comparison) -> Result<()> {
         });
         let title = format!("figure {number}: improvements, per cent");
         let axes = [NAMES[a], NAMES[b]];
-        let panel =
-            Panel { title, axes, logarithmic: false, joined: false, series: series.to_vec() };
+        let panel = Panel {
+            title,
+            axes,
+            logarithmic: false,
+            drawn: Drawn::Points,
+            series: series.to_vec(),
+        };
         figures.push((number, panel));
     }
     figures.sort_by_key(|(number, _)| *number);
@@ -126,7 +131,7 @@ fn plot_ripples(folder: &Path) -> Result<()> {
         for (series, (number, up)) in series.into_iter().zip(figures) {
             let title = format!("figure {number}, ripples of {what}");
             let axes = ["peak of curvature as given, 1/mm", up];
-            panels.push(Panel { title, axes, logarithmic: true, joined: true, series });
+            panels.push(Panel { title, axes, logarithmic: true, drawn: Drawn::Joined, series });
         }
     }
     plot_panels(&folder.join("ripples.svg"), "Naseath 2007, section 3.12", &panels)

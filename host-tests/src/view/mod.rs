@@ -7,7 +7,7 @@ mod progress;
 pub mod table;
 mod tube;
 
-pub use panels::{Panel, Series};
+pub use panels::{Drawn, Panel, Series};
 pub use progress::Progress;
 pub use tube::TubeScene;
 

@@ -1,5 +1,5 @@
 //! The corners of Guo, Yan, Wang 2023, through the whole builder: beside control points worked out from the paper's
-//! text by another program (`host-tests/data/guo_2023.txt`).
+//! text by another program (`host-tests/data/vectors/guo_2023.txt`).
 
 use super::*;
 use crate::block::Block;
@@ -10,7 +10,7 @@ use crate::path::hermite::Hermite;
 use crate::path::node::Node;
 use std::vec::Vec;
 
-const VECTORS: &str = include_str!("../../../host-tests/data/guo_2023.txt");
+const VECTORS: &str = include_str!("../../../host-tests/data/vectors/guo_2023.txt");
 
 /// What rounding may leave, mm.
 const ROUNDING: f64 = 1.0e-9;

@@ -1,9 +1,9 @@
 //! The paths of the paper, with transitions worked out by another program from the paper's text alone:
-//! `host-tests/data/guo_2023.txt`, whose head says what its lines are.
+//! `host-tests/data/vectors/guo_2023.txt`, whose head says what its lines are.
 
 use super::routines::{Point, Rule};
 
-const FILE: &str = include_str!("../../../data/guo_2023.txt");
+const FILE: &str = include_str!("../../../data/vectors/guo_2023.txt");
 
 /// A transition as the other program has it.
 #[derive(Clone, Debug)]

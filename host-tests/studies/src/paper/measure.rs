@@ -5,7 +5,7 @@ use super::routines::{Point, Transition, path_distance, poly_distance};
 use anyhow::Result;
 use splineway_simulator::judge::{Judge, Track, violations};
 use splineway_simulator::machine::{Machine, Mode};
-use splineway_simulator::program::{Course, Move, Program, Speed};
+use splineway_simulator::program::{Course, Move, Program, ReadOptions, Speed, inspect_bytes};
 use splineway_simulator::run::{Observer, Precision, Sample, run};
 
 /// Feed, mm/s: that of the common bench, beyond what corners allow.
@@ -146,6 +146,20 @@ pub fn measure(case: &Case, mode: Mode, printed: &[Transition]) -> Result<Measur
         places: tracer.places,
         profile: finer.profile,
     })
+}
+
+/// The butterfly of section 4.1 in many lines, in the core's own mode: lines, and the cells that they become.
+///
+/// # Errors
+/// The core refuses it.
+pub fn dense_cells() -> Result<[f64; 2]> {
+    const LINES: usize = 2000;
+    let options = ReadOptions { feed: FEED, segments: Some(LINES), ..ReadOptions::DEFAULT };
+    let bytes = include_bytes!("../../../data/butterfly.json");
+    let (program, _) = inspect_bytes("butterfly.json".as_ref(), bytes, options)?;
+    let machine = Machine { tolerance: 0.05, ..Machine::default() };
+    let stats = run(&program, &machine, Precision::F64, &mut [])?;
+    Ok([LINES as f64, f64::from(stats.counters.cells)])
 }
 
 #[cfg(test)]
