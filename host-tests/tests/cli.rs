@@ -492,3 +492,19 @@ fn every_finding_is_listed() {
         assert!(error.contains("line 2") && error.contains("line 3"), "{command}: {error}");
     }
 }
+
+#[test]
+fn the_thesis_is_compared_and_drawn() {
+    let plots = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("thesis");
+    let text = text_of(&["thesis", "--plateau", "middle", "--plots", plots.to_str().unwrap()]);
+    for table in 1..=7 {
+        assert!(text.contains(&format!("Table 4-{table}:")), "{text}");
+    }
+    let last = text.trim_end().lines().last().unwrap();
+    assert!(last.starts_with("Of 196 printed figures") && last.contains("; middle: "), "{last}");
+    let cases = (1..=6).map(|n| format!("case{n}.svg"));
+    for name in cases.chain(["correlations", "ripples"].map(|name| format!("{name}.svg"))) {
+        let picture = std::fs::read_to_string(plots.join(&name)).unwrap();
+        assert!(picture.contains("</svg>"), "{name}");
+    }
+}

@@ -1,11 +1,11 @@
 //! Smoothing in a bounded amount of work, inside the tube by a bound.
 //!
-//! Four candidates are made, and the one with the least time (estimated, see below) is taken, be it
+//! Three candidates are made, and the one with the least time (estimated, see below) is taken, be it
 //! the spline as given:
 //! - *sweeps*: the same that smooth runs of short lines on their way to the machine (`sweep` in this
-//!   room), on the second derivative across the path, and on the third. One band system for all control
-//!   points at once; the weight of a place grows with the speed that the motion can have there, so
-//!   curvature is not moved to where it costs more;
+//!   room), on the second derivative across the path. One band system for all control points at once; the
+//!   weight of a place grows with the speed that the motion can have there, so curvature is not moved to where it
+//!   costs more;
 //! - *moves*: the thesis's own iterations ([`super::thesis`]), at most [`MOVES`] of them, drawn back into the
 //!   tube as a whole where its samples missed that they leave it. They are better at peaks so sharp that the speed by the
 //!   parameter, which the sweeps hold, is what has to change;
@@ -34,9 +34,12 @@ use splineway::number::list::{part, part_mut};
 use splineway::number::vector::{sub, zero};
 use splineway::number::{RangeError, Scalar};
 use splineway::spline::banded::System;
-use splineway::spline::sweep::{Derivative, Reference, Tube, price};
+use splineway::spline::sweep::{Derivative, Reference, Tube};
 use splineway::spline::tube::{CheckPoint, Pole, Span, edges};
 
+/// What sweeps lower: curvature. (The third derivative as a candidate besides, as runs of lines are smoothed, would take half
+/// as long again, and the means over the thesis's cases and ripples are the same.)
+const DERIVATIVE: Derivative = Derivative::Second;
 /// Check points in a span.
 pub const SPAN_CHECKS: usize = 4;
 /// Most iterations of the moves.
@@ -55,7 +58,7 @@ const BESIDE: usize = 4;
 const PARTS: u32 = 8;
 /// The same where curvature times length, rad, is greater than this.
 const SHARP_PARTS: u32 = 40;
-const SHARP_TURN: f64 = 1.0;
+const SHARP_TURN: f64 = 0.5;
 /// Places per span at which the result of the moves is bounded.
 const PRECISION: u32 = 20;
 /// Control points of a closed spline that are held while the others move.
@@ -119,8 +122,8 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
 
     /// Smooths a spline inside the tube around it.
     ///
-    /// Work: at most (`sweeps` + 8) `passes` band systems over the control points, each with five
-    /// rows per span, three times; about 500 operations per control point, axis and sweep. Moves: see
+    /// Work: at most (`sweeps` + 8) (`passes` + 1) band systems over the control points, each with six
+    /// rows per span (of a closed spline twice `passes`); about 500 operations per control point, axis and sweep. Moves: see
     /// [`super::thesis::smooth`].
     ///
     /// # Errors
@@ -157,13 +160,10 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
             }
         };
         let mut swept = given.clone();
-        for derivative in [Derivative::Second, Derivative::Third] {
-            swept.move_to(given.controls());
-            self.sweep(&mut swept, &given, options, derivative);
-            consider(self, &swept, CURL_SHARE);
-        }
+        self.sweep(&mut swept, &given, options, options.passes);
+        consider(self, &swept, CURL_SHARE);
         let mut moved = given.clone();
-        let mut thesis = super::thesis::Options::new(options.radius * S::of(SHARE));
+        let mut thesis = super::thesis::Options::new(options.radius);
         thesis.most_iterations = MOVES;
         super::thesis::smooth(&mut moved, &thesis)?;
         if options.ends_stay
@@ -182,7 +182,9 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
         }
         consider(self, &moved, MOVED_CURL_SHARE);
         swept.move_to(moved.controls());
-        self.sweep(&mut swept, &given, options, Derivative::Second);
+        // A second pass gains nothing there, but that it reaches what the first one held of a closed spline.
+        let passes = if given.is_closed() { options.passes } else { 1 };
+        self.sweep(&mut swept, &given, options, passes);
         consider(self, &swept, MOVED_CURL_SHARE);
         Ok(())
     }
@@ -193,20 +195,20 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
         spline: &mut Spline<S, N, CAP>,
         given: &Spline<S, N, CAP>,
         options: &Options<S>,
-        derivative: Derivative,
+        passes: u16,
     ) {
         let m = given.controls().len();
-        for pass in 0..options.passes {
+        for pass in 0..passes {
             let first = if given.is_closed() { usize::from(pass) * m / 2 % m.max(1) } else { 0 };
             self.load(spline, given, first);
-            self.prepare(given, first, options, derivative);
+            self.prepare(given, first, options);
             let free = if given.is_closed() { HELD..m } else { 1..m - 1 };
             Tube {
                 poles: &mut self.poles,
                 spans: &self.spans,
                 checks: &mut self.checks,
                 reference: Reference::Itself,
-                derivative,
+                derivative: DERIVATIVE,
             }
             .improve(options.sweeps, &free, &mut self.system);
             for (k, pole) in self.poles.iter().take(m).enumerate() {
@@ -253,7 +255,6 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
         given: &Spline<S, N, CAP>,
         first: usize,
         options: &Options<S>,
-        derivative: Derivative,
     ) {
         let m = given.controls().len().max(1);
         self.checks.clear();
@@ -271,16 +272,10 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
         for (k, span) in self.spans.iter_mut().enumerate() {
             let edges = edges(&self.poles, k, |pole| pole.shift);
             let (r, speed) = (span.reach, span.slowest(&edges).greatest(S::of(1.0e-9)));
-            let cube = speed * speed * speed;
-            span.price = match derivative {
-                // v^4 by the integral of k^2 over the length.
-                Derivative::Second => {
-                    let root = r.cbrt();
-                    r * r * root * root / cube
-                }
-                Derivative::Third => price(r) / (cube * speed * speed),
-            };
-            let weight = derivative.first_weight(span);
+            // v^4 by the integral of k^2 over the length.
+            let root = r.cbrt();
+            span.price = r * r * root * root / (speed * speed * speed);
+            let weight = DERIVATIVE.first_weight(span);
             for check in part_mut(&mut self.checks, span.range()) {
                 check.weight = weight;
             }
@@ -347,13 +342,28 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
             let turn = curl * length;
             let parts = if turn > S::of(SHARP_TURN) { SHARP_PARTS } else { PARTS };
             let per = S::ONE / S::from_u32(parts);
-            for j in u32::from(k > 0)..=parts {
-                if (k, j) != (0, 0) {
-                    way += length * per;
+            let mut places: Vec<(S, S), { SHARP_PARTS as usize + 1 }> = Vec::new();
+            for j in 0..=parts {
+                append(&mut places, bezier_curvature(bezier, S::from_u32(j) * per));
+            }
+            // The way grows as the trapezoidal rule has it, and is the span's length in all.
+            let (mut before, mut sum) = (None, S::ZERO);
+            for (_, slope) in &places {
+                sum += before.map_or(S::ZERO, |before| before + *slope);
+                before = Some(*slope);
+            }
+            let scale = if sum > S::ZERO { length / sum } else { S::ZERO };
+            before = None;
+            for (curvature, slope) in &places {
+                if let Some(before) = before {
+                    way += (before + *slope) * scale;
+                } else if k > 0 {
+                    // The end of the span before.
+                    before = Some(*slope);
+                    continue;
                 }
-                let u = S::from_u32(j) * per;
-                let speed = options.trajectory.allowed(bezier_curvature(bezier, u));
-                if let Some(low) = finder.push(way, speed) {
+                before = Some(*slope);
+                if let Some(low) = finder.push(way, options.trajectory.allowed(*curvature)) {
                     self.lows.push(low).ok()?;
                 }
             }

@@ -52,7 +52,10 @@ fn in_order<S: Scalar>(knots: &[S]) -> Result<(), SplineError> {
 }
 
 /// Curvature, 1/mm, of a cubic Bezier curve at the share `u`: see [`Spline::curvature`].
-pub(crate) fn bezier_curvature<S: Scalar, const N: usize>(mut b: [Vector<S, N>; 4], u: S) -> S {
+pub(crate) fn bezier_curvature<S: Scalar, const N: usize>(
+    mut b: [Vector<S, N>; 4],
+    u: S,
+) -> (S, S) {
     // The part that is longer, seen from its end.
     if u > S::of(0.5) {
         b.reverse();
@@ -67,7 +70,7 @@ pub(crate) fn bezier_curvature<S: Scalar, const N: usize>(mut b: [Vector<S, N>; 
     let a = norm(&leg);
     let along = dot(&third, &leg) / (a * a);
     let h = norm(&mix(S::ONE, &third, -along, &leg));
-    S::of(2.0 / 3.0) * h / (a * a)
+    (S::of(2.0 / 3.0) * h / (a * a), S::of(3.0) * a / (S::ONE - u))
 }
 
 impl<S: Scalar, const N: usize, const CAP: usize> Spline<S, N, CAP> {
@@ -308,7 +311,7 @@ impl<S: Scalar, const N: usize, const CAP: usize> Spline<S, N, CAP> {
     /// (n - 1) / n h / a^2 with its first leg a and the distance h of its third point from that (Naseath
     /// 2007, equation 3-6).
     pub fn curvature(&self, span: usize, u: S) -> S {
-        bezier_curvature(self.bezier(span), u)
+        bezier_curvature(self.bezier(span), u).0
     }
 
     /// Arc length of a span, mm.

@@ -12,8 +12,10 @@
 use splineway::number::Scalar;
 use splineway::number::list::some_mut;
 
-/// Halvings in searches for a speed.
-const HALVINGS: u32 = 40;
+/// Most steps in searches for a speed.
+const STEPS: u32 = 40;
+/// How near a speed is searched for, in shares of the last digit.
+const CLOSE: f64 = 64.0;
 
 /// Limits of the generator.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,18 +130,37 @@ impl<S: Scalar> Trajectory<S> {
         (speed, if late { self.length(from, to) - way } else { way })
     }
 
-    /// The greatest speed from `least` to `most` for which `fits`.
-    fn greatest(least: S, most: S, fits: impl Fn(S) -> bool) -> S {
-        if fits(most) {
+    /// The greatest speed from `least` to `most` with which `excess`, that grows with the speed, is not above 0; `least`
+    /// if there is none. By false position (Illinois): some eight evaluations.
+    fn greatest(least: S, most: S, excess: impl Fn(S) -> S) -> S {
+        let (mut low, mut high) = (least, most);
+        let mut above = excess(most);
+        if !(above > S::ZERO) {
             return most;
         }
-        let (mut low, mut high) = (least, most);
-        for _ in 0..HALVINGS {
-            let middle = (low + high) * S::of(0.5);
-            if fits(middle) {
-                low = middle;
+        let mut below = excess(least);
+        let half = S::of(0.5);
+        // Which end stayed the last time: its value counts half, or it would stay for ever.
+        let mut low_stayed = None;
+        for _ in 0..STEPS {
+            if !(below < S::ZERO && high - low > S::EPSILON * S::of(CLOSE) * high) {
+                break;
+            }
+            let middle = low + (high - low) * (below / (below - above));
+            let middle = if middle > low && middle < high { middle } else { (low + high) * half };
+            let value = excess(middle);
+            if value > S::ZERO {
+                (high, above) = (middle, value);
+                if low_stayed == Some(true) {
+                    below = below * half;
+                }
+                low_stayed = Some(true);
             } else {
-                high = middle;
+                (low, below) = (middle, value);
+                if low_stayed == Some(false) {
+                    above = above * half;
+                }
+                low_stayed = Some(false);
             }
         }
         low
@@ -151,7 +172,7 @@ impl<S: Scalar> Trajectory<S> {
         if to.speed <= from.speed {
             return to.speed;
         }
-        Self::greatest(from.speed, to.speed, |v| self.length(from.speed, v) <= room)
+        Self::greatest(from.speed, to.speed, |v| self.length(from.speed, v) - room)
     }
 
     /// Plans between minima: lowers their speeds, and the greatest between them, to what can be
@@ -174,7 +195,7 @@ impl<S: Scalar> Trajectory<S> {
             let (v0, v1, room) = (from.speed, to.speed, to.way - from.way);
             let needs = |v: S| self.length(v0, v) + self.length(v, v1);
             let least = v0.greatest(v1);
-            let top = Self::greatest(least, from.most.greatest(least), |v| needs(v) <= room);
+            let top = Self::greatest(least, from.most.greatest(least), |v| needs(v) - room);
             from.most = top;
             let along = (room - needs(top)).greatest(S::ZERO);
             time += self.time(v0, top) + self.time(top, v1) + along / top;

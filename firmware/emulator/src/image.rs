@@ -1,68 +1,13 @@
-//! The image: the file of frames, the timer that counts, the text that comes out.
+//! The image: the file of frames, the text that comes out.
 
+use crate::timer::{Timer, instructions};
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
 use panic_semihosting as _;
 use splineway::wire::Inlet;
 use splineway::{BLOCKS, Link, NODES, Scalar};
-use splineway_emulator::{Meter, Outcome, Part, Setup};
+use splineway_emulator::{Outcome, Setup};
 use splineway_semihosting::{Bytes, File};
-
-/// Counter of TIM2. In QEMU it counts nanoseconds, and an instruction takes 64.
-const COUNTER: *const u32 = 0x4000_0024 as *const u32;
-
-#[inline]
-fn now() -> u32 {
-    // SAFETY: reads a register of a timer that nothing else uses.
-    unsafe { COUNTER.read_volatile() }
-}
-
-/// Instructions in a time, ns.
-fn instructions(ns: u64) -> u64 {
-    (ns + 32) / 64
-}
-
-/// Calls, instructions in all, and of the costliest call.
-#[derive(Clone, Copy, Default)]
-struct Count {
-    calls: u32,
-    sum: u64,
-    worst: u32,
-}
-
-#[derive(Default)]
-struct Timer {
-    began: u32,
-    /// What an empty call costs, ns.
-    empty: u32,
-    planning: Count,
-    tick: Count,
-}
-
-impl Timer {
-    fn calibrated() -> Self {
-        let mut timer = Self::default();
-        timer.begin();
-        timer.empty = now().wrapping_sub(timer.began);
-        timer
-    }
-}
-
-impl Meter for Timer {
-    #[inline(never)]
-    fn begin(&mut self) {
-        self.began = now();
-    }
-
-    #[inline(never)]
-    fn end(&mut self, part: Part) {
-        let ns = now().wrapping_sub(self.began).saturating_sub(self.empty);
-        let count = if part == Part::Tick { &mut self.tick } else { &mut self.planning };
-        count.calls += 1;
-        count.sum += u64::from(ns);
-        count.worst = count.worst.max(ns);
-    }
-}
 
 #[inline(never)]
 fn run<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(

@@ -5,6 +5,8 @@
 //! a chip.
 #![no_std]
 
+pub mod smoothing;
+
 use crc::{CRC_32_ISCSI, Crc, Digest};
 use serde::{Deserialize, Serialize};
 use splineway::wire::Events;

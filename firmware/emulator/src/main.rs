@@ -10,6 +10,8 @@
 
 #[cfg(target_os = "none")]
 mod image;
+#[cfg(target_os = "none")]
+mod timer;
 
 #[cfg(not(target_os = "none"))]
 fn main() {

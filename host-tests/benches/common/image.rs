@@ -72,9 +72,14 @@ pub struct Image {
 impl Image {
     /// Builds `firmware/NAME`.
     pub fn build(name: &str) -> Result<Self> {
+        Self::build_of(name, name)
+    }
+
+    /// Builds an image of `firmware/FOLDER`.
+    pub fn build_of(folder: &str, name: &str) -> Result<Self> {
         thumb(
             "build",
-            &["--package", &format!("splineway-{name}"), "--bin", name],
+            &["--package", &format!("splineway-{folder}"), "--bin", name],
             &format!("the image {name} does not build: a panic can be reached?"),
         )?;
         let file = root().join("target/thumb/thumbv7em-none-eabihf/firmware").join(name);

@@ -5,7 +5,8 @@
 //! - links the example in C with the library for C;
 //! - measures the size of the code, and computes from it the stack and the instructions of a tick that are needed at most;
 //! - runs the paths of `host-tests/data` and those in FOLDER through the other in QEMU and here, compares the
-//!   digests of all setpoints, and prints instructions per tick and per block.
+//!   digests of all setpoints, and prints instructions per tick and per block;
+//! - smooths the cases of Naseath 2007 there and here, compares the control points, and prints instructions.
 //!
 //! Without a toolchain for the target, GNU binutils and a C compiler for it, or QEMU it says so and ends; with
 //! `SPLINEWAY_REQUIRE_TARGET` set it fails.
@@ -19,6 +20,7 @@ mod listing;
 mod longest;
 #[path = "../common/session.rs"]
 mod session;
+mod smoothing;
 mod stack;
 
 use anyhow::{Context, Result, ensure};
@@ -171,6 +173,8 @@ fn report() -> Result<()> {
     for path in examples() {
         missed.extend(compare(&emulator, &path, true)?);
     }
+
+    smoothing::report()?;
 
     let proof = Image::build("proof")?;
     println!("no panic can be reached: the image links without one");

@@ -15,7 +15,7 @@ pub use trajectory::{Moment, Motion, Place, Reading, run};
 
 use anyhow::Result;
 use splineway_simulator::spline::{Path, ROOM};
-use splineway_splines::{bounded, thesis};
+use splineway_splines::{Spline, bounded, thesis};
 use std::time::{Duration, Instant};
 
 const SIZE: usize = ROOM + 3;
@@ -98,12 +98,34 @@ pub fn smooth(given: &Path, request: &Request) -> Result<Smoothed> {
             if let Some(sweeps) = request.iterations {
                 options.sweeps = u16::try_from(sweeps)?;
             }
-            let mut room: Box<bounded::Smoother<f64, 3, SIZE, PLACES>> = Box::default();
-            let start = Instant::now();
-            room.smooth(&mut path, &options)?;
-            let took = start.elapsed();
+            let is_flat = given.controls().iter().all(|point| point[2] == 0.0);
+            let took = if is_flat {
+                smooth_in::<2>(&mut path, &options)?
+            } else {
+                smooth_in::<3>(&mut path, &options)?
+            };
             let iterations = u32::from(options.sweeps) * u32::from(options.passes);
             Ok(Smoothed { path, iterations, ending: "sweeps done".to_owned(), took })
         }
     }
+}
+
+/// Smooths a path of so many axes in bounded sweeps; returns the time that takes.
+fn smooth_in<const N: usize>(path: &mut Path, options: &bounded::Options<f64>) -> Result<Duration> {
+    let points: Vec<[f64; N]> =
+        path.controls().iter().map(|point| std::array::from_fn(|i| point[i])).collect();
+    let knots: Vec<f64> = path.printed_knots().collect();
+    let mut spline = if path.is_closed() {
+        Spline::<f64, N, ROOM>::closed(&points, &knots)?
+    } else {
+        Spline::<f64, N, ROOM>::open(&points, &knots)?
+    };
+    let mut room: Box<bounded::Smoother<f64, N, SIZE, PLACES>> = Box::default();
+    let start = Instant::now();
+    room.smooth(&mut spline, options)?;
+    let took = start.elapsed();
+    for (point, smoothed) in path.controls_mut().iter_mut().zip(spline.controls()) {
+        point[..N].copy_from_slice(smoothed);
+    }
+    Ok(took)
 }
