@@ -26,7 +26,7 @@ pub struct Measured {
     pub off_printed: f64,
     /// Greatest curvature, 1/mm.
     pub curvature: f64,
-    /// Greatest change of the curvature from one setpoint to the next, 1/mm, at [`CYCLE`] and at half of it: half as much
+    /// Greatest change of the curvature from one setpoint to the next, 1/mm, at `CYCLE` and at half of it: half as much
     /// where the curvature is continuous.
     pub changes: [f64; 2],
     /// Cells into which the path was cut.

@@ -20,8 +20,7 @@ pub struct Place {
 /// How section 4.5 is read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Reading {
-    /// Greatest speeds lie anywhere between the least ones, and what an S-curve does not need is run at
-    /// them ([`Trajectory::plan`]).
+    /// Greatest speeds lie anywhere between the least ones, and what an S-curve does not need is run at them.
     #[default]
     Free,
     /// Word by word: extremes stay where they are, S-curves fill the distances; a plateau is one
