@@ -3,8 +3,8 @@
 //! `cargo bench -p splineway-host --bench cost [-- FOLDER]`. A dense program - a circle of 20 mm in chords of
 //! 0.05 mm, then a meander of 0.2 mm steps - runs through the core with three axes in `f32`, at
 //! look-ahead depths of 16, 64 and 256 blocks. Instruction counts are exact and need valgrind; without
-//! it they are skipped, and it says so. Then the same for planning the bench paths in FOLDER, with
-//! `splineway simulate`.
+//! it they are skipped, and it says so. Then the same for planning a path of corners in both modes and the bench paths in
+//! FOLDER, with `splineway simulate`.
 
 mod common;
 
@@ -116,11 +116,14 @@ fn tick(bencher: Bencher<'_, '_>) {
         .bench_local_values(|()| servo_tick(&mut interpolator));
 }
 
-/// Instructions that a command spends in the functions whose names match; `None` without valgrind.
+/// The planner's entries, whole: a function that one of them calls and that matched as well would turn counting off.
+const ENTRIES: [&str; 2] = ["*Planner<*>::settle", "*Planner<*>::push"];
+
+/// Instructions that a command spends in the functions whose whole names match; `None` without valgrind.
 fn instructions(parts: &[&str], command: &mut Command) -> Option<f64> {
     let output = Command::new("valgrind")
         .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
-        .args(parts.iter().map(|part| format!("--toggle-collect=*{part}*")))
+        .args(parts.iter().map(|part| format!("--toggle-collect={part}")))
         .arg(command.get_program())
         .args(command.get_args())
         .envs(command.get_envs().filter_map(|(key, value)| Some((key, value?))))
@@ -134,7 +137,7 @@ fn instructions(parts: &[&str], command: &mut Command) -> Option<f64> {
 /// Instructions of this program's functions whose name matches, in a run at a depth.
 fn own_instructions(part: &str, depth: usize) -> Option<f64> {
     let mut command = Command::new(std::env::current_exe().ok()?);
-    instructions(&[part], command.env(PART, part).env(DEPTH, depth.to_string()))
+    instructions(&[&format!("*{part}*")], command.env(PART, part).env(DEPTH, depth.to_string()))
 }
 
 /// Instructions per block of planning the bench paths.
@@ -143,8 +146,7 @@ fn print_paths() {
     for path in common::paths() {
         let mut command = Command::new(env!("CARGO_BIN_EXE_splineway"));
         command.arg("simulate").arg(&path).args(["--scalar", "f32", "--lookahead", "16"]);
-        let parts = ["splineway*Planner*poll", "splineway*Planner*push"];
-        let Some(sum) = instructions(&parts, &mut command) else {
+        let Some(sum) = instructions(&ENTRIES, &mut command) else {
             println!("skipped: valgrind is not there, so no instructions are counted");
             return;
         };
@@ -155,6 +157,33 @@ fn print_paths() {
         });
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
         println!("{name:<20} {blocks:>8} {:>24.0}", sum / blocks as f64);
+    }
+}
+
+/// Instructions per line of a path of corners - the butterfly in 80 lines - in either mode: for its geometry, and for all
+/// planning.
+fn print_corners() {
+    const LINES: u32 = 80;
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/data/butterfly.json");
+    println!(
+        "{:<24} {:>22} {:>22}",
+        "butterfly in 80 lines", "geometry, per line", "planning, per line"
+    );
+    for mode in ["band", "paper"] {
+        let count = |parts: &[&str]| {
+            let mut command = Command::new(env!("CARGO_BIN_EXE_splineway"));
+            command.args(["simulate", file, "--tolerance", "0.05", "--feed", "200", "--quiet"]);
+            command.args(["--segments", &LINES.to_string(), "--mode", mode]);
+            command.args(["--scalar", "f32", "--lookahead", "16"]);
+            Some(instructions(parts, &mut command)? / f64::from(LINES))
+        };
+        let (Some(geometry), Some(planning)) = (count(&["*Builder<*>::cut"]), count(&ENTRIES))
+        else {
+            println!("skipped: valgrind is not there, so no instructions are counted");
+            return;
+        };
+        println!("{mode:<24} {geometry:>22.0} {planning:>22.0}");
+        assert!(geometry > 0.0 && geometry < planning, "a part is missing: {geometry} {planning}");
     }
 }
 
@@ -189,6 +218,7 @@ fn main() {
         return;
     }
     print_instructions();
+    print_corners();
     print_paths();
     divan::main();
 }

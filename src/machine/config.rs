@@ -13,7 +13,8 @@ pub enum CornerMode<S> {
     Band,
     /// As printed in Guo, Yan, Wang 2023, sections 3.2 to 3.5: `e* = delta / 2`, the next corner
     /// starts a fraction `lambda` of the remaining leg away, and the halving rule. Control points are the printed ones to
-    /// the rounding of coordinates, and the motion keeps to the printed curve to 2e-3 of `delta`.
+    /// the rounding of coordinates, and a motion that does not rest within a transition keeps to its printed curve to 0.5 %
+    /// of `delta`.
     ///
     /// The routines begin anew, without `lambda`, where the motion rests: so it does where a turn is beyond
     /// [`CornerMode::STOP_COSINE`] (160 degrees), where less than half a micrometre is left for a transition, and at an

@@ -54,7 +54,7 @@ impl Corners {
                     row.curvature,
                     row.third,
                     row.time,
-                    row.method.operations
+                    (row.method.cost)(turn.to_radians())
                 );
             }
         }

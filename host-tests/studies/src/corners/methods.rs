@@ -2,6 +2,7 @@
 
 use super::bspline::{Planar, Spline};
 use super::curve::{Curve, Sample};
+use super::tally::{Effort, Number, Tally, effort};
 
 /// Continuity of direction and curvature along legs and curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,6 +15,31 @@ pub enum Continuity {
     G3,
 }
 
+/// What finding the control points costs, from the cosine and sine of the turn and the deviation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cost {
+    /// Operations, counted while it was done.
+    Counted(Effort),
+    /// So many curves were tried.
+    Search(u32),
+    /// No closed form: what is done instead.
+    Numerical(&'static str),
+}
+
+impl std::fmt::Display for Cost {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match *self {
+            Self::Counted(Effort { operations, roots: 0 }) => write!(f, "{operations}"),
+            Self::Counted(Effort { operations, roots: 1 }) => write!(f, "{operations} and a root"),
+            Self::Counted(Effort { operations, roots }) => {
+                write!(f, "{operations} and {roots} roots")
+            }
+            Self::Search(curves) => write!(f, "a search: {curves} curves"),
+            Self::Numerical(words) => f.write_str(words),
+        }
+    }
+}
+
 /// A method.
 #[derive(Clone, Copy, Debug)]
 pub struct Method {
@@ -21,54 +47,118 @@ pub struct Method {
     pub name: &'static str,
     /// Continuity by construction.
     pub continuity: Continuity,
-    /// Arithmetic operations to find the control points at a given deviation, counted by hand.
-    pub operations: &'static str,
+    /// What finding the control points costs at a turn (rad).
+    pub cost: fn(f64) -> Cost,
     /// Whether the construction was derived for lack of the published one.
     pub derived: bool,
     /// The curve for a turn (rad), of any size.
     pub(super) build: fn(f64) -> Curve,
 }
 
-/// Points on both legs at these distances from the corner, the corner between them.
-fn on_legs(turn: f64, distances: &[f64], corner: Planar) -> Vec<Planar> {
-    let mut points: Vec<Planar> = distances.iter().map(|d| (-d, 0.0)).collect();
-    points.push(corner);
-    points.extend(distances.iter().rev().map(|d| (d * turn.cos(), d * turn.sin())));
+/// Cosine and sine of the turn.
+#[derive(Clone, Copy)]
+struct Turn<N> {
+    cos: N,
+    sin: N,
+}
+
+impl Turn<f64> {
+    fn new(turn: f64) -> Self {
+        Self { cos: turn.cos(), sin: turn.sin() }
+    }
+}
+
+type Points<N> = Vec<(N, N)>;
+
+/// Points on both legs at these distances from the corner.
+fn on_legs<N: Number>(turn: Turn<N>, distances: &[f64], corner: Option<(N, N)>) -> Points<N> {
+    let out = |d: &f64| (turn.cos * N::from(*d), turn.sin * N::from(*d));
+    let mut points: Points<N> = distances.iter().map(|d| (N::from(-d), N::from(0.0))).collect();
+    points.extend(corner);
+    points.extend(distances.iter().rev().map(out));
     points
 }
 
+/// The corner itself as a control point.
+fn corner<N: Number>() -> (N, N) {
+    (N::from(0.0), N::from(0.0))
+}
+
+/// What each point weighs at the middle of a symmetric spline.
+fn weights(degree: usize, count: usize) -> Vec<f64> {
+    let weight = |k: usize| {
+        let points = (0..count).map(|i| (f64::from(u8::from(i == k)), 0.0)).collect();
+        let spline = Spline::clamped(degree, points);
+        spline.at(spline.end() / 2.0).0
+    };
+    (0..count).map(weight).collect()
+}
+
+/// A symmetric curve made as large as the deviation allows: the greatest distance from the legs is that of the apex.
+fn fitted<N: Number>(points: &[(N, N)], weights: &[f64], deviation: N) -> Points<N> {
+    let off = points
+        .iter()
+        .zip(weights)
+        .map(|((_, y), weight)| *y * N::from(*weight))
+        .fold(N::from(0.0), |sum, y| sum + y);
+    let scale = deviation / off;
+    points.iter().map(|(x, y)| (*x * scale, *y * scale)).collect()
+}
+
+/// Counts what it costs to make the points and to fit them.
+fn counted(turn: f64, weights: &[f64], points: fn(Turn<Tally>) -> Points<Tally>) -> Cost {
+    let Turn { cos, sin } = Turn::new(turn);
+    let turn = Turn { cos: Tally::input(cos), sin: Tally::input(sin) };
+    let deviation = Tally::input(0.05);
+    Cost::Counted(effort(|| fitted(&points(turn), weights, deviation)))
+}
+
+fn spline(degree: usize, points: Points<f64>, turn: f64) -> Curve {
+    Curve::of_spline(&Spline::clamped(degree, points), turn)
+}
+
+fn guo_points<N: Number>(turn: Turn<N>) -> Points<N> {
+    on_legs(turn, &[2.0, 1.0], Some(corner()))
+}
+
 fn guo(turn: f64) -> Curve {
-    Curve::of_spline(&Spline::clamped(3, on_legs(turn, &[2.0, 1.0], (0.0, 0.0))), turn)
+    spline(3, guo_points(Turn::new(turn)), turn)
+}
+
+/// Three points on either leg, evenly from the corner, which is none of them: it passes by at a distance.
+fn pateloup_points<N: Number>(turn: Turn<N>) -> Points<N> {
+    on_legs(turn, &[3.0, 2.0, 1.0], None)
 }
 
 /// One cubic whose end tangents reach two thirds of the way to the corner.
-fn zhang(turn: f64) -> Curve {
-    let (c, s) = (turn.cos(), turn.sin());
-    let third = 1.0 / 3.0;
-    let points = vec![(-1.0, 0.0), (-third, 0.0), (third * c, third * s), (c, s)];
-    Curve::of_spline(&Spline::clamped(3, points), turn)
+fn zhang_points<N: Number>(turn: Turn<N>) -> Points<N> {
+    on_legs(turn, &[1.0, 1.0 / 3.0], None)
 }
 
 /// Two cubics that share curvature at the shoulder and have none at the legs: the closed form of
 /// Yang and Sukkarieh (2010), which the paper's pair reduces to for symmetric corners.
-fn bi(turn: f64) -> Curve {
+fn bi_points<N: Number>(turn: Turn<N>) -> Points<N> {
     let c2 = 0.4 * (6f64.sqrt() - 1.0);
     let c3 = (c2 + 4.0) / (7.2364 + 6.0);
-    let beta = turn / 2.0;
+    let number = |x: f64| N::from(x);
+    // Cosine and sine of half the turn.
+    let cos = ((number(1.0) + turn.cos) * number(0.5)).root();
+    let sin = turn.sin * number(0.5) / cos;
     let (h, g) = (c3, c2 * c3);
-    let k = 6.0 * c3 * beta.cos() / (c2 + 4.0);
+    let k = cos * number(6.0 * c3 / (c2 + 4.0));
     // B0, B1, B2 on the leg at 1, 1 - g, 1 - g - h; B3 and E3 meet on the bisector.
-    let (b2, direction) = (1.0 - g - h, (beta.cos(), beta.sin()));
-    let inner = (-b2 + k * direction.0, k * direction.1);
+    let b2 = 1.0 - g - h;
+    let inner = (k * cos - number(b2), k * sin);
+    on_legs(turn, &[1.0, 1.0 - g, b2], Some(inner))
+}
+
+/// The apex is the point in the middle.
+const BI_WEIGHTS: [f64; 7] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
+
+fn bi(turn: f64) -> Curve {
     // Both spans as one spline with a triple knot would need other knots: sample them apart.
-    let first = [(-1.0, 0.0), (-1.0 + g, 0.0), (-b2, 0.0), inner];
-    let mirror = |(x, y): Planar| {
-        let (c, s) = (turn.cos(), turn.sin());
-        (-x * c - y * s, -x * s + y * c)
-    };
-    // The other half is the mirror image about the bisector, run the other way.
-    let second = [inner, mirror(first[2]), mirror(first[1]), mirror(first[0])];
-    joined(&first, &second, turn)
+    let p = bi_points(Turn::new(turn));
+    joined(&[p[0], p[1], p[2], p[3]], &[p[3], p[4], p[5], p[6]], turn)
 }
 
 fn joined(first: &[Planar; 4], second: &[Planar; 4], turn: f64) -> Curve {
@@ -82,33 +172,31 @@ fn joined(first: &[Planar; 4], second: &[Planar; 4], turn: f64) -> Curve {
 }
 
 /// Five points, the outer edges half as long as the inner ones.
-fn zhao(turn: f64) -> Curve {
-    Curve::of_spline(&Spline::clamped(3, on_legs(turn, &[1.5, 1.0], (0.0, 0.0))), turn)
+fn zhao_points<N: Number>(turn: Turn<N>) -> Points<N> {
+    on_legs(turn, &[1.5, 1.0], Some(corner()))
 }
 
-/// Cubic, four points on either leg: derivatives up to the third lie along the leg.
-fn tang(turn: f64) -> Curve {
-    let points = on_legs(turn, &[4.0, 3.0, 2.0, 1.0], (0.0, 0.0));
-    Curve::of_spline(&Spline::clamped(3, points), turn)
+/// Four points on either leg: of a cubic, derivatives up to the third lie along the leg.
+fn nine_points<N: Number>(turn: Turn<N>) -> Points<N> {
+    on_legs(turn, &[4.0, 3.0, 2.0, 1.0], Some(corner()))
 }
 
-/// Quintic, four points on either leg.
-fn cai(turn: f64) -> Curve {
-    let points = on_legs(turn, &[4.0, 3.0, 2.0, 1.0], (0.0, 0.0));
-    Curve::of_spline(&Spline::clamped(5, points), turn)
-}
+/// Places of the points that Huang's method tries.
+const OUTER: [f64; 3] = [0.6, 0.7, 0.8];
+const INNER: [f64; 4] = [0.2, 0.3, 0.4, 0.5];
+const DEPTH: [f64; 6] = [-0.15, -0.1, -0.05, 0.0, 0.05, 0.1];
 
 /// Seven points; those next to the corner and the one on the bisector where the greatest curvature
 /// at equal deviation is least, by search.
 fn huang(turn: f64) -> Curve {
     let mut best: Option<(f64, Curve)> = None;
-    for outer in [0.6, 0.7, 0.8] {
-        for inner in [0.2, 0.3, 0.4, 0.5] {
-            for depth in [-0.15, -0.1, -0.05, 0.0, 0.05, 0.1] {
+    for outer in OUTER {
+        for inner in INNER {
+            for depth in DEPTH {
                 let half = turn / 2.0;
                 let corner = (-depth * half.sin(), depth * half.cos());
-                let spline = Spline::clamped(3, on_legs(turn, &[1.0, outer, inner], corner));
-                let curve = Curve::of_spline(&spline, turn);
+                let points = on_legs(Turn::new(turn), &[1.0, outer, inner], Some(corner));
+                let curve = spline(3, points, turn);
                 let score = curve.peak_curvature() * curve.deviation();
                 if best.as_ref().is_none_or(|(least, _)| score < *least) {
                     best = Some((score, curve));
@@ -124,7 +212,21 @@ fn huang(turn: f64) -> Curve {
 fn yan(turn: f64) -> Curve {
     let (c, s) = (turn.cos(), turn.sin());
     let points = vec![(-2.0, 0.0), (-1.0, 0.0), (0.0, 0.0), (0.6 * c, 0.6 * s), (1.2 * c, 1.2 * s)];
-    Curve::of_spline(&Spline::clamped(3, points), turn)
+    spline(3, points, turn)
+}
+
+/// Radius and reach of an arc.
+fn arc_points<N: Number>(turn: Turn<N>, deviation: N) -> [N; 2] {
+    let (one, half) = (N::from(1.0), N::from(0.5));
+    let cos = ((one + turn.cos) * half).root();
+    let radius = deviation / (one - cos);
+    [radius, radius * turn.sin * half / (cos * cos)]
+}
+
+fn arc_cost(turn: f64) -> Cost {
+    let Turn { cos, sin } = Turn::new(turn);
+    let turn = Turn { cos: Tally::input(cos), sin: Tally::input(sin) };
+    Cost::Counted(effort(|| arc_points(turn, Tally::input(0.05))))
 }
 
 fn arc(turn: f64) -> Curve {
@@ -136,74 +238,81 @@ fn clothoid(turn: f64) -> Curve {
 }
 
 /// The methods, without this core's.
-pub const METHODS: [Method; 10] = [
+pub const METHODS: [Method; 11] = [
     Method {
         name: "Guo 2023, five points, equal edges",
         continuity: Continuity::G2,
-        operations: "8 and 1 root",
+        cost: |turn| counted(turn, &weights(3, 5), guo_points),
         derived: false,
         build: guo,
     },
     Method {
+        name: "Pateloup 2010, cubic, six points",
+        continuity: Continuity::G2,
+        cost: |turn| counted(turn, &weights(3, 6), pateloup_points),
+        derived: true,
+        build: |turn| spline(3, pateloup_points(Turn::new(turn)), turn),
+    },
+    Method {
         name: "Zhang 2011, parametric cubic",
         continuity: Continuity::G1,
-        operations: "8 and 1 root",
+        cost: |turn| counted(turn, &weights(3, 4), zhang_points),
         derived: true,
-        build: zhang,
+        build: |turn| spline(3, zhang_points(Turn::new(turn)), turn),
     },
     Method {
         name: "Bi 2012, pair of cubic Beziers",
         continuity: Continuity::G2,
-        operations: "24 and 3 roots (closed form)",
+        cost: |turn| counted(turn, &BI_WEIGHTS, bi_points),
         derived: true,
         build: bi,
     },
     Method {
         name: "Zhao 2013, five points, edges 1 : 2",
         continuity: Continuity::G2,
-        operations: "8 and 1 root",
+        cost: |turn| counted(turn, &weights(3, 5), zhao_points),
         derived: true,
-        build: zhao,
+        build: |turn| spline(3, zhao_points(Turn::new(turn)), turn),
     },
     Method {
         name: "Tang 2017, cubic, nine points",
         continuity: Continuity::G2,
-        operations: "12 and 1 root",
+        cost: |turn| counted(turn, &weights(3, 9), nine_points),
         derived: true,
-        build: tang,
+        build: |turn| spline(3, nine_points(Turn::new(turn)), turn),
     },
     Method {
         name: "Cai 2022, quintic, nine points",
         continuity: Continuity::G3,
-        operations: "12 and 1 root",
+        cost: |turn| counted(turn, &weights(5, 9), nine_points),
         derived: true,
-        build: cai,
+        build: |turn| spline(5, nine_points(Turn::new(turn)), turn),
     },
     Method {
         name: "Huang 2022, seven points, least curvature",
         continuity: Continuity::G2,
-        operations: "a search",
+        cost: |_| Cost::Search((OUTER.len() * INNER.len() * DEPTH.len()) as u32),
         derived: true,
         build: huang,
     },
     Method {
         name: "Yan 2023, asymmetric edges 1 : 0.6",
         continuity: Continuity::G2,
-        operations: "8 and 1 root",
+        cost: |_| Cost::Numerical("the greatest distance, by samples"),
         derived: true,
         build: yan,
     },
     Method {
         name: "circular arc",
         continuity: Continuity::G1,
-        operations: "4 and 1 root",
+        cost: arc_cost,
         derived: false,
         build: arc,
     },
     Method {
         name: "clothoid pair",
         continuity: Continuity::G2,
-        operations: "two Fresnel integrals",
+        cost: |_| Cost::Numerical("two Fresnel integrals"),
         derived: false,
         build: clothoid,
     },
@@ -213,7 +322,55 @@ pub const METHODS: [Method; 10] = [
 pub const OWN: Method = Method {
     name: "splineway, eleven points",
     continuity: Continuity::G2,
-    operations: "about 300 and 4 roots",
+    cost: |_| Cost::Numerical("instructions: cargo bench --bench cost"),
     derived: false,
     build: guo,
 };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is counted is what makes the curve: the points that were fitted have the deviation that was asked for.
+    #[test]
+    fn fitted_points_have_the_deviation() {
+        for degrees in [20.0f64, 60.0, 90.0, 140.0] {
+            let turn = degrees.to_radians();
+            let t = Turn::new(turn);
+            for (degree, points) in [
+                (3, guo_points(t)),
+                (3, pateloup_points(t)),
+                (3, zhang_points(t)),
+                (3, zhao_points(t)),
+                (3, nine_points(t)),
+                (5, nine_points(t)),
+            ] {
+                let fitted = fitted(&points, &weights(degree, points.len()), 0.05);
+                let deviation = spline(degree, fitted, turn).deviation();
+                assert!((deviation / 0.05 - 1.0).abs() < 1.0e-5, "{degrees}: {deviation}");
+            }
+            let p = fitted(&bi_points(t), &BI_WEIGHTS, 0.05);
+            let pair = joined(&[p[0], p[1], p[2], p[3]], &[p[3], p[4], p[5], p[6]], turn);
+            assert!((pair.deviation() / 0.05 - 1.0).abs() < 1.0e-5, "{degrees}");
+            let [radius, reach] = arc_points(t, 0.05);
+            // From the corner along the bisector, and square to a leg.
+            let off = (radius.hypot(reach) - radius) * radius / radius.hypot(reach);
+            assert!((off - 0.05).abs() < 1.0e-9, "{degrees}: {off}");
+        }
+    }
+
+    /// A longer polygon costs more, and the count does not depend on the turn.
+    #[test]
+    fn costs_are_counted() {
+        let cost = |name: &str, turn: f64| {
+            let method = METHODS.iter().find(|method| method.name.starts_with(name)).unwrap();
+            match (method.cost)(turn) {
+                Cost::Counted(effort) => effort.operations,
+                other => panic!("{other}"),
+            }
+        };
+        assert!(cost("Guo", 1.0) < cost("Pateloup", 1.0));
+        assert!(cost("Pateloup", 1.0) < cost("Tang", 1.0));
+        assert_eq!(cost("Guo", 1.0), cost("Guo", 2.0));
+    }
+}

@@ -8,8 +8,10 @@
 mod bspline;
 mod curve;
 mod methods;
+mod tally;
 
-pub use methods::{Continuity, METHODS, Method, OWN};
+pub use methods::{Continuity, Cost, METHODS, Method, OWN};
+pub use tally::Effort;
 
 use crate::geometry::Geometry;
 use crate::reference::{Ends, Place, least_time, time};
