@@ -119,11 +119,16 @@ fn tick(bencher: Bencher<'_, '_>) {
 /// The planner's entries, whole: a function that one of them calls and that matched as well would turn counting off.
 const ENTRIES: [&str; 2] = ["*Planner<*>::settle", "*Planner<*>::push"];
 
-/// Instructions that a command spends in the functions whose whole names match; `None` without valgrind.
-fn instructions(parts: &[&str], command: &mut Command) -> Option<f64> {
+/// Instructions that a command spends in the functions whose whole names match, a run for each: of several patterns
+/// callgrind heeds one. `None` without valgrind.
+fn instructions(parts: &[&str], command: &Command) -> Option<f64> {
+    parts.iter().map(|part| instructions_of(part, command)).sum()
+}
+
+fn instructions_of(part: &str, command: &Command) -> Option<f64> {
     let output = Command::new("valgrind")
         .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
-        .args(parts.iter().map(|part| format!("--toggle-collect={part}")))
+        .arg(format!("--toggle-collect={part}"))
         .arg(command.get_program())
         .args(command.get_args())
         .envs(command.get_envs().filter_map(|(key, value)| Some((key, value?))))
@@ -146,7 +151,7 @@ fn print_paths() {
     for path in common::paths() {
         let mut command = Command::new(env!("CARGO_BIN_EXE_splineway"));
         command.arg("simulate").arg(&path).args(["--scalar", "f32", "--lookahead", "16"]);
-        let Some(sum) = instructions(&ENTRIES, &mut command) else {
+        let Some(sum) = instructions(&ENTRIES, &command) else {
             println!("skipped: valgrind is not there, so no instructions are counted");
             return;
         };
@@ -175,7 +180,7 @@ fn print_corners() {
             command.args(["simulate", file, "--tolerance", "0.05", "--feed", "200", "--quiet"]);
             command.args(["--segments", &LINES.to_string(), "--mode", mode]);
             command.args(["--scalar", "f32", "--lookahead", "16"]);
-            Some(instructions(parts, &mut command)? / f64::from(LINES))
+            Some(instructions(parts, &command)? / f64::from(LINES))
         };
         let (Some(geometry), Some(planning)) = (count(&["*Builder<*>::cut"]), count(&ENTRIES))
         else {
