@@ -182,6 +182,36 @@ fn starvation_and_resume() {
     assert_eq!(tags.len(), 31);
 }
 
+/// Lines in a row, of which the first has a tolerance of its own, become one but for that: what is shown is the block
+/// under way all the same, whatever the rounding of their ends.
+#[test]
+fn lines_that_become_one_show_their_tags_in_order() {
+    for step in 0..200 {
+        let unit = 0.02 + f64::from(step) * 1.0e-4;
+        let ends = [1.0, 4.0, 7.0, 8.0].map(|share| share * unit);
+        let mut config = config();
+        config.tolerance = 0.01;
+        let mut link = Box::new(Link::<f64, 3, 4, 48>::new());
+        let (mut planner, mut interpolator) = link.split(config, at(0.0, 0.0, 0.0)).unwrap();
+        for (tag, x) in (1..).zip(ends) {
+            let mut block = Block::line(at(x, 0.0, 0.0), 45.0, tag);
+            block.tolerance = (tag == 1).then_some(0.5);
+            planner.push(&block).unwrap();
+        }
+        planner.finish();
+        let mut shown = Vec::new();
+        for _ in 0..400 {
+            planner.settle();
+            let setpoint = interpolator.tick();
+            if setpoint.activity == Activity::Running {
+                shown.push(setpoint.tag);
+            }
+        }
+        assert!(shown.is_sorted(), "{unit}: {shown:?}");
+        assert_eq!(shown.last(), Some(&4), "{unit}");
+    }
+}
+
 /// A producer of dense, slightly bent lines that comes and goes: whatever is merged or cut when, the
 /// motion stays continuous, in the band, and ends where the program ends.
 #[test]

@@ -17,6 +17,9 @@ pub enum KnotState {
     Broken,
 }
 
+/// The last of so many parts of a span is what it ends on.
+const ENDS_ON: i64 = 64;
+
 impl<S: Scalar, const N: usize> Run<S, N> {
     /// Lays the next knot, if enough is known and there is room.
     #[inline(never)]
@@ -78,7 +81,8 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             return;
         }
         let Interval { from, to } = self.spline.interval(before);
-        if let Some(tag) = self.pieces.tag_at(to - Length::UNIT)
+        // A little before its end: the ends of pieces are rounded.
+        if let Some(tag) = self.pieces.tag_at(to - (to - from) / ENDS_ON)
             && let Some(leg) = self.spline.legs.last_mut()
         {
             leg.programmed.tag = tag;
