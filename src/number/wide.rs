@@ -26,26 +26,7 @@ pub fn nearest(x: i64) -> f32 {
 /// An `f32` without its fraction, as `as` has it: saturated; NaN gives 0.
 #[cfg_attr(not(target_arch = "arm"), allow(dead_code))]
 pub fn truncated(x: f32) -> i64 {
-    let bits = x.to_bits();
-    let exponent = bits >> FRACTION & 0xff;
-    if exponent < ONE {
-        return 0;
-    }
-    if exponent >= ONE + 63 {
-        return if x.is_nan() {
-            0
-        } else if x < 0.0 {
-            i64::MIN
-        } else {
-            i64::MAX
-        };
-    }
-    let word = u64::from(bits & ((1 << FRACTION) - 1) | 1 << FRACTION);
-    let place = exponent - ONE;
-    let size =
-        if place < FRACTION { word >> (FRACTION - place) } else { word << (place - FRACTION) };
-    let size = size.cast_signed();
-    if x < 0.0 { -size } else { size }
+    scaled::<1, 0>(x)
 }
 
 /// 5^12, of which and 2^12 the 1e12 units of 1e-12 in one are made.
@@ -54,13 +35,19 @@ const FIVES: u64 = 244_140_625;
 /// Whole units of 1e-12 in an `f32`, rounded towards zero: exact, where a product in `f32` is off by up to 6e-8 of
 /// itself (a tenth of a nanometre over 3 mm). Saturated; NaN gives 0.
 pub fn units(x: f32) -> i64 {
+    scaled::<FIVES, 12>(x)
+}
+
+/// `FACTOR` 2^`POWER` times an `f32`, rounded once, towards zero. Saturated; NaN gives 0. Of the 64 bits `FACTOR` has 40 at most.
+#[inline]
+fn scaled<const FACTOR: u64, const POWER: u32>(x: f32) -> i64 {
     let bits = x.to_bits();
     let exponent = bits >> FRACTION & 0xff;
     let word = u64::from(bits & ((1 << FRACTION) - 1) | 1 << FRACTION);
-    // 52 bits at most, times 2^12 and what the exponent says; numbers below 1e-12 have none.
-    let product = word * FIVES;
-    let size = match (exponent + 12).checked_sub(ONE + FRACTION) {
-        None => product.checked_shr(ONE + FRACTION - 12 - exponent).unwrap_or(0),
+    let product = word * FACTOR;
+    // Numbers so small that they have no leading one are shifted out.
+    let size = match (exponent + POWER).checked_sub(ONE + FRACTION) {
+        None => product.checked_shr(ONE + FRACTION - POWER - exponent).unwrap_or(0),
         Some(up) if up < product.leading_zeros() => product << up,
         Some(_) if x.is_nan() => 0,
         Some(_) if x < 0.0 => return i64::MIN,

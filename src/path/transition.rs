@@ -51,13 +51,24 @@ impl<S: Scalar, const N: usize> Transition<S, N> {
     /// Offset from the vertex at node `index`, mm.
     fn offset(&self, index: u8) -> Vector<S, N> {
         let (gap_before, gap_after) = self.gaps_at(index);
-        let [before, after] = self.half.ends();
-        if index <= self.middle() {
-            let ((x, y), ..) = self.half.at(index, before.halvings);
-            return mix(x - gap_before, &self.before[0], y, &self.before[1]);
+        let (first, [(x, y), ..]) = self.on_half(index);
+        if first {
+            mix(x - gap_before, &self.before[0], y, &self.before[1])
+        } else {
+            mix(gap_after - x, &self.after[0], y, &self.after[1])
         }
-        let ((x, y), ..) = self.half.at(self.cells() - index, after.halvings);
-        mix(gap_after - x, &self.after[0], y, &self.after[1])
+    }
+
+    /// Whether node `index` lies before the apex or on it, and where on the half: place, first and second derivative.
+    fn on_half(&self, index: u8) -> (bool, [(S, S); 3]) {
+        let [before, after] = self.half.ends();
+        let first = index <= self.middle();
+        let (at, d, dd) = if first {
+            self.half.at(index, before.halvings)
+        } else {
+            self.half.at(self.cells() - index, after.halvings)
+        };
+        (first, [at, d, dd])
     }
 
     /// What of the legs lies between node `index` and the transition, mm: none but at its ends.
@@ -71,13 +82,7 @@ impl<S: Scalar, const N: usize> Transition<S, N> {
 
     /// Node number `index`, 0 to [`Transition::cells`].
     pub fn node(&self, index: u8) -> Node<S, N> {
-        let first = index <= self.middle();
-        let [before, after] = self.half.ends();
-        let (_, d, dd) = if first {
-            self.half.at(index, before.halvings)
-        } else {
-            self.half.at(self.cells() - index, after.halvings)
-        };
+        let (first, [_, d, dd]) = self.on_half(index);
         let square = d.0 * d.0 + d.1 * d.1;
         let speed = square.sqrt();
         let t = (d.0 / speed, d.1 / speed);

@@ -2,12 +2,12 @@
 
 use crate::timer::{Timer, instructions};
 use cortex_m_rt::entry;
-use cortex_m_semihosting::{debug, hprintln};
+use cortex_m_semihosting::hprintln;
 use panic_semihosting as _;
 use splineway::wire::Inlet;
 use splineway::{BLOCKS, Link, NODES, Scalar};
 use splineway_emulator::{Outcome, Setup};
-use splineway_semihosting::{Bytes, File};
+use splineway_semihosting::{Bytes, File, end};
 
 #[inline(never)]
 fn run<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
@@ -55,12 +55,5 @@ fn go() -> Option<()> {
 
 #[entry]
 fn main() -> ! {
-    if go().is_none() {
-        hprintln!("the file cannot be read, or does not begin with a setup");
-        debug::exit(debug::EXIT_FAILURE);
-    }
-    debug::exit(debug::EXIT_SUCCESS);
-    loop {
-        cortex_m::asm::nop();
-    }
+    end(go(), "the file cannot be read, or does not begin with a setup")
 }

@@ -4,12 +4,12 @@ use core::cell::RefCell;
 use cortex_m::interrupt::{self, Mutex};
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::{entry, exception};
-use cortex_m_semihosting::{debug, hprintln};
+use cortex_m_semihosting::hprintln;
 use panic_semihosting as _;
 use splineway::wire::{Events, Inlet};
 use splineway::{Coord, Link};
 use splineway_realtime::{AXES, EVENTS, Line, Loop, Servo, Setup, round};
-use splineway_semihosting::{Bytes, File};
+use splineway_semihosting::{Bytes, File, end};
 
 /// Counts of the system timer in a second.
 const SYSTEM_HZ: f32 = 168.0e6;
@@ -168,12 +168,5 @@ fn go() -> Option<()> {
 
 #[entry]
 fn main() -> ! {
-    if go().is_none() {
-        hprintln!("the file cannot be read, or does not begin with a setup");
-        debug::exit(debug::EXIT_FAILURE);
-    }
-    debug::exit(debug::EXIT_SUCCESS);
-    loop {
-        cortex_m::asm::nop();
-    }
+    end(go(), "the file cannot be read, or does not begin with a setup")
 }

@@ -1,4 +1,4 @@
-//! Files of the host, for images on an emulated Cortex-M. They come by semihosting, which takes no time in the
+//! Files of the host, and the end, for images on an emulated Cortex-M. They come by semihosting, which takes no time in the
 //! emulator.
 //!
 //! Nothing of the core belongs here.
@@ -7,7 +7,7 @@
 // The calls of semihosting.
 #![allow(unsafe_code)]
 
-use cortex_m_semihosting::{syscall, syscall1};
+use cortex_m_semihosting::{debug, hprintln, syscall, syscall1};
 
 /// Modes of `SYS_OPEN`: "rb" and "wb".
 const READ: usize = 1;
@@ -86,5 +86,17 @@ impl Iterator for Bytes {
         let byte = *self.buffer[..self.end].get(self.next)?;
         self.next += 1;
         Some(byte)
+    }
+}
+
+/// Ends the image: with success, or with failure after saying why there is nothing.
+pub fn end(done: Option<()>, why: &str) -> ! {
+    if done.is_none() {
+        hprintln!("{}", why);
+        debug::exit(debug::EXIT_FAILURE);
+    }
+    debug::exit(debug::EXIT_SUCCESS);
+    loop {
+        core::hint::spin_loop();
     }
 }

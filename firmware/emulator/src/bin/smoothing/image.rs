@@ -2,10 +2,10 @@
 
 use crate::timer::{Timer, instructions};
 use cortex_m_rt::entry;
-use cortex_m_semihosting::{debug, hprintln};
+use cortex_m_semihosting::hprintln;
 use panic_semihosting as _;
 use splineway_emulator::smoothing::{Smoothed, smooth};
-use splineway_semihosting::File;
+use splineway_semihosting::{File, end};
 
 fn go() -> Option<()> {
     let mut file = File::read_from(1)?.bytes();
@@ -23,12 +23,5 @@ fn go() -> Option<()> {
 
 #[entry]
 fn main() -> ! {
-    if go().is_none() {
-        hprintln!("the file cannot be read, or holds no spline");
-        debug::exit(debug::EXIT_FAILURE);
-    }
-    debug::exit(debug::EXIT_SUCCESS);
-    loop {
-        cortex_m::asm::nop();
-    }
+    end(go(), "the file cannot be read, or holds no spline")
 }
