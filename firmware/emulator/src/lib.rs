@@ -11,8 +11,8 @@ use crc::{CRC_32_ISCSI, Crc, Digest};
 use serde::{Deserialize, Serialize};
 use splineway::wire::Events;
 use splineway::{
-    Activity, AxisLimits, Config, ConfigError, Coord, Interpolator, Limits, Link, Planner,
-    Progress, Scalar, Setpoint,
+    Activity, AxisLimits, Config, ConfigError, Coord, CornerMode, Interpolator, Limits, Link,
+    Planner, Progress, Scalar, Setpoint,
 };
 use splineway_controller::Background;
 
@@ -27,6 +27,8 @@ pub struct Setup {
     pub tolerance: f32,
     /// Servo cycle, s.
     pub cycle: f32,
+    /// Lambda of [`CornerMode::Paper`]; without one corners are the core's own.
+    pub lambda: Option<f32>,
 }
 
 impl Setup {
@@ -36,6 +38,9 @@ impl Setup {
         let mut config = Config::new(Limits::new([axis; N])?);
         config.tolerance = S::of(f64::from(self.tolerance));
         config.cycle = S::of(f64::from(self.cycle));
+        if let Some(lambda) = self.lambda {
+            config.corner = CornerMode::Paper { lambda: S::of(f64::from(lambda)) };
+        }
         Ok(config)
     }
 }

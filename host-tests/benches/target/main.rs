@@ -6,6 +6,7 @@
 //! - measures the size of the code, and computes from it the stack and the instructions of a tick that are needed at most;
 //! - runs the paths of `host-tests/data` and those in FOLDER through the other in QEMU and here, compares the
 //!   digests of all setpoints, and prints instructions per tick and per block;
+//! - runs the butterfly of Guo, Yan, Wang 2023 in both modes of corners, and prints instructions per corner;
 //! - smooths the cases of Naseath 2007 there and here, compares the control points, and prints instructions.
 //!
 //! Without a toolchain for the target, GNU binutils and a C compiler for it, or QEMU it says so and ends; with
@@ -32,6 +33,7 @@ use splineway::Link;
 use splineway::wire::Inlet;
 use splineway_emulator::{Meter, Outcome, Part, Setup};
 use splineway_simulator::program::{Course, Point, Program};
+use splineway_studies::paper::{cases, measure};
 use std::path::{Path, PathBuf};
 
 /// Goals, as the README states them.
@@ -97,23 +99,24 @@ fn on_host<const N: usize, const BLOCKS: usize, const NODES: usize>(
     )?)
 }
 
-/// Runs a path on host and target; gives a goal that was missed.
-fn compare(emulator: &Image, path: &Path, six: bool) -> Result<Option<String>> {
-    let program = session::read(path)?;
-    let program = if six { doubled(&program) } else { program };
-    let axes = if six { 6 } else { 3 };
-    ensure!(program.axes().len() == axes, "{}: it has more than 3 axes", path.display());
-    let Machine { limits, tolerance, cycle } = Machine::of(&program);
-    let setup = Setup { axes: axes as u8, limits, tolerance, cycle };
-    let bytes = session::frames(&program, &setup, axes)?;
-    let host = if six { on_host::<6, 8, 56>(&bytes) } else { on_host::<3, 16, 64>(&bytes) }?;
-    let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    let file = std::env::temp_dir().join(format!("splineway-{}-{name}.frames", std::process::id()));
+/// What a path takes on the target.
+struct Taken {
+    /// Instructions of all planning.
+    planning: u64,
+    /// A goal that was missed.
+    missed: Option<String>,
+}
+
+/// Runs a program on host and target, and prints its line.
+fn compare(emulator: &Image, label: &str, program: &Program, setup: &Setup) -> Result<Taken> {
+    let bytes = session::frames(program, setup, setup.axes.into())?;
+    let host =
+        if setup.axes == 6 { on_host::<6, 8, 56>(&bytes) } else { on_host::<3, 16, 64>(&bytes) }?;
+    let file = std::env::temp_dir().join(format!("splineway-{}.frames", std::process::id()));
     std::fs::write(&file, &bytes)?;
     let answer = emulator.run(&file);
     std::fs::remove_file(&file)?;
     let target = answer?;
-    let label = format!("{name}, {axes} axes");
     let blocks = target.outcome.blocks.max(1);
     let cycles = target.outcome.cycles.max(1);
     println!(
@@ -129,10 +132,48 @@ fn compare(emulator: &Image, path: &Path, six: bool) -> Result<Option<String>> {
     );
     ensure!(host.complete, "{label}: the host did not reach the end");
     ensure!(target.outcome == host, "{label}: host {host:?}, target {:?}", target.outcome);
-    let too_long = TICK.iter().find(|(a, most)| *a == setup.axes && target.tick_worst > *most);
-    Ok(too_long.map(|(_, most)| {
+    let too_long =
+        TICK.iter().find(|(axes, most)| *axes == setup.axes && target.tick_worst > *most);
+    let missed = too_long.map(|(_, most)| {
         format!("{label}: a tick took {} instructions; {most} is the goal", target.tick_worst)
-    }))
+    });
+    Ok(Taken { planning: target.planning, missed })
+}
+
+/// Runs a path as the machine of its header does; gives a goal that was missed.
+fn run_path(emulator: &Image, path: &Path, six: bool) -> Result<Option<String>> {
+    let program = session::read(path)?;
+    let program = if six { doubled(&program) } else { program };
+    let axes = if six { 6 } else { 3 };
+    ensure!(program.axes().len() == axes, "{}: it has more than 3 axes", path.display());
+    let Machine { limits, tolerance, cycle } = Machine::of(&program);
+    let setup = Setup { axes: axes as u8, limits, tolerance, cycle, lambda: None };
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    Ok(compare(emulator, &format!("{name}, {axes} axes"), &program, &setup)?.missed)
+}
+
+/// The butterfly of Guo, Yan, Wang 2023 in 80 lines, in the paper's mode and the core's own: what a corner costs. Gives goals
+/// that were missed.
+fn corners(emulator: &Image) -> Result<Vec<String>> {
+    let case = cases::case("butterfly80").context("the vectors have no butterfly")?;
+    let program = measure::program(&case);
+    let tolerance = case.delta as f32;
+    let mut missed = Vec::new();
+    let mut costs = Vec::new();
+    for (mode, lambda) in [("paper", Some(case.lambda as f32)), ("own", None)] {
+        let limits = [200.0, 2000.0, 50_000.0];
+        let setup = Setup { axes: 3, limits, tolerance, cycle: 0.001, lambda };
+        let taken = compare(emulator, &format!("80 lines, {mode} mode"), &program, &setup)?;
+        let per = |count: usize| taken.planning as f64 / count.max(1) as f64;
+        let (corners, lines) = (case.vectors.len(), program.moves.len());
+        costs.push(format!("{mode} mode {:.0} and {:.0}", per(corners), per(lines)));
+        missed.extend(taken.missed);
+    }
+    println!(
+        "the paper's butterfly in 80 lines, {tolerance} mm, instructions per corner and per line: {}",
+        costs.join(", ")
+    );
+    Ok(missed)
 }
 
 fn examples() -> Vec<PathBuf> {
@@ -168,11 +209,13 @@ fn report() -> Result<()> {
     paths.extend(common::paths());
     let mut missed = Vec::new();
     for path in &paths {
-        missed.extend(compare(&emulator, path, false)?);
+        missed.extend(run_path(&emulator, path, false)?);
     }
     for path in examples() {
-        missed.extend(compare(&emulator, &path, true)?);
+        missed.extend(run_path(&emulator, &path, true)?);
     }
+
+    missed.extend(corners(&emulator)?);
 
     smoothing::report()?;
 
