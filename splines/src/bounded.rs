@@ -24,22 +24,20 @@
 //! The *time* is that of the thesis's trajectory generator ([`Trajectory`]) over eight places per span, forty
 //! where it turns much.
 
-use crate::bspline::{Spline, append, bezier_curvature};
+use crate::bspline::{Spline, append};
 use crate::error::SplineError;
 use crate::trajectory::{Low, Lows, Trajectory};
 use core::array::from_fn;
 use heapless::Vec;
 use splineway::machine::Quantity;
-use splineway::number::list::{part, part_mut};
-use splineway::number::vector::{sub, zero};
+use splineway::number::list::part_mut;
+use splineway::number::vector::{Vector, dot, mix, norm, sub, zero};
 use splineway::number::{RangeError, Scalar};
 use splineway::spline::banded::System;
-use splineway::spline::sweep::{Derivative, Reference, Tube};
+use splineway::spline::bezier;
+use splineway::spline::sweep::{Kind, OfSpline, Tube};
 use splineway::spline::tube::{CheckPoint, Pole, Span, edges};
 
-/// What sweeps lower: curvature. (The third derivative as a candidate besides, as runs of lines are smoothed, would take half
-/// as long again, and the means over the thesis's cases and ripples are the same.)
-const DERIVATIVE: Derivative = Derivative::Second;
 /// Check points in a span.
 pub const SPAN_CHECKS: usize = 4;
 /// Most iterations of the moves.
@@ -95,6 +93,10 @@ pub struct Smoother<S, const N: usize, const SIZE: usize, const CHECKS: usize> {
     checks: Vec<CheckPoint<S, N>, CHECKS>,
     system: System<S, N, SIZE>,
     lows: Vec<Low<S>, CHECKS>,
+    /// [`Span::curl`] of every span as given.
+    curls: Vec<S, SIZE>,
+    /// The control point from which on spans and check points are those of the spline as given.
+    loaded: Option<usize>,
 }
 
 impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize> Default
@@ -117,6 +119,8 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
             checks: Vec::new(),
             system: System::new(),
             lows: Vec::new(),
+            curls: Vec::new(),
+            loaded: None,
         }
     }
 
@@ -151,6 +155,7 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
             return Ok(());
         }
         let given = spline.clone();
+        self.begin(&given, options);
         let mut least = self.time(spline, &given, options, CURL_SHARE);
         let mut consider = |smoother: &mut Self, candidate: &Spline<S, N, CAP>, share: f64| {
             let time = smoother.time(candidate, &given, options, share);
@@ -200,15 +205,16 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
         let m = given.controls().len();
         for pass in 0..passes {
             let first = if given.is_closed() { usize::from(pass) * m / 2 % m.max(1) } else { 0 };
-            self.load(spline, given, first);
-            self.prepare(given, first, options);
+            self.load(spline, given, first, options);
+            self.prepare(first, options);
             let free = if given.is_closed() { HELD..m } else { 1..m - 1 };
             Tube {
                 poles: &mut self.poles,
                 spans: &self.spans,
                 checks: &mut self.checks,
-                reference: Reference::Itself,
-                derivative: DERIVATIVE,
+                // The third derivative as a candidate besides, as runs of lines are smoothed, would take half as long
+                // again, and the means over the thesis's cases and ripples are the same.
+                kind: OfSpline,
             }
             .improve(options.sweeps, &free, &mut self.system);
             for (k, pole) in self.poles.iter().take(m).enumerate() {
@@ -222,15 +228,25 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
         }
     }
 
-    /// Takes the poles and spans of a spline, from control point `first` on.
+    /// Takes the spline as given: how much every span of it is curved.
+    fn begin<const CAP: usize>(&mut self, given: &Spline<S, N, CAP>, options: &Options<S>) {
+        self.loaded = None;
+        self.load(given, given, 0, options);
+        self.curls.clear();
+        for (k, span) in self.spans.iter().enumerate() {
+            append(&mut self.curls, span.curl(&edges(&self.poles, k, |_| zero())));
+        }
+    }
+
+    /// Takes the poles of a spline, from control point `first` on, and the spans and check points of the spline as given.
     fn load<const CAP: usize>(
         &mut self,
         spline: &Spline<S, N, CAP>,
         given: &Spline<S, N, CAP>,
         first: usize,
+        options: &Options<S>,
     ) {
         self.poles.clear();
-        self.spans.clear();
         let (controls, spans) = (given.controls(), given.spans());
         let m = controls.len().max(1);
         let at = |k: usize| controls.get(k % m).copied().unwrap_or_else(zero);
@@ -239,6 +255,13 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
             pole.shift = spline.controls().get(k % m).map_or_else(zero, |now| sub(now, &at(k)));
             append(&mut self.poles, pole);
         }
+        if self.loaded == Some(first) {
+            return;
+        }
+        self.loaded = Some(first);
+        self.spans.clear();
+        self.checks.clear();
+        let radius = options.radius * S::of(SHARE);
         for k in 0..spans {
             let local = given.local((first + k) % m);
             let gap = local.step() * S::of(1.0 / SPAN_CHECKS as f64);
@@ -246,28 +269,16 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
             span.first_check = (k * SPAN_CHECKS) as u16;
             span.checks = SPAN_CHECKS as u16;
             append(&mut self.spans, span);
-        }
-    }
-
-    /// What sweeps need besides: places, and prices by the present curvature.
-    fn prepare<const CAP: usize>(
-        &mut self,
-        given: &Spline<S, N, CAP>,
-        first: usize,
-        options: &Options<S>,
-    ) {
-        let m = given.controls().len().max(1);
-        self.checks.clear();
-        for k in 0..self.spans.len() {
-            let local = given.local((first + k) % m);
-            let gap = local.step() * S::of(1.0 / SPAN_CHECKS as f64);
             for j in 0..SPAN_CHECKS {
                 let at = gap * S::from_u32(j as u32);
-                let radius = options.radius * S::of(SHARE);
                 append(&mut self.checks, CheckPoint::still(local.values(at), radius));
             }
         }
-        self.set_most_curls(CURL_SHARE);
+    }
+
+    /// What sweeps need besides: prices by the present curvature.
+    fn prepare(&mut self, first: usize, options: &Options<S>) {
+        self.set_most_curls(first, CURL_SHARE);
         self.set_reach(options);
         for (k, span) in self.spans.iter_mut().enumerate() {
             let edges = edges(&self.poles, k, |pole| pole.shift);
@@ -275,7 +286,7 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
             // v^4 by the integral of k^2 over the length.
             let root = r.cbrt();
             span.price = r * r * root * root / (speed * speed * speed);
-            let weight = DERIVATIVE.first_weight(span);
+            let weight = OfSpline::DERIVATIVE.first_weight(span);
             for check in part_mut(&mut self.checks, span.range()) {
                 check.weight = weight;
             }
@@ -302,20 +313,16 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
         }
     }
 
-    /// What curvature may reach: see the head of the file.
-    fn set_most_curls(&mut self, share: f64) {
+    /// What curvature may reach, the spans being those from control point `first` on: see the head of the file.
+    fn set_most_curls(&mut self, first: usize, share: f64) {
         let n = self.spans.len();
-        let mut curls: Vec<S, SIZE> = Vec::new();
-        for (k, span) in self.spans.iter().enumerate() {
-            append(&mut curls, span.curl(&edges(&self.poles, k, |_| zero())));
-        }
-        let greatest = curls.iter().fold(S::ZERO, |most, curl| most.greatest(*curl));
+        let curls = |from: usize, to: usize| {
+            (from..to).filter_map(|k| self.curls.get((first + k) % n).copied())
+        };
+        let floor = curls(0, n).fold(S::ZERO, S::greatest) * S::of(CURL_FLOOR);
         for (k, span) in self.spans.iter_mut().enumerate() {
-            let mut most = greatest * S::of(CURL_FLOOR);
-            for curl in part(&curls, k.saturating_sub(BESIDE)..n.min(k + BESIDE + 1)) {
-                most = most.greatest(*curl);
-            }
-            span.most_curl = most * S::of(share);
+            let beside = curls(k.saturating_sub(BESIDE), n.min(k + BESIDE + 1));
+            span.most_curl = beside.fold(floor, S::greatest) * S::of(share);
         }
     }
 
@@ -327,8 +334,8 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
         options: &Options<S>,
         share: f64,
     ) -> Option<S> {
-        self.load(spline, given, 0);
-        self.set_most_curls(share);
+        self.load(spline, given, 0, options);
+        self.set_most_curls(0, share);
         let mut finder = Lows::default();
         self.lows.clear();
         let mut way = S::ZERO;
@@ -337,33 +344,22 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
             if !(curl <= span.most_curl) {
                 return None;
             }
-            let (length, bezier) = (spline.span_length(k), spline.bezier(k));
+            let hodograph = Hodograph::new(&spline.bezier(k));
             // Where the path turns much its peak of curvature is narrow.
-            let turn = curl * length;
+            let turn = curl * hodograph.polygon();
             let parts = if turn > S::of(SHARP_TURN) { SHARP_PARTS } else { PARTS };
             let per = S::ONE / S::from_u32(parts);
-            let mut places: Vec<(S, S), { SHARP_PARTS as usize + 1 }> = Vec::new();
+            // The way grows as the trapezoidal rule has it.
+            let mut before = None;
             for j in 0..=parts {
-                append(&mut places, bezier_curvature(bezier, S::from_u32(j) * per));
-            }
-            // The way grows as the trapezoidal rule has it, and is the span's length in all.
-            let (mut before, mut sum) = (None, S::ZERO);
-            for (_, slope) in &places {
-                sum += before.map_or(S::ZERO, |before| before + *slope);
-                before = Some(*slope);
-            }
-            let scale = if sum > S::ZERO { length / sum } else { S::ZERO };
-            before = None;
-            for (curvature, slope) in &places {
-                if let Some(before) = before {
-                    way += (before + *slope) * scale;
+                let (slope, speed) = hodograph.at(S::from_u32(j) * per, &options.trajectory);
+                if let Some(before) = before.replace(slope) {
+                    way += (before + slope) * per * S::of(0.5);
                 } else if k > 0 {
                     // The end of the span before.
-                    before = Some(*slope);
                     continue;
                 }
-                before = Some(*slope);
-                if let Some(low) = finder.push(way, options.trajectory.allowed(*curvature)) {
+                if let Some(low) = finder.push(way, speed) {
                     self.lows.push(low).ok()?;
                 }
             }
@@ -372,6 +368,40 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
             self.lows.push(low).ok()?;
         }
         Some(options.trajectory.plan(&mut self.lows))
+    }
+}
+
+/// The first derivative of a cubic Bezier curve by its parameter, and the second, as Bezier curves.
+struct Hodograph<S, const N: usize> {
+    first: [Vector<S, N>; 3],
+    second: [Vector<S, N>; 2],
+}
+
+impl<S: Scalar, const N: usize> Hodograph<S, N> {
+    fn new(b: &[Vector<S, N>; 4]) -> Self {
+        let three = S::of(3.0);
+        let first: [Vector<S, N>; 3] = from_fn(|j| from_fn(|i| three * (b[j + 1][i] - b[j][i])));
+        let two = S::of(2.0);
+        let second = from_fn(|j| from_fn(|i| two * (first[j + 1][i] - first[j][i])));
+        Self { first, second }
+    }
+
+    /// Length of the control polygon, mm: not less than that of the curve.
+    fn polygon(&self) -> S {
+        let [a, b, c] = &self.first;
+        (norm(a) + norm(b) + norm(c)) * S::of(1.0 / 3.0)
+    }
+
+    /// What the curve gains by the parameter at a share of it, mm, and the speed that is allowed there, mm/s.
+    #[inline]
+    fn at(&self, u: S, trajectory: &Trajectory<S>) -> (S, S) {
+        let [a, b, c] = &self.first;
+        let [start, end] = &self.second;
+        let d = bezier::parabola([a, b, c], u);
+        let dd = mix(S::ONE - u, start, u, end);
+        let square = dot(&d, &d);
+        let across = mix(S::ONE, &dd, -(dot(&d, &dd) / square), &d);
+        (square.sqrt(), trajectory.allowed(norm(&across) / square))
     }
 }
 

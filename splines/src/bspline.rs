@@ -52,10 +52,7 @@ fn in_order<S: Scalar>(knots: &[S]) -> Result<(), SplineError> {
 }
 
 /// Curvature, 1/mm, of a cubic Bezier curve at the share `u`: see [`Spline::curvature`].
-pub(crate) fn bezier_curvature<S: Scalar, const N: usize>(
-    mut b: [Vector<S, N>; 4],
-    u: S,
-) -> (S, S) {
+fn bezier_curvature<S: Scalar, const N: usize>(mut b: [Vector<S, N>; 4], u: S) -> S {
     // The part that is longer, seen from its end.
     if u > S::of(0.5) {
         b.reverse();
@@ -70,7 +67,7 @@ pub(crate) fn bezier_curvature<S: Scalar, const N: usize>(
     let a = norm(&leg);
     let along = dot(&third, &leg) / (a * a);
     let h = norm(&mix(S::ONE, &third, -along, &leg));
-    (S::of(2.0 / 3.0) * h / (a * a), S::of(3.0) * a / (S::ONE - u))
+    S::of(2.0 / 3.0) * h / (a * a)
 }
 
 impl<S: Scalar, const N: usize, const CAP: usize> Spline<S, N, CAP> {
@@ -244,8 +241,18 @@ impl<S: Scalar, const N: usize, const CAP: usize> Spline<S, N, CAP> {
 
     /// Point at the share `u` (0 to 1) of a span. Here and below, a span beyond the last is the last.
     pub fn point(&self, span: usize, u: S) -> Vector<S, N> {
+        self.weighted(span, &self.basis(span, u))
+    }
+
+    /// The basis functions of a span's four control points at the share `u` of it.
+    pub(crate) fn basis(&self, span: usize, u: S) -> [S; 4] {
         let local = self.local(span);
-        let (basis, polygon) = (local.values(local.step() * u), self.polygon(span));
+        local.values(local.step() * u)
+    }
+
+    /// The four control points of a span, each times its basis function.
+    pub(crate) fn weighted(&self, span: usize, basis: &[S; 4]) -> Vector<S, N> {
+        let polygon = self.polygon(span);
         from_fn(|i| {
             let mut sum = S::ZERO;
             for (part, control) in basis.iter().zip(&polygon) {
@@ -311,7 +318,7 @@ impl<S: Scalar, const N: usize, const CAP: usize> Spline<S, N, CAP> {
     /// (n - 1) / n h / a^2 with its first leg a and the distance h of its third point from that (Naseath
     /// 2007, equation 3-6).
     pub fn curvature(&self, span: usize, u: S) -> S {
-        bezier_curvature(self.bezier(span), u).0
+        bezier_curvature(self.bezier(span), u)
     }
 
     /// Arc length of a span, mm.

@@ -174,6 +174,17 @@ fn normalised<S: Scalar, const N: usize>(v: &Vector<S, N>) -> Vector<S, N> {
 pub fn categories<S: Scalar, const N: usize, const CAP: usize>(
     spline: &Spline<S, N, CAP>,
 ) -> Vec<Category, CAP> {
+    let mut out = Vec::new();
+    categorise(spline, &mut out);
+    out
+}
+
+/// The same, in place: moving a list moves all of its room.
+fn categorise<S: Scalar, const N: usize, const CAP: usize>(
+    spline: &Spline<S, N, CAP>,
+    out: &mut Vec<Category, CAP>,
+) {
+    out.clear();
     let points = spline.controls();
     let m = points.len();
     let mut kinds: Vec<Kind, CAP> = Vec::new();
@@ -203,10 +214,9 @@ pub fn categories<S: Scalar, const N: usize, const CAP: usize>(
             *kind = Kind::Secondary;
         }
     }
-    let mut out: Vec<Category, CAP> = Vec::new();
     for kind in &kinds {
         let ripple = *kind == Kind::Ripple;
-        append(&mut out, if ripple { Category::Ripple } else { Category::Ring });
+        append(out, if ripple { Category::Ripple } else { Category::Ring });
     }
     let kind = |i: usize| kinds.get(i).copied().unwrap_or(Kind::Ripple);
     let ends_before = |i: usize| -> bool {
@@ -234,12 +244,11 @@ pub fn categories<S: Scalar, const N: usize, const CAP: usize>(
             }
         }
     }
-    if let [first, .., last] = &mut out[..]
+    if let [first, .., last] = out.as_mut_slice()
         && !spline.is_closed()
     {
         (*first, *last) = (Category::End, Category::End);
     }
-    out
 }
 
 /// The direction in which every control point moves, of length 1 or null (section 3.6). `start` is the
@@ -250,6 +259,19 @@ pub fn directions<S: Scalar, const N: usize, const CAP: usize>(
     start: &Spline<S, N, CAP>,
     categories: &[Category],
 ) -> Vec<Vector<S, N>, CAP> {
+    let mut out = Vec::new();
+    direct(spline, start, categories, &mut out);
+    out
+}
+
+/// The same, in place.
+fn direct<S: Scalar, const N: usize, const CAP: usize>(
+    spline: &Spline<S, N, CAP>,
+    start: &Spline<S, N, CAP>,
+    categories: &[Category],
+    out: &mut Vec<Vector<S, N>, CAP>,
+) {
+    out.clear();
     let points = spline.controls();
     let m = points.len();
     let at = |i: usize, by: isize| neighbour(spline, i, by).and_then(|j| points.get(j));
@@ -297,11 +319,10 @@ pub fn directions<S: Scalar, const N: usize, const CAP: usize>(
         ([a, b, y, z], [p, q, r, s]) => (end([a, b, y], [p, q]), end([z, y, b], [s, r])),
         _ => (zero(), zero()),
     };
-    let mut out = Vec::new();
     for i in 0..m {
         let category = categories.get(i).filter(|category| same && known(category));
         let Some(category) = category else {
-            append(&mut out, zero());
+            append(out, zero());
             continue;
         };
         let direction = match *category {
@@ -315,9 +336,8 @@ pub fn directions<S: Scalar, const N: usize, const CAP: usize>(
                 normalised(&mix(-S::ONE, &bisector(i), S::of(APEX_SHARE), &apex(first, second)))
             }
         };
-        append(&mut out, direction);
+        append(out, direction);
     }
-    out
 }
 
 /// How far every control point moves so that the spline moves evenly: the sensitivities inverted,
@@ -376,15 +396,27 @@ fn subtract<S: Scalar, const N: usize, const CAP: usize>(
     }
 }
 
+/// Span and basis functions there of the place of every control point: they stay the same while points move.
+fn places<S: Scalar, const N: usize, const CAP: usize>(
+    spline: &Spline<S, N, CAP>,
+) -> Vec<(usize, [S; 4]), CAP> {
+    let mut out = Vec::new();
+    for i in 0..spline.controls().len() {
+        let (span, u) = place(spline, i);
+        append(&mut out, (span, spline.basis(span, u)));
+    }
+    out
+}
+
 /// From distances that control points were moved by to how far the spline moved per distance
 /// (equation 3-38).
 fn to_sensitivities<S: Scalar, const N: usize, const CAP: usize>(
     difference: &Spline<S, N, CAP>,
+    places: &[(usize, [S; 4])],
     move_by: &mut [S],
 ) {
-    for (i, distance) in move_by.iter_mut().enumerate() {
-        let (span, u) = place(difference, i);
-        *distance = norm(&difference.point(span, u)) / *distance;
+    for (distance, (span, basis)) in move_by.iter_mut().zip(places) {
+        *distance = norm(&difference.weighted(*span, basis)) / *distance;
     }
 }
 
@@ -403,7 +435,9 @@ pub fn smooth<S: Scalar, const N: usize, const CAP: usize>(
     let radius = options.radius;
     let mut outcome = Outcome { iterations: 0, ending: Ending::Iterations, left: radius };
     let is_null = |directions: &[Vector<S, N>]| directions.iter().all(|d| norm(d) == S::ZERO);
-    let mut heading = directions(spline, &start, &categories(spline));
+    let (mut kinds, mut heading) = (Vec::new(), Vec::new());
+    categorise(spline, &mut kinds);
+    direct(spline, &start, &kinds, &mut heading);
     if is_null(&heading) || radius == S::ZERO {
         outcome.ending = Ending::Straight;
         return Ok(outcome);
@@ -413,10 +447,10 @@ pub fn smooth<S: Scalar, const N: usize, const CAP: usize>(
     for _ in 0..start.controls().len() {
         append(&mut move_by, radius);
     }
-    let (mut next, mut difference) = (start.clone(), start.clone());
+    let (mut next, mut difference, places) = (start.clone(), start.clone(), places(&start));
     shift(spline, &heading, &move_by, &mut next);
     subtract(&next, spline, &mut difference);
-    to_sensitivities(&difference, &mut move_by);
+    to_sensitivities(&difference, &places, &mut move_by);
     for iteration in 1..=options.most_iterations {
         move_distances(&mut move_by, outcome.left);
         let mut left = S::ZERO;
@@ -441,10 +475,11 @@ pub fn smooth<S: Scalar, const N: usize, const CAP: usize>(
             return Ok(outcome);
         }
         subtract(&next, spline, &mut difference);
-        to_sensitivities(&difference, &mut move_by);
+        to_sensitivities(&difference, &places, &mut move_by);
         outcome.left = left;
         spline.move_to(next.controls());
-        heading = directions(spline, &start, &categories(spline));
+        categorise(spline, &mut kinds);
+        direct(spline, &start, &kinds, &mut heading);
         if is_null(&heading) {
             outcome.ending = Ending::Straight;
             return Ok(outcome);

@@ -86,7 +86,7 @@ impl Derivative {
     fn stiffness<S: Scalar>(self, span: &Span<S>) -> S {
         match self {
             Self::Third => span.stiffness(),
-            Self::Second => span.second_stiffness(),
+            Self::Second => span.second_stiffness(&span.second_rows()),
         }
     }
 
@@ -96,18 +96,42 @@ impl Derivative {
     }
 }
 
+/// What is smoothed, and to which end: a type, so that a program contains the code of its own kinds only.
+pub trait Kind {
+    /// What the tube is around.
+    const REFERENCE: Reference;
+    /// What is minimised.
+    const DERIVATIVE: Derivative;
+}
+
+/// A run of short lines, for a machine whose jerk is limited.
+#[derive(Clone, Copy, Debug)]
+pub struct OfLines;
+
+impl Kind for OfLines {
+    const REFERENCE: Reference = Reference::Lines;
+    const DERIVATIVE: Derivative = Derivative::Third;
+}
+
+/// A spline that comes as such, for less curvature.
+#[derive(Clone, Copy, Debug)]
+pub struct OfSpline;
+
+impl Kind for OfSpline {
+    const REFERENCE: Reference = Reference::Itself;
+    const DERIVATIVE: Derivative = Derivative::Second;
+}
+
 /// A spline in its tube: span number k depends on the control points k to k + 3.
-pub struct Tube<'a, S, const N: usize> {
+pub struct Tube<'a, S, const N: usize, K> {
     /// The control points.
     pub poles: &'a mut [Pole<S, N>],
     /// The spans: three fewer.
     pub spans: &'a [Span<S>],
     /// The check points, span by span.
     pub checks: &'a mut [CheckPoint<S, N>],
-    /// What the tube is around.
-    pub reference: Reference,
-    /// What is minimised.
-    pub derivative: Derivative,
+    /// What it is.
+    pub kind: K,
 }
 
 /// A smoothing under way: what is left of it, between two steps.
@@ -129,7 +153,7 @@ enum Stage {
     Shortening { round: u8 },
 }
 
-impl<S: Scalar, const N: usize> Tube<'_, S, N> {
+impl<S: Scalar, const N: usize, K: Kind> Tube<'_, S, N, K> {
     /// Smooths the spline by `sweeps` sweeps, and as many repairs as the tube asks for, up to
     /// eight; the `free` control points may move.
     pub fn improve<const SIZE: usize>(
@@ -239,7 +263,7 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
 
     /// What is kept free of the tube between the check points of a span, as tried.
     fn slack(&self, k: usize, span: &Span<S>, edges: &[Vector<S, N>; 3]) -> S {
-        match self.reference {
+        match K::REFERENCE {
             Reference::Lines => span.slack(edges),
             Reference::Itself => match some(self.poles, k) {
                 Some([a, b, c, d]) => span.slack(&[
@@ -258,7 +282,10 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
             let Some(poles) = some::<_, 4>(self.poles, k) else { return };
             let shifts = poles.each_ref().map(|pole| pole.trial);
             for check in part_mut(self.checks, span.range()) {
-                check.measure(&shifts);
+                match K::REFERENCE {
+                    Reference::Lines => check.measure(&shifts),
+                    Reference::Itself => check.measure_still(&shifts),
+                }
             }
         }
     }
@@ -274,22 +301,43 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
         for (k, span) in self.spans.iter().enumerate().take(spans.end).skip(spans.start) {
             let edges = trial_edges(self.poles, k);
             let mut sum = Sum::new();
-            match self.derivative {
-                Derivative::Third => sum.add(span.weight(), &span.thirds, &span.third(&edges)),
+            let stiffness = match K::DERIVATIVE {
+                Derivative::Third => {
+                    sum.add(span.weight(), &span.thirds, &span.third(&edges));
+                    span.stiffness()
+                }
                 Derivative::Second => {
+                    let rows = span.second_rows();
                     // Only what bends the path is to vanish, not what changes the parameter's speed.
-                    for (row, value) in span.second_rows().iter().zip(span.across(&edges)) {
-                        sum.add(span.second_weight(), row, &value);
+                    for (row, value) in rows.iter().zip(&span.across(&edges)) {
+                        sum.add(span.second_weight(), row, value);
+                    }
+                    span.second_stiffness(&rows)
+                }
+            };
+            let sag = self.slack(k, span, &edges);
+            let (least, most) = (stiffness * S::of(LEAST_WEIGHT), stiffness * S::of(MOST_WEIGHT));
+            let weight = |check: &CheckPoint<S, N>| {
+                let ratio = (norm(&check.miss) + sag) / (check.radius * S::of(TARGET));
+                (check.weight * change(ratio)).greatest(least).least(most)
+            };
+            let checks = part_mut(self.checks, span.range());
+            match K::DERIVATIVE {
+                Derivative::Third => {
+                    for check in checks {
+                        check.weight = weight(check);
+                        sum.add(check.weight, &check.basis, &check.miss);
                     }
                 }
-            }
-            let sag = self.slack(k, span, &edges);
-            let stiffness = self.derivative.stiffness(span);
-            let (least, most) = (stiffness * S::of(LEAST_WEIGHT), stiffness * S::of(MOST_WEIGHT));
-            for check in part_mut(self.checks, span.range()) {
-                let ratio = (norm(&check.miss) + sag) / (check.radius * S::of(TARGET));
-                check.weight = (check.weight * change(ratio)).greatest(least).least(most);
-                sum.add(check.weight, &check.basis, &check.miss);
+                Derivative::Second => {
+                    // Apart: a processor that looks ahead takes the roots and divisions of several places at once.
+                    for check in &mut *checks {
+                        check.weight = weight(check);
+                    }
+                    for check in checks {
+                        sum.add(check.weight, &check.basis, &check.miss);
+                    }
+                }
             }
             system.add(k, free, &sum);
         }
@@ -303,7 +351,7 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
     /// Whether a span is inside the tube, as tried and measured, and goes on without a kink.
     fn holds(&self, k: usize, span: &Span<S>) -> bool {
         let edges = trial_edges(self.poles, k);
-        let goes_on = match self.reference {
+        let goes_on = match K::REFERENCE {
             Reference::Lines => span.goes_on(&edges),
             Reference::Itself => span.curl(&edges) <= span.most_curl,
         };
@@ -343,7 +391,7 @@ impl<S: Scalar, const N: usize> Tube<'_, S, N> {
     /// Takes on what was tried and is inside the tube, unless that takes longer to run than before. The smoothing is over.
     fn take_on(&mut self, hard: S) -> Option<Smoothing<S>> {
         // Where the tube is much wider than the lines in it are long, that happens.
-        let wound_up = self.reference == Reference::Lines
+        let wound_up = K::REFERENCE == Reference::Lines
             && self.hardness(|pole| pole.trial) > hard * S::of(WOUND_UP);
         if !wound_up {
             for pole in &mut *self.poles {

@@ -115,17 +115,30 @@ impl<S: Scalar, const N: usize> CheckPoint<S, N> {
         }
     }
 
-    /// Finds the miss for shifts of the four control points.
+    /// Spline minus poly-line for shifts of the four control points, mm.
     #[inline]
-    pub fn measure(&mut self, shifts: &[Vector<S, N>; 4]) {
+    fn displaced(&self, shifts: &[Vector<S, N>; 4]) -> Vector<S, N> {
         let mut off = self.off;
         for (part, shift) in self.basis.iter().zip(shifts) {
             for (sum, x) in off.iter_mut().zip(shift) {
                 *sum += *part * *x;
             }
         }
+        off
+    }
+
+    /// Finds the miss for shifts of the four control points.
+    #[inline]
+    pub fn measure(&mut self, shifts: &[Vector<S, N>; 4]) {
+        let off = self.displaced(shifts);
         let slip = dot(&off, &self.along).least(self.slip.ahead).greatest(self.slip.back);
         self.miss = from_fn(|i| off[i] - slip * self.along[i]);
+    }
+
+    /// The same for a point that must not slip.
+    #[inline]
+    pub fn measure_still(&mut self, shifts: &[Vector<S, N>; 4]) {
+        self.miss = self.displaced(shifts);
     }
 }
 
@@ -178,13 +191,14 @@ impl<S: Scalar> Span<S> {
     pub fn across<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> [Vector<S, N>; 2] {
         let [a, b, c] = self.first(edges);
         let [start, end] = self.second(edges);
-        NEAR.map(|near| {
+        let at = |near: f64| -> Vector<S, N> {
             let (v, u) = (S::of(near), S::of(1.0 - near));
             let d = bezier::parabola([&a, &b, &c], u);
             let dd: Vector<S, N> = from_fn(|i| v * start[i] + u * end[i]);
             let along = dot(&d, &dd) / dot(&d, &d).greatest(S::of(1.0e-12));
             from_fn(|i| dd[i] - along * d[i])
-        })
+        };
+        [at(NEAR[0]), at(NEAR[1])]
     }
 
     /// The least speed by the parameter, of those at both ends and in the middle.
@@ -241,12 +255,13 @@ impl<S: Scalar> Span<S> {
         self.weight() * (a * a + b * b + c * c + d * d)
     }
 
-    /// What a second derivative costs here, by the square of a displacement of a control point.
-    pub fn second_stiffness(&self) -> S {
+    /// What a second derivative costs here, by the square of a displacement of a control point; `rows` are its
+    /// [`second_rows`](Self::second_rows).
+    pub fn second_stiffness(&self, rows: &[[S; 4]; 2]) -> S {
         let mut sum = S::ZERO;
-        for row in self.second_rows() {
+        for row in rows {
             for x in row {
-                sum += x * x;
+                sum += *x * *x;
             }
         }
         self.second_weight() * sum
@@ -264,7 +279,10 @@ impl<S: Scalar> Span<S> {
         let zero = S::ZERO;
         let start = [b0 * a0, -(b0 * (a0 + a1)), b0 * a1, zero];
         let end = [zero, b1 * a1, -(b1 * (a1 + a2)), b1 * a2];
-        NEAR.map(|near| from_fn(|j| S::of(near) * start[j] + S::of(1.0 - near) * end[j]))
+        let at = |near: f64| -> [S; 4] {
+            from_fn(|j| S::of(near) * start[j] + S::of(1.0 - near) * end[j])
+        };
+        [at(NEAR[0]), at(NEAR[1])]
     }
 
     /// Weight of the square of the third derivative.

@@ -16,7 +16,7 @@ use crate::number::{Coord, Interval, Length, Scalar};
 use crate::path::leg::Leg;
 use crate::spline::banded::System;
 use crate::spline::basis::Local;
-use crate::spline::sweep::{Derivative, Reference, Smoothing, Tube, price};
+use crate::spline::sweep::{Kind, OfLines, Smoothing, Tube, price};
 use crate::spline::tube::{CheckPoint, Pole, Span, edges};
 use core::array::from_fn;
 use core::ops::Range;
@@ -287,7 +287,7 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         span.price = price(span.reach);
         span.first_check = places as u16;
         span.checks = (self.checks.len() - places) as u16;
-        let weight = Derivative::Third.first_weight(&span);
+        let weight = OfLines::DERIVATIVE.first_weight(&span);
         // The place where two spans meet is held against the narrower band of the two.
         let before = places.checked_sub(1).and_then(|last| self.checks.get(last));
         let mut narrower = before.map(|check| check.radius);
@@ -411,14 +411,8 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         self.frozen..self.controls.len().saturating_sub(self.tied)
     }
 
-    fn tube(&mut self) -> Tube<'_, S, N> {
-        Tube {
-            poles: &mut self.poles,
-            spans: &self.spans,
-            checks: &mut self.checks,
-            reference: Reference::Lines,
-            derivative: Derivative::Third,
-        }
+    fn tube(&mut self) -> Tube<'_, S, N, OfLines> {
+        Tube { poles: &mut self.poles, spans: &self.spans, checks: &mut self.checks, kind: OfLines }
     }
 }
 

@@ -15,6 +15,9 @@ pub const METHODS: [Method; 2] = [Method::Thesis, Method::Bounded];
 /// Shares of a printed figure within which others are counted.
 pub const WITHIN: [f64; 3] = [0.02, 0.10, 0.25];
 
+/// How often every case is smoothed: of the times the least is kept, which other programs have disturbed least.
+const RUNS: usize = 10;
+
 /// Figures by the two readings of section 4.5.
 pub type Both = [Figures; 2];
 
@@ -117,7 +120,11 @@ impl Comparison {
     /// None, unless the cases themselves are wrong.
     pub fn new(readings: [Reading; 2]) -> Result<Self> {
         let run = |path: &Path, radius: f64, method: Method| -> Result<Run> {
-            let smoothed = smooth(path, &Request::new(method, radius))?;
+            let request = Request::new(method, radius);
+            let mut smoothed = smooth(path, &request)?;
+            for _ in 1..RUNS {
+                smoothed.took = smoothed.took.min(smooth(path, &request)?.took);
+            }
             let off = smoothed.path.difference(path).map_or(0.0, |d| d.greatest(200)) / radius;
             Ok(Run { figures: both(&smoothed.path, readings), smoothed, off })
         };
