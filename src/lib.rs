@@ -150,6 +150,8 @@ pub mod wire;
 
 pub use block::{Block, Feed, Motion, PushError, Turn};
 pub use machine::{AxisLimits, BLOCKS, Config, ConfigError, CornerMode, Limits, NODES};
+#[cfg(feature = "travel")]
+pub use machine::{AxisTravel, Travel};
 pub use number::{Coord, RangeError, Scalar};
 pub use planner::{Counters, Link, Planner, Progress};
 pub use servo::{Activity, Controls, Interpolator, Setpoint};

@@ -24,6 +24,35 @@ static void drive(const splineway_setpoint *setpoint)
     ++cycles;
 }
 
+/* Limits of travel: from -1 to 1 mm in X, up to 2 mm in Y. */
+static int beyond(splineway_core *core, const splineway_block *options)
+{
+    static const int64_t out[SPLINEWAY_AXES] = {1000001};
+    static const int64_t in[SPLINEWAY_AXES] = {1000000, -5000000};
+    static const int64_t high[SPLINEWAY_AXES] = {0, 2000001};
+    splineway_travel travel[SPLINEWAY_AXES];
+    int axis, failures = 0;
+
+    for (axis = 0; axis < SPLINEWAY_AXES; ++axis) {
+        travel[axis].least = INT64_MIN;
+        travel[axis].greatest = INT64_MAX;
+    }
+    travel[0].least = 1;
+    travel[0].greatest = 0;
+    failures += splineway_set_travel(core, travel) != SPLINEWAY_RESULT_CONFIG;
+    travel[0].least = -1000000;
+    travel[0].greatest = INT64_MAX - 1;
+    failures += splineway_set_travel(core, travel) != SPLINEWAY_RESULT_CONFIG;
+    failures += splineway_set_travel(core, NULL) != SPLINEWAY_RESULT_NULL;
+    travel[0].greatest = 1000000;
+    travel[1].greatest = 2000000;
+    failures += splineway_set_travel(core, travel) != SPLINEWAY_RESULT_OK;
+    failures += splineway_push_line(core, out, options) != SPLINEWAY_RESULT_TRAVEL;
+    failures += splineway_push_line(core, high, options) != SPLINEWAY_RESULT_TRAVEL;
+    failures += splineway_push_line(core, in, options) != SPLINEWAY_RESULT_OK;
+    return failures;
+}
+
 static int wrong_calls(void)
 {
     static splineway_core core, moved;
@@ -73,6 +102,11 @@ static int wrong_calls(void)
     config.axes[0].jerk = INFINITY;
     failures += splineway_init(&core, sizeof core, &config, start) != SPLINEWAY_RESULT_CONFIG;
     config.axes[0].jerk = 50000.0f;
+    config.travel[0].least = 5;
+    config.travel[0].greatest = 4;
+    failures += splineway_init(&core, sizeof core, &config, start) != SPLINEWAY_RESULT_CONFIG;
+    config.travel[0].least = INT64_MIN;
+    config.travel[0].greatest = INT64_MAX;
     failures += splineway_init(&core, sizeof core, &config, far) != SPLINEWAY_RESULT_COORDINATE;
     failures += splineway_tick(&core, &setpoint) != SPLINEWAY_RESULT_NOT_READY;
     failures += splineway_init((splineway_core *)((char *)&core + 1), sizeof core, &config, start)
@@ -94,6 +128,7 @@ static int wrong_calls(void)
     failures += splineway_push_line(&core, start, &backwards) != SPLINEWAY_RESULT_OUT_OF_RANGE;
     failures += splineway_push_arc(&core, start, &nowhere, &options) != SPLINEWAY_RESULT_PLANE;
     failures += splineway_push_dwell(&core, -1.0f, 1) != SPLINEWAY_RESULT_OUT_OF_RANGE;
+    failures += beyond(&core, &options);
     failures += splineway_push_event(&core, true, 2) != SPLINEWAY_RESULT_OK;
     /* After an abort nothing is taken until the caller says that it knows. */
     failures += splineway_acknowledge_abort(&core);

@@ -6,7 +6,10 @@ use splineway::wire::{
     Command, Events, FRAME, Inlet, Item, Move, Opening, Path, Refusal, Reply, Request, Sender,
     Speed, State, Station, Step, Target, encode,
 };
-use splineway::{AxisLimits, Block, Config, Coord, Limits, Link, Planner, Progress, PushError};
+use splineway::{
+    AxisLimits, AxisTravel, Block, Config, Coord, Limits, Link, Planner, Progress, PushError,
+    Travel,
+};
 use std::collections::VecDeque;
 
 const BLOCKS: usize = 16;
@@ -65,7 +68,10 @@ impl Line {
 
 fn config() -> Config<f32, 3> {
     let axis = AxisLimits::linear(200.0, 2000.0, 50_000.0);
-    Config::new(Limits::new([axis; 3]).unwrap())
+    let mut config = Config::new(Limits::new([axis; 3]).unwrap());
+    let ends = AxisTravel { least: None, greatest: Coord::from_mm(400.0).ok() };
+    config.travel = Travel::new([ends; 3]).unwrap();
+    config
 }
 
 /// A zigzag; every position and every tag is different.
@@ -241,6 +247,20 @@ fn a_refused_block_is_named_and_what_came_before_is_run() {
     let Path::Line { to } = &last.path else { panic!("a line") };
     let wanted = [to[0].unwrap(), to[1].unwrap(), 0];
     assert_eq!(*outcome.positions.last().unwrap(), wanted);
+}
+
+/// The same for a block that is valid, but leads too far.
+#[test]
+fn a_block_that_leaves_the_travel_is_named_with_axis_and_limit() {
+    let mut items = program(50);
+    let Item::Move(bad) = &mut items[30] else { panic!("a move") };
+    bad.path = Path::Line { to: Target::from([None, Some(400_000_001), None]) };
+    let outcome = stream(&items, [Line::new(&[]), Line::new(&[])], &[], 0);
+    let (to, limit) = (400_000_001, 400_000_000);
+    assert_eq!(outcome.refused, Some(Refusal::Travel { tag: 31, axis: 1, to, limit }));
+    let Item::Move(last) = &items[29] else { panic!("a move") };
+    let Path::Line { to } = &last.path else { panic!("a line") };
+    assert_eq!(*outcome.positions.last().unwrap(), [to[0].unwrap(), to[1].unwrap(), 0]);
 }
 
 /// A move survives the line to the nanometre.

@@ -23,6 +23,13 @@ pub enum BlockError {
         /// The value given, and the range, mm.
         error: RangeError,
     },
+    /// It leads out of the limits of travel (feature `travel`).
+    Travel {
+        /// Index of the axis.
+        axis: usize,
+        /// How far the block would go, and the limits, mm.
+        error: RangeError,
+    },
     /// The arc's plane names an axis that does not exist, or the same axis twice.
     Plane {
         /// The two axes named.
@@ -65,6 +72,9 @@ impl fmt::Display for BlockError {
                     f,
                     "coordinate of axis {axis} is {value} mm; it must be {least} to {greatest}"
                 )
+            }
+            Self::Travel { axis, error: RangeError { value, least, greatest } } => {
+                write!(f, "axis {axis} would go to {value} mm; its travel is {least} to {greatest}")
             }
             Self::Plane { axes: (p, q) } => {
                 write!(f, "arc plane of axes {p} and {q} does not exist")

@@ -1,8 +1,10 @@
 //! From C's plain data to the core's.
 
-use super::types::{SPLINEWAY_AXES, splineway_block, splineway_config, splineway_result};
+use super::types::{
+    SPLINEWAY_AXES, splineway_block, splineway_config, splineway_result, splineway_travel,
+};
 use crate::block::{BlockError, Feed, PushError};
-use crate::machine::{AxisLimits, Config, Limits};
+use crate::machine::{AxisLimits, AxisTravel, Config, Limits, Travel};
 use crate::number::Coord;
 
 pub fn coord(nm: i64) -> Option<Coord> {
@@ -39,6 +41,20 @@ pub fn tolerance(options: &splineway_block) -> Option<f32> {
     (!default).then_some(options.tolerance)
 }
 
+/// `None` if a limit is out of its range, or the greatest position is less than the least.
+pub fn travel(axes: [splineway_travel; SPLINEWAY_AXES]) -> Option<Travel<SPLINEWAY_AXES>> {
+    let mut travel = [AxisTravel::default(); SPLINEWAY_AXES];
+    for (slot, ends) in travel.iter_mut().zip(axes) {
+        if ends.least != i64::MIN {
+            slot.least = Some(coord(ends.least)?);
+        }
+        if ends.greatest != i64::MAX {
+            slot.greatest = Some(coord(ends.greatest)?);
+        }
+    }
+    Travel::new(travel).ok()
+}
+
 pub fn config(c: &splineway_config) -> Result<Config<f32, SPLINEWAY_AXES>, splineway_result> {
     let axes = c.axes.map(|axis| AxisLimits {
         velocity: axis.velocity,
@@ -47,6 +63,7 @@ pub fn config(c: &splineway_config) -> Result<Config<f32, SPLINEWAY_AXES>, splin
         rotary: axis.rotary,
     });
     let mut config = Config::new(Limits::new(axes).map_err(|_| splineway_result::CONFIG)?);
+    config.travel = travel(c.travel).ok_or(splineway_result::CONFIG)?;
     config.cycle = c.cycle;
     config.tolerance = c.tolerance;
     config.lead = c.lead;
@@ -68,5 +85,6 @@ pub fn refusal(error: &PushError) -> splineway_result {
         BlockError::Plane { .. } => splineway_result::PLANE,
         BlockError::ArcRadius { .. } | BlockError::ArcUnreachable { .. } => splineway_result::ARC,
         BlockError::TooLong { .. } => splineway_result::TOO_LONG,
+        BlockError::Travel { .. } => splineway_result::TRAVEL,
     }
 }

@@ -25,7 +25,7 @@ use crate::machine::defaults;
 use crate::number::Coord;
 use crate::planner::{Link, Planner};
 use crate::servo::{Controls, Interpolator};
-use convert::{config, coord, coords, feed, refusal, tolerance};
+use convert::{config, coord, coords, feed, refusal, tolerance, travel};
 use core::mem::MaybeUninit;
 
 /// What stands in the storage.
@@ -100,6 +100,7 @@ pub unsafe extern "C" fn splineway_config_init_sized(
             size: size_of::<splineway_config>() as u32,
             axis_count: SPLINEWAY_AXES as u32,
             axes: [axis; SPLINEWAY_AXES],
+            travel: [splineway_travel { least: i64::MIN, greatest: i64::MAX }; SPLINEWAY_AXES],
             cycle: defaults::CYCLE as f32,
             tolerance: defaults::TOLERANCE as f32,
             lead: defaults::LEAD as f32,
@@ -155,6 +156,24 @@ pub unsafe extern "C" fn splineway_init(
         (&raw mut (*core).home).write(core);
         (&raw mut (*core).ready).write(READY);
     }
+    splineway_result::OK
+}
+
+/// Changes the limits of travel, one pair per axis: they hold for every block that is pushed from now on. `CONFIG`, and
+/// nothing has changed, if one is out of its range or a greatest position is less than the least.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splineway_set_travel(
+    core: *mut splineway_core,
+    axes: *const splineway_travel,
+) -> splineway_result {
+    let Some(planner) = planner(core) else { return splineway_result::NOT_READY };
+    if axes.is_null() {
+        return splineway_result::NULL;
+    }
+    // SAFETY: the caller gives one pair per axis to read.
+    let axes = core::array::from_fn(|axis| unsafe { axes.add(axis).read() });
+    let Some(travel) = travel(axes) else { return splineway_result::CONFIG };
+    planner.set_travel(travel);
     splineway_result::OK
 }
 

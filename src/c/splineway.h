@@ -39,7 +39,7 @@
 /*
  Version of the interface, which header and library must agree on.
  */
-#define SPLINEWAY_INTERFACE 2
+#define SPLINEWAY_INTERFACE 3
 
 /*
  What came of a call.
@@ -102,6 +102,10 @@ typedef enum {
    `splineway_config_init`.
    */
   SPLINEWAY_RESULT_HEADER = 13,
+  /*
+   The block leads out of the limits of travel.
+   */
+  SPLINEWAY_RESULT_TRAVEL = 14,
 } splineway_result;
 
 /*
@@ -188,6 +192,20 @@ typedef struct {
 } splineway_axis;
 
 /*
+ How far an axis may go.
+ */
+typedef struct {
+  /*
+   Least position, nm; `INT64_MIN`: none.
+   */
+  int64_t least;
+  /*
+   Greatest position, nm; `INT64_MAX`: none.
+   */
+  int64_t greatest;
+} splineway_travel;
+
+/*
  A machine. Made by `splineway_config_init`, which says how large the header has it: a library of another
  size then touches nothing.
  */
@@ -204,6 +222,10 @@ typedef struct {
    Limits of the axes.
    */
   splineway_axis axes[SPLINEWAY_AXES];
+  /*
+   Limits of travel; none unless they are set.
+   */
+  splineway_travel travel[SPLINEWAY_AXES];
   /*
    Servo cycle, s.
    */
@@ -381,6 +403,13 @@ splineway_result splineway_init(splineway_core *storage,
                                 size_t bytes,
                                 const splineway_config *config,
                                 const int64_t *start);
+
+/*
+ Changes the limits of travel, one pair per axis: they hold for every block that is pushed from now on. `CONFIG`, and
+ nothing has changed, if one is out of its range or a greatest position is less than the least.
+ */
+splineway_result splineway_set_travel(splineway_core *core,
+                                      const splineway_travel *axes);
 
 /*
  Adds a straight line to `to` (nm).

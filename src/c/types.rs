@@ -34,7 +34,7 @@ pub const SPLINEWAY_STORAGE_BYTES: usize = 13_200
 pub const SPLINEWAY_STORAGE_WORDS: usize = SPLINEWAY_STORAGE_BYTES / 8 + 1;
 
 /// Version of the interface, which header and library must agree on.
-pub const SPLINEWAY_INTERFACE: u32 = 2;
+pub const SPLINEWAY_INTERFACE: u32 = 3;
 
 /// Storage of a core: opaque, and not to be moved once it is set up (it would no longer be ready).
 #[repr(C)]
@@ -76,6 +76,8 @@ pub enum splineway_result {
     /// Header and library are not of the same version, or the configuration was not made by
     /// `splineway_config_init`.
     HEADER = 13,
+    /// The block leads out of the limits of travel.
+    TRAVEL = 14,
 }
 
 impl splineway_result {
@@ -95,6 +97,7 @@ impl splineway_result {
             (Self::ARC, c"the arc's ends are not at the same distance from its centre"),
             (Self::TOO_LONG, c"the block is too long"),
             (Self::ABORTED, c"an abort has not been acknowledged"),
+            (Self::TRAVEL, c"the block leads out of the limits of travel"),
             (Self::HEADER, c"header and library differ, or the configuration is not from splineway_config_init"),
         ];
         let known = all.into_iter().find(|(result, _)| *result as i32 == number);
@@ -116,6 +119,16 @@ pub struct splineway_axis {
     pub rotary: bool,
 }
 
+/// How far an axis may go.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct splineway_travel {
+    /// Least position, nm; `INT64_MIN`: none.
+    pub least: i64,
+    /// Greatest position, nm; `INT64_MAX`: none.
+    pub greatest: i64,
+}
+
 /// A machine. Made by `splineway_config_init`, which says how large the header has it: a library of another
 /// size then touches nothing.
 #[repr(C)]
@@ -127,6 +140,8 @@ pub struct splineway_config {
     pub axis_count: u32,
     /// Limits of the axes.
     pub axes: [splineway_axis; SPLINEWAY_AXES],
+    /// Limits of travel; none unless they are set.
+    pub travel: [splineway_travel; SPLINEWAY_AXES],
     /// Servo cycle, s.
     pub cycle: f32,
     /// Tolerance of blocks that name none, mm.

@@ -1,5 +1,7 @@
 //! How the core is set up for a machine.
 
+#[cfg(feature = "travel")]
+use super::Travel;
 use super::{ConfigError, Limits, Quantity, defaults};
 use crate::number::Scalar;
 
@@ -40,6 +42,9 @@ impl<S> CornerMode<S> {
 pub struct Config<S, const N: usize> {
     /// Limits of the axes.
     pub limits: Limits<S, N>,
+    /// How far the axes may go (feature `travel`). [`Planner::set_travel`](crate::Planner::set_travel) changes it.
+    #[cfg(feature = "travel")]
+    pub travel: Travel<N>,
     /// Servo cycle, s: the time between two calls of `tick`.
     pub cycle: S,
     /// Tolerance of blocks that name none, mm: greatest distance from the programmed path.
@@ -67,6 +72,8 @@ impl<S: Scalar, const N: usize> Config<S, N> {
     /// The memory of one: all zeros, which [`Config::check`] refuses.
     pub(crate) const UNSET: Self = Self {
         limits: Limits::UNSET,
+        #[cfg(feature = "travel")]
+        travel: Travel::UNSET,
         cycle: S::ZERO,
         tolerance: S::ZERO,
         corner: CornerMode::Band,
@@ -80,6 +87,8 @@ impl<S: Scalar, const N: usize> Config<S, N> {
     pub fn new(limits: Limits<S, N>) -> Self {
         Self {
             limits,
+            #[cfg(feature = "travel")]
+            travel: Travel::OPEN,
             cycle: S::of(defaults::CYCLE),
             tolerance: S::of(defaults::TOLERANCE),
             corner: CornerMode::Band,

@@ -25,6 +25,13 @@ pub enum ConfigError {
         /// The coordinate given, and the range, mm.
         error: RangeError,
     },
+    /// A limit of travel is beyond `Coord::LIMIT_MM`, or the greatest position is less than the least.
+    Travel {
+        /// Index of the axis.
+        axis: usize,
+        /// The position given, and the range, mm.
+        error: RangeError,
+    },
     /// A setting of the whole machine is outside its range.
     Setting {
         /// Which setting.
@@ -46,6 +53,12 @@ impl fmt::Display for ConfigError {
             }
             Self::Start { axis, error: RangeError { value, least, greatest } } => {
                 write!(f, "start of axis {axis} is {value} mm; it must be {least} to {greatest}")
+            }
+            Self::Travel { axis, error: RangeError { value, least, greatest } } => {
+                write!(
+                    f,
+                    "limit of travel of axis {axis} is {value} mm; it must be {least} to {greatest}"
+                )
             }
             Self::Setting { quantity, error: RangeError { value, least, greatest } } => {
                 let (name, unit) = quantity.words();

@@ -7,6 +7,8 @@ mod limits;
 mod quantity;
 mod ramp;
 mod size;
+#[cfg(feature = "travel")]
+mod travel;
 
 pub use config::{Config, CornerMode};
 pub use error::ConfigError;
@@ -15,3 +17,5 @@ pub use limits::{AxisLimits, Limits};
 pub use quantity::Quantity;
 pub(crate) use ramp::Ramp;
 pub use size::{BLOCKS, NODES};
+#[cfg(feature = "travel")]
+pub use travel::{AxisTravel, Travel};

@@ -7,6 +7,8 @@
 //! each of its turning points, at which the motion rests, and to its end.
 
 use super::budget;
+#[cfg(feature = "travel")]
+use super::extent::Extent;
 use crate::block::range::{check_coordinates, in_range};
 use crate::block::{Block, BlockError, Feed, Motion};
 use crate::machine::{Config, Quantity};
@@ -61,6 +63,8 @@ impl<S: Scalar, const N: usize> Chords<S, N> {
         in_range(Quantity::CurveTolerance, tolerance)?;
         let offsets =
             [controls[0], controls[1], to].map(|point| from_fn(|i| point[i].minus::<f64>(from[i])));
+        #[cfg(feature = "travel")]
+        let tolerance = extent((&from, &to), &offsets).within(&config.travel, &from, tolerance)?;
         let budget::Chords { sag, rest } = budget::Chords::new(tolerance);
         let mut line = *block;
         line.tolerance = Some(rest);
@@ -204,20 +208,41 @@ fn turning_points<const N: usize>(offsets: &[[f64; N]; 3], sag: f64) -> Option<(
             return None;
         }
     }
-    // The first derivative along the line is a parabola: v^2 d0 + 2 v u d1 + u^2 d2, zero where the
+    let [first, second] = turns(along);
+    Some((u32::from(first < 1.0) + u32::from(second < 1.0), [first, second]))
+}
+
+/// Where a cubic from 0 along an axis turns back, by the parameter, in order; 1 for what it has not.
+fn turns([a, b, c]: [f64; 3]) -> [f64; 2] {
+    // The first derivative is a parabola: v^2 d0 + 2 v u d1 + u^2 d2, zero where the
     // quotient r = u / v of d2 r^2 + 2 d1 r + d0 = 0 is positive.
-    let [a, b, c] = along;
     let (d0, d1, d2) = (a, b - a, c - b);
     let inner = d1 * d1 - d0 * d2;
     if inner <= 0.0 {
-        return Some((0, [1.0; 2]));
+        return [1.0; 2];
     }
     let sum = d1 + if d1 < 0.0 { -Scalar::sqrt(inner) } else { Scalar::sqrt(inner) };
     // u / (u + v) with u and v up to a common factor.
     let parameter = |u: f64, v: f64| if u * v > 0.0 { u / (u + v) } else { 1.0 };
     let (p, q) = (parameter(-sum, d2), parameter(-d0, sum));
-    let (first, second) = if p < q { (p, q) } else { (q, p) };
-    Some((u32::from(first < 1.0) + u32::from(second < 1.0), [first, second]))
+    if p < q { [p, q] } else { [q, p] }
+}
+
+/// How far a cubic curve reaches.
+#[cfg(feature = "travel")]
+fn extent<const N: usize>(
+    (from, to): (&[Coord; N], &[Coord; N]),
+    offsets: &[[f64; N]; 3],
+) -> Extent<N> {
+    let mut extent = Extent::between(from, to);
+    for axis in 0..N {
+        for u in turns(offsets.map(|offset| offset[axis])) {
+            if u < 1.0 {
+                extent.reach(axis, from[axis].plus(cubic_from_origin(offsets, u)[axis]));
+            }
+        }
+    }
+    extent
 }
 
 #[cfg(test)]

@@ -99,6 +99,13 @@ impl<S: Scalar> Half<S> {
         from_fn(|k| self.points[first + k])
     }
 
+    /// The least offset of its control points to the inner side, mm: the curve has none that is less.
+    #[cfg(test)]
+    pub fn least_offset(&self) -> S {
+        let points = self.points.iter().take(3 * usize::from(self.spans) + 1);
+        points.fold(S::ZERO, |least, (_, y)| least.least(*y))
+    }
+
     /// Greatest distance from the leg's line, mm; exact.
     pub fn deviation(&self) -> S {
         let mut most = S::ZERO;

@@ -153,6 +153,50 @@ impl Helix {
         }
     }
 
+    /// Shows every place between the ends where an axis of the plane turns back, if the arc comes there, by the index of
+    /// the axis: of several turns the farthest.
+    ///
+    /// Seen from the end with the greater radius R, at an angle t from there the radius is R - k t. Along a direction at the
+    /// angle b from that end the coordinate (R - k t) cos(b - t) is greatest where t + atan(k / (R - k t)) = b: the
+    /// left side rises in t, by 1 to 2 per unit, so there is one such place, and Newton's method finds it. Of
+    /// several turns it is the first from that end. On a circle it is b itself.
+    #[cfg(feature = "travel")]
+    pub fn reaches(&self, mut reach: impl FnMut(usize, Coord)) {
+        const STEPS: u32 = 5;
+        let whole = self.angle().abs();
+        let loss = self.growth.abs() / whole;
+        let (start, sense) = if self.growth > 0.0 {
+            (self.from + self.sweep, -self.sweep)
+        } else {
+            (self.from, self.sweep)
+        };
+        let greatest = self.radius.max(self.radius + self.growth);
+        for quarter in 0..4u8 {
+            let apart = TAU * 0.25 * f64::from(quarter) - start;
+            let turns = if sense < 0.0 { -apart } else { apart } / TAU;
+            let ahead = TAU * (turns - libm::floor(turns));
+            let lag = |t: f64| libm::atan2(loss, greatest - loss * t);
+            let ahead = if ahead < lag(0.0) { ahead + TAU } else { ahead };
+            if whole + lag(whole) < ahead {
+                continue;
+            }
+            let mut t = ahead - lag(0.0);
+            for _ in 0..STEPS {
+                let radius = greatest - loss * t;
+                let slope = 1.0 + loss * loss / (radius * radius + loss * loss);
+                t = (t - (t + lag(t) - ahead) / slope).max(0.0).min(whole);
+            }
+            let radius = greatest - loss * t;
+            let far = radius * radius / length((radius, loss));
+            let far = if quarter < 2 { far } else { -far };
+            if quarter % 2 == 0 {
+                reach(usize::from(self.plane.0), self.centre.0.plus(far));
+            } else {
+                reach(usize::from(self.plane.1), self.centre.1.plus(far));
+            }
+        }
+    }
+
     /// What the axes outside the plane travel, mm.
     pub fn climb<const N: usize>(&self, start: &[Coord; N], end: &[Coord; N]) -> [f64; N] {
         from_fn(|i| if self.turns_axis(i) { 0.0 } else { end[i].minus(start[i]) })

@@ -201,7 +201,8 @@ pub fn joint<S: Scalar, const N: usize>(
             if !back && (slight || short) {
                 return (run(), Length::ZERO);
             }
-            (Joint::Corner, Length::from_mm(swing::longest_reach(&corner, tolerance, shorter)))
+            let band = before.corner_band_with(after);
+            (Joint::Corner, Length::from_mm(swing::longest_reach(&corner, band, shorter)))
         }
         _ if stops() => (Joint::Stop, Length::ZERO),
         _ => {
@@ -258,7 +259,7 @@ pub fn reach<S: Scalar, const N: usize>(
         left -= segment.exact_length / RUN_SHARE;
     }
     let corner = Corner::new(&segment.end_frame().tangent, &ahead.start_frame().tangent);
-    let tolerance = item.band_with(next);
+    let (tolerance, band) = (item.band_with(next), item.corner_band_with(next));
     if let Some(lambda) = paper {
         // There is a transition before this one from which to keep away: routine 1 has none.
         let follows = matches!(item.entered, Joint::Corner | Joint::Blend);
@@ -271,7 +272,7 @@ pub fn reach<S: Scalar, const N: usize>(
             starts.then(|| rest_cell(segment, item.feed, &config.limits)),
             last.then(|| rest_cell(ahead, next.feed, &config.limits)),
         ];
-        return paper_reach(&corner, tolerance, legs, [left, ahead.exact_length], rests);
+        return paper_reach(&corner, band.delta, legs, [left, ahead.exact_length], rests);
     }
     let length = shared_reach(item, next, ahead, left);
     if length < LEAST_REACH {
@@ -287,7 +288,7 @@ pub fn reach<S: Scalar, const N: usize>(
             return Taken::NONE;
         }
     }
-    let shape = (joint == Joint::Corner).then(|| swing::half(&corner, tolerance, length.to_mm()));
+    let shape = (joint == Joint::Corner).then(|| swing::half(&corner, band, length.to_mm()));
     let length = shape.map_or(length, |half| Length::from_mm(half.reach()).min(length));
     let length = with_body(length, left, item.entered == Joint::Through);
     // Within rounding the band has room for more.

@@ -28,6 +28,8 @@ mod check;
 mod chords;
 pub(crate) mod corner;
 pub(crate) mod cut;
+#[cfg(feature = "travel")]
+mod extent;
 mod feed;
 mod half;
 mod helix;

@@ -1,10 +1,13 @@
 //! Blocks that wait for their neighbours, checked and with their geometry.
 
 use super::budget;
+#[cfg(feature = "travel")]
+use super::extent::Extent;
 use super::feed;
 use super::leg::Leg;
 use super::node::{Event, Programmed};
 use super::segment::Segment;
+use super::swing::CornerBand;
 use crate::block::range::{check_coordinate, check_coordinates, in_range};
 use crate::block::{Block, BlockError, Feed, Motion};
 use crate::machine::{Config, Quantity};
@@ -38,7 +41,11 @@ pub struct QueuedBlock<S, const N: usize> {
     pub event: Option<Event>,
     pub feed: S,
     pub rapid: bool,
+    /// Greatest distance of the motion from it, mm: as programmed, or what the limits of travel leave of that.
     pub tolerance: S,
+    /// As programmed, mm: a corner keeps this on its inner side, which no limit of travel cuts off.
+    #[cfg(feature = "travel")]
+    pub inner: S,
     pub stop_after: bool,
     /// Whether it is a chord of a curve.
     pub chord: bool,
@@ -77,6 +84,7 @@ impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
             && self.rapid == next.rapid
             && self.chord == next.chord
             && self.tolerance == next.tolerance
+            && self.inner() == next.inner()
             && (self.rapid || feed::alike(self.feed, next.feed, feed::ROUNDED))
     }
 
@@ -84,6 +92,25 @@ impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
     /// and the narrower of the two.
     pub fn band_with(&self, neighbour: &Self) -> S {
         (self.tolerance - self.error).least(neighbour.tolerance - neighbour.error)
+    }
+
+    /// The tolerance of the inner side of a corner, mm.
+    #[cfg(feature = "travel")]
+    fn inner(&self) -> S {
+        self.inner
+    }
+
+    /// The same without limits of travel.
+    #[cfg(not(feature = "travel"))]
+    fn inner(&self) -> S {
+        self.tolerance
+    }
+
+    /// The band of the corner with a neighbour, and whether it may use both sides of it.
+    pub fn corner_band_with(&self, neighbour: &Self) -> CornerBand<S> {
+        let inner = |block: &Self| block.inner() - block.error;
+        let delta = inner(self).least(inner(neighbour));
+        CornerBand { delta, outside: delta <= self.band_with(neighbour) }
     }
 
     /// A block that starts at `from`, checked; `None` if there is nothing to do for it. `whole` is the length
@@ -105,6 +132,8 @@ impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
             feed: S::ONE,
             rapid: block.feed == Feed::Rapid,
             tolerance,
+            #[cfg(feature = "travel")]
+            inner: tolerance,
             stop_after: block.exact_stop,
             chord: whole.is_some(),
             tag: block.tag,
@@ -142,6 +171,12 @@ impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
             }
         };
         let Some(segment) = segment else { return Ok(None) };
+        // A curve has been looked at as a whole.
+        #[cfg(feature = "travel")]
+        if whole.is_none() {
+            let extent = Extent::of_segment(&segment);
+            item.tolerance = extent.within(&config.travel, &from, tolerance)?;
+        }
         item.feed = feed::path_speed(&segment, whole, block.feed, &config.limits);
         item.segment = Some(segment);
         Ok(Some(item))

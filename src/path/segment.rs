@@ -125,6 +125,12 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
         matches!(self.shape, Shape::Line(_))
     }
 
+    /// Its circle, helix or spiral, if it is none of the lines.
+    #[cfg(feature = "travel")]
+    pub fn helix(&self) -> Option<&Helix> {
+        if let Shape::Arc(helix) = &self.shape { Some(helix) } else { None }
+    }
+
     /// The node at an arc length from the start.
     pub fn node(&self, s: Length) -> Node<S, N> {
         let share = self.share(s);

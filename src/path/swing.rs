@@ -80,9 +80,31 @@ const TEMPLATES: [[Template; TURNS]; 5] = [
 /// Room below which two spans make one cell: there the corner takes little time anyway.
 const COARSE_ROOM: f64 = 1.2;
 
-/// Length along a leg that is worth having for a corner with the band `delta`, mm; `most` at most.
-pub fn longest_reach<S: Scalar>(corner: &Corner<S>, delta: S, most: S) -> S {
+/// Room with which the shapes do not leave the legs to the outer side: the first row.
+const INSIDE_ROOM: f64 = 1.0;
+
+/// What a corner may use.
+#[derive(Clone, Copy, Debug)]
+pub struct CornerBand<S> {
+    /// Greatest distance from the legs, mm.
+    pub delta: S,
+    /// Whether the outer side may be used, too: else the curve lies between the legs.
+    pub outside: bool,
+}
+
+impl<S> CornerBand<S> {
+    /// Both sides of the legs.
+    #[cfg(test)]
+    pub const fn around(delta: S) -> Self {
+        Self { delta, outside: true }
+    }
+}
+
+/// Length along a leg that is worth having for a corner with its band; `most` at most.
+pub fn longest_reach<S: Scalar>(corner: &Corner<S>, band: CornerBand<S>, most: S) -> S {
+    let CornerBand { delta, outside } = band;
     let [.., rooms] = ROOM;
+    let rooms = if outside { rooms } else { INSIDE_ROOM };
     let guo = corner.full_band_length(delta * S::of(budget::SWING), most);
     if guo >= most {
         return most;
@@ -92,11 +114,12 @@ pub fn longest_reach<S: Scalar>(corner: &Corner<S>, delta: S, most: S) -> S {
     (guo * S::of(reach)).least(most)
 }
 
-/// The first half of the transition for a corner with the band `delta`, mm, and `room` mm of
-/// either leg to take.
-pub fn half<S: Scalar>(corner: &Corner<S>, delta: S, room: S) -> Half<S> {
+/// The first half of the transition for a corner with its band and `room` mm of either leg to take.
+pub fn half<S: Scalar>(corner: &Corner<S>, band: CornerBand<S>, room: S) -> Half<S> {
+    let CornerBand { delta, outside } = band;
     let guo = corner.full_band_length(delta * S::of(budget::SWING), room * S::of(4.0));
     let ratio = (room / guo).to_f64();
+    let ratio = if outside { ratio } else { ratio.min(INSIDE_ROOM) };
     let shape = shape(corner, ratio);
     // Where the legs are short, the turn slight, or both, the band is not what limits the corner:
     // offsets are those of the shape drawn for the band that it would need.
@@ -190,9 +213,25 @@ mod tests {
             let turn = degrees.to_radians();
             let corner = Corner::new(&[1.0, 0.0], &[turn.cos(), turn.sin()]);
             for room in [1e-3, 0.05, 0.3, 1.0, 3.0, 10.0, 100.0] {
-                let half = half(&corner, 0.05, room);
+                let half = half(&corner, CornerBand::around(0.05), room);
                 assert!(half.deviation() <= 0.05 * 0.951, "{degrees} {room} {}", half.deviation());
                 assert!(half.reach() <= room * 1.000_001, "{degrees} {room}");
+                let used = half.deviation() > 0.047 || half.reach() > 0.99 * room;
+                assert!(used, "{degrees} {room} {} {}", half.deviation(), half.reach());
+            }
+        }
+    }
+
+    /// Without the outer side the curve lies between the legs, and uses the band or the room all the same.
+    #[test]
+    fn the_inner_side_alone_is_kept_and_used() {
+        for degrees in [0.01f64, 1.0, 10.0, 45.0, 90.0, 135.0, 159.0] {
+            let turn = degrees.to_radians();
+            let corner = Corner::new(&[1.0, 0.0], &[turn.cos(), turn.sin()]);
+            for room in [1e-3, 0.05, 0.3, 1.0, 3.0, 10.0, 100.0] {
+                let half = half(&corner, CornerBand { delta: 0.05, outside: false }, room);
+                assert!(half.deviation() <= 0.05 * 0.951 && half.reach() <= room * 1.000_001);
+                assert!(half.least_offset() >= 0.0, "{degrees} {room}");
                 let used = half.deviation() > 0.047 || half.reach() > 0.99 * room;
                 assert!(used, "{degrees} {room} {} {}", half.deviation(), half.reach());
             }

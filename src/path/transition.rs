@@ -137,7 +137,9 @@ mod tests {
             let turn = degrees.to_radians();
             let (a, b) = ([1.0, 0.0], [turn.cos(), turn.sin()]);
             let corner = Corner::new(&a, &b);
-            for half in [corner.paper_half(0.3), swing::half(&corner, 0.05, 2.0)] {
+            for half in
+                [corner.paper_half(0.3), swing::half(&corner, swing::CornerBand::around(0.05), 2.0)]
+            {
                 let reach = half.reach();
                 let transition = Transition::new([Coord::ZERO; 2], (&a, &b), &corner, half);
                 let n = transition.cells();

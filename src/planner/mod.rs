@@ -29,6 +29,8 @@ use self::making::{Making, Vain};
 use self::phase::{Phase, Rest};
 
 use crate::block::{Block, PushError};
+#[cfg(feature = "travel")]
+use crate::machine::Travel;
 use crate::number::serial::{CycleSerial, NodeSerial};
 use crate::number::{Coord, Scalar};
 use crate::path::builder::Builder;
@@ -135,6 +137,19 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         self.finished = false;
         self.pushed = self.side.cycles();
         Ok(())
+    }
+
+    /// Changes the limits of travel (feature `travel`): they hold for every block that is pushed from now on. What has been
+    /// taken is run as it is. Known after homing, as a rule.
+    #[cfg(feature = "travel")]
+    pub fn set_travel(&mut self, travel: Travel<N>) {
+        self.horizon.config.travel = travel;
+    }
+
+    /// The limits of travel of the blocks to come.
+    #[cfg(feature = "travel")]
+    pub fn travel(&self) -> &Travel<N> {
+        &self.horizon.config.travel
     }
 
     /// Says that no more blocks come for now: the path ends where the last one ends. Without it

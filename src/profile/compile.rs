@@ -139,7 +139,7 @@ mod tests {
             let (a, b) = ([1.0, 0.0], [turn.cos(), turn.sin()]);
             let corner = Corner::new(&a, &b);
             for room in [0.1, 0.3, 0.5, 0.8, 1.2, 2.0, 5.0, 20.0] {
-                let half = swing::half(&corner, band, room);
+                let half = swing::half(&corner, swing::CornerBand::around(band), room);
                 let transition = Transition::new([Coord::ZERO; 2], (&a, &b), &corner, half);
                 for index in 0..transition.cells() {
                     let (from, to) = (transition.node(index), transition.node(index + 1));

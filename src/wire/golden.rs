@@ -1,4 +1,4 @@
-//! The bytes of protocol 2, one frame for every variant a host may send.
+//! The bytes of protocol 3, one frame for every variant a host may send.
 //!
 //! Variants and fields are numbered on the line in the order in which they are declared, some of them
 //! in types that other parts of the core use too ([`Feed`](crate::Feed)). A frame that differs from the one
@@ -44,7 +44,7 @@ fn check(cases: &[(Request, &str)]) {
 
 #[test]
 fn version_of_these_bytes() {
-    assert_eq!(VERSION, 2);
+    assert_eq!(VERSION, 3);
 }
 
 #[test]

@@ -1,13 +1,15 @@
 //! What host and controller say to each other.
 
 use super::moves::{Axes, Move};
+use crate::block::BlockError;
+use crate::number::RangeError;
 use crate::number::serial::Serial;
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
 /// Version of the protocol. [`Request::Hello`] and [`Reply::Hello`] are the same in every version, so
 /// that two ends of different versions can say so.
-pub const VERSION: u8 = 2;
+pub const VERSION: u8 = 3;
 
 /// Silence after which a controller counts a sender as lost, if the sender does not ask for another
 /// time, ms.
@@ -132,6 +134,30 @@ pub enum Refusal {
     Aborted,
     /// The emergency stop, a limit switch, or an output that did not follow.
     Alarm,
+    /// The block with this tag leads out of the limits of travel; everything before it is run.
+    Travel {
+        /// Its tag.
+        tag: u32,
+        /// Index of the axis.
+        axis: u8,
+        /// How far the block would go, nm.
+        to: i64,
+        /// The limit that it would leave, nm.
+        limit: i64,
+    },
+}
+
+impl Refusal {
+    /// Of the block with this tag, for a reason.
+    pub(super) fn of(tag: u32, reason: &BlockError) -> Self {
+        let BlockError::Travel { axis, error: RangeError { value, least, greatest } } = *reason
+        else {
+            return Self::Block { tag };
+        };
+        let nm = |mm: f64| libm::round(mm * 1.0e6) as i64;
+        let limit = nm(if value < least { least } else { greatest });
+        Self::Travel { tag, axis: axis as u8, to: nm(value), limit }
+    }
 }
 
 /// Why the controller does not begin a session.

@@ -191,7 +191,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
             Item::End => Waiting::End,
             Item::Move(step) => match self.prepare(step) {
                 Some(waiting) => waiting,
-                None => return self.refuse(step.tag),
+                None => return self.refuse(Refusal::Block { tag: step.tag }),
             },
         };
         if self.queue.push_back(waiting).is_ok()
@@ -216,8 +216,8 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
     }
 
     /// What has been taken before is run to its end; no more is taken.
-    fn refuse(&mut self, tag: u32) {
-        self.no_more(Refusal::Block { tag });
+    fn refuse(&mut self, reason: Refusal) {
+        self.no_more(reason);
         // There is room: the refused block itself would have needed it.
         let queued = self.queue.push_back(Waiting::End);
         debug_assert!(queued.is_ok(), "an end that never comes");
@@ -387,9 +387,9 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
                     self.queue.clear();
                     return false;
                 }
-                Some(Err(PushError::Rejected { tag, .. })) => {
+                Some(Err(PushError::Rejected { tag, reason })) => {
                     self.queue.clear();
-                    self.refuse(tag);
+                    self.refuse(Refusal::of(tag, &reason));
                     continue;
                 }
             }

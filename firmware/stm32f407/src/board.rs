@@ -15,7 +15,7 @@
 //! As on the STM32F407G-DISC1, with its crystal of 8 MHz.
 
 use splineway::output::{Analogue, EdgeTimes, Scale, StepDir, StepTiming};
-use splineway::{AxisLimits, Config, Coord, Limits};
+use splineway::{AxisLimits, AxisTravel, Config, Coord, Limits, Travel};
 use stm32f4xx_hal::gpio::{self, Edge, ErasedPin, Input, PushPull};
 use stm32f4xx_hal::pac::{Peripherals, TIM1, TIM3, USART2};
 use stm32f4xx_hal::prelude::*;
@@ -47,6 +47,9 @@ const VELOCITY: f32 = 100.0;
 const ACCELERATION: f32 = 1_000.0;
 /// Jerk, mm/s3.
 const JERK: f32 = 20_000.0;
+/// How far the axes may go from where they stand when the board is switched on: there is no homing. `Some` of a
+/// coordinate is a limit.
+const TRAVEL: [AxisTravel; AXES] = [AxisTravel { least: None, greatest: None }; AXES];
 /// Speed along the path that gives a full duty cycle, mm/s.
 const FULL_DUTY: f32 = 200.0;
 
@@ -61,6 +64,7 @@ pub fn config() -> Config<f32, AXES> {
     let axis = AxisLimits::linear(VELOCITY, ACCELERATION, JERK);
     let limits = defmt::unwrap!(Limits::new([axis; AXES]), "limits");
     let mut config = Config::new(limits);
+    config.travel = defmt::unwrap!(Travel::new(TRAVEL), "limits of travel");
     config.cycle = 1.0 / SERVO_HZ as f32;
     // Longer than a planning step takes at 168 MHz with flash wait states.
     config.lead = 0.05;

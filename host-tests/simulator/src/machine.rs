@@ -5,7 +5,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use serde::Deserialize;
 use splineway::gcode::{OFFSETS, Place, Setup};
 use splineway::machine::defaults;
-use splineway::{AxisLimits, Config, Coord, CornerMode, Limits, Scalar};
+use splineway::{AxisLimits, AxisTravel, Config, Coord, CornerMode, Limits, Scalar, Travel};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -19,6 +19,16 @@ pub struct Axis {
     pub acceleration: f64,
     /// mm/s3.
     pub jerk: f64,
+}
+
+/// How far an axis may go, mm or degrees.
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields, default)]
+pub struct Ends {
+    /// Least position; none if it is open.
+    pub least: Option<f64>,
+    /// Greatest position.
+    pub greatest: Option<f64>,
 }
 
 /// Corner rounding.
@@ -52,6 +62,8 @@ pub struct Machine {
     pub sweeps: u16,
     /// Limits by axis letter; "default" stands for those that are not named.
     pub axes: BTreeMap<String, Axis>,
+    /// Limits of travel by axis letter; an axis that is not named has none.
+    pub travel: BTreeMap<String, Ends>,
     /// Work offsets by code (G54 to G59.3), mm or degrees by axis letter.
     pub work: BTreeMap<String, BTreeMap<String, f64>>,
     /// Where G28 and G30 go, by code.
@@ -73,6 +85,7 @@ impl Default for Machine {
             lead: defaults::LEAD,
             sweeps: defaults::SWEEPS,
             axes: BTreeMap::from([("default".to_owned(), axis)]),
+            travel: BTreeMap::new(),
             work: BTreeMap::new(),
             reference: BTreeMap::new(),
             tools: BTreeMap::new(),
@@ -115,7 +128,19 @@ impl Machine {
             let limits = AxisLimits::linear(axis.velocity, axis.acceleration, axis.jerk);
             Limits::new([limits]).map_err(|error| anyhow!("axes.{key}: {error}"))?;
         }
+        for (key, ends) in &self.travel {
+            if axis_index(key).is_none() {
+                bail!("travel.{key}: no such axis; axes are X Y Z A B C U V W");
+            }
+            Travel::new([ends.limits(key)?]).map_err(|error| anyhow!("travel.{key}: {error}"))?;
+        }
         self.try_setup().map(|_| ())
+    }
+
+    /// How far an axis may go.
+    fn travel(&self, index: usize) -> Result<AxisTravel> {
+        let named = self.travel.iter().find(|(key, _)| axis_index(key) == Some(index));
+        named.map_or(Ok(AxisTravel::default()), |(key, ends)| ends.limits(key))
     }
 
     /// Work offsets, reference points and tools for the G-code reader. (Those of a machine that has been parsed are
@@ -184,7 +209,9 @@ impl Machine {
     /// What the core does not accept.
     pub fn config<S: Scalar, const N: usize>(&self, axes: &[usize]) -> Result<Config<S, N>> {
         let mut limits = [AxisLimits::linear(S::ONE, S::ONE, S::ONE); N];
-        for (slot, &index) in limits.iter_mut().zip(axes) {
+        let mut travel = [AxisTravel::default(); N];
+        for ((slot, ends), &index) in limits.iter_mut().zip(&mut travel).zip(axes) {
+            *ends = self.travel(index)?;
             let axis = self.axis(index)?;
             *slot = AxisLimits {
                 velocity: S::of(axis.velocity),
@@ -194,6 +221,7 @@ impl Machine {
             };
         }
         let mut config = Config::new(Limits::new(limits)?);
+        config.travel = Travel::new(travel)?;
         config.tolerance = S::of(self.tolerance);
         config.cycle = S::of(self.cycle);
         config.lead = S::of(self.lead);
@@ -212,6 +240,15 @@ impl Machine {
     /// If the machine lacks one of them.
     pub fn axes_of(&self, program: &Program) -> Result<Vec<Axis>> {
         program.axes().into_iter().map(|index| self.axis(index)).collect()
+    }
+}
+
+impl Ends {
+    fn limits(self, key: &str) -> Result<AxisTravel> {
+        let coord = |mm: Option<f64>| {
+            mm.map(Coord::from_mm).transpose().map_err(|error| anyhow!("travel.{key}: {error}"))
+        };
+        Ok(AxisTravel { least: coord(self.least)?, greatest: coord(self.greatest)? })
     }
 }
 
@@ -273,6 +310,11 @@ mod tests {
             ("[axes.Q]\nvelocity = 1\nacceleration = 2\njerk = 3\n", "axes.Q"),
             ("[axes.X]\nvelocity = -1\nacceleration = 2\njerk = 3\n", "axes.X: velocity"),
             ("[axes.X]\nvelocity = 1\n", "missing field"),
+            ("[travel]\nQ = { least = 0 }\n", "travel.Q"),
+            ("[travel]\nX = { least = 3, greatest = 2 }\n", "travel.X"),
+            ("[travel]\nX = { greatest = nan }\n", "travel.X"),
+            ("[travel]\nX = { least = 1e7 }\n", "travel.X"),
+            ("[travel]\nX = { most = 1 }\n", "most"),
         ] {
             let error = format!("{:#}", Machine::parse(text).unwrap_err());
             assert!(error.contains(part), "{error}");

@@ -201,6 +201,14 @@ fn run(
         match talk.sender.refused() {
             Some(Refusal::Aborted) if talk.is_stopped() => return Ok(End::Aborted),
             Some(Refusal::Block { tag }) => bail!("the controller refuses the block of line {tag}"),
+            Some(Refusal::Travel { tag, axis, to, limit }) => {
+                let mm = |nm: i64| nm as f64 * 1.0e-6;
+                bail!(
+                    "the controller refuses the block of line {tag}: axis {axis} would go to {} mm; its travel ends at {}",
+                    mm(to),
+                    mm(limit)
+                )
+            }
             Some(Refusal::Alarm) => {
                 bail!(
                     "the controller has stopped: emergency stop, limit switch, or an output that did not follow"

@@ -3,6 +3,7 @@
 use super::command::Command;
 use super::duration::Pace;
 use super::events::{Action, Event, Events};
+use super::validate::on_letters;
 use crate::machine::Machine;
 use crate::program::{Course, Move, Program, Speed};
 use anyhow::{Context, Result, bail, ensure};
@@ -370,7 +371,9 @@ fn feed_blocks<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usiz
                 moves.next();
             }
             Err(PushError::Full | PushError::Aborted) => return Ok(taken),
-            Err(PushError::Rejected { tag, reason }) => bail!("line {tag}: {reason}"),
+            Err(PushError::Rejected { tag, reason }) => {
+                bail!("line {tag}: {}", on_letters(&reason, axes))
+            }
             Err(error) => bail!("line {}: {error}", step.line),
         }
     }

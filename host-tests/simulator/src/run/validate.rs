@@ -14,6 +14,10 @@ pub fn on_letters(error: &BlockError, axes: &[usize]) -> String {
             let letter = axes.get(axis).map_or('?', |&axis| LETTERS[axis]);
             format!("{letter} would go to {} mm; coordinates must be within +-1e6", error.value)
         }
+        BlockError::Travel { axis, error: RangeError { value, least, greatest } } => {
+            let letter = axes.get(axis).map_or('?', |&axis| LETTERS[axis]);
+            format!("{letter} would go to {value} mm; its travel is {least} to {greatest}")
+        }
         ref other => other.to_string(),
     }
 }

@@ -136,11 +136,15 @@ fn interface() {
     let mut report = core::mem::MaybeUninit::uninit();
     // SAFETY: pointers to what is there, from one context.
     unsafe {
-        let (bytes, version) = (black_box(size_of::<c::splineway_config>()), black_box(2));
+        let (bytes, version) =
+            (black_box(size_of::<c::splineway_config>()), black_box(c::SPLINEWAY_INTERFACE));
         let limits = black_box([200.0, 2000.0, 50_000.0]);
         let config: *mut c::splineway_config = config.as_mut_ptr();
         c::splineway_config_init_sized(config, bytes, version, limits[0], limits[1], limits[2]);
         black_box(c::splineway_init(core, size_of::<c::splineway_core>(), config, to.as_ptr()));
+        let travel = black_box(c::splineway_travel { least: -1, greatest: 1 });
+        let travel = [travel; c::SPLINEWAY_AXES];
+        black_box(c::splineway_set_travel(core, travel.as_ptr()));
         black_box(c::splineway_push_line(core, to.as_ptr(), &raw const options));
         black_box(c::splineway_push_arc(core, to.as_ptr(), &raw const arc, &raw const options));
         let p = to.as_ptr();
