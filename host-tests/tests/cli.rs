@@ -453,6 +453,24 @@ fn curves_are_run_and_judged_as_curves() {
     assert!(off(&["--segments", "80"]).1.contains("80 chords, which lie up to 1.65"));
 }
 
+/// A NURBS block in a G-code file (the example of LinuxCNC's manual), and one that is not complete.
+#[test]
+fn nurbs_blocks_are_run_from_gcode() {
+    let text = "G0 X0 Y0\nF600\nG5.2 P1 L3\nX0 Y1 P1\nX2 Y2 P1\nX2 Y0 P1\nX0 Y0 P2\nG5.3\nM2\n";
+    let part = file("nurbs.ngc", text).display().to_string();
+    let report = text_of(&["simulate", &part, "--tolerance", "0.01", "--json"]);
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    assert!(report["max_deviation_mm"].as_f64().unwrap() <= 0.01, "{report}");
+    // Round a figure of some six millimetres at 10 mm/s.
+    let time = report["time_s"].as_f64().unwrap();
+    assert!((0.5..1.5).contains(&time), "{report}");
+    let part = file("half.ngc", &text.replace("G5.3\n", "")).display().to_string();
+    let output = splineway(&["simulate", &part]);
+    assert!(!output.status.success());
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(errors.contains("M2 cannot stand in a NURBS block"), "{errors}");
+}
+
 /// Extents of arcs and curves, retractions, lines without a length, and whose fault a slow place is.
 #[test]
 fn check_names_the_extent_and_the_culprit() {

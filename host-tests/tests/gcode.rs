@@ -90,7 +90,6 @@ fn words_of_codes_that_do_not_move_never_move() {
         ("G76 P1 Z-10 I1 J1 R1 K1", "G76"),
         ("G29 X10 Y20", "G29"),
         ("G49 Z5", "column 5: no code of this line takes the word Z"),
-        ("G5.2 X1 Y1 P1", "G5.2"),
         ("G5.3", "G5.3"),
         ("G41 D1 X5", "G41 (tool radius compensation)"),
         ("G42 X5", "G42 (tool radius compensation)"),

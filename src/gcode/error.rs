@@ -94,6 +94,15 @@ pub enum Reason {
         /// Where it would go, mm.
         value: f64,
     },
+    /// Too few or too many control points of a NURBS block.
+    ControlPoints {
+        /// How many there are, or would be.
+        found: u32,
+        /// Its order.
+        least: u32,
+        /// What a reader has room for.
+        greatest: u32,
+    },
     /// An arc that does not exist.
     Arc(BlockError),
     /// Axis words with no motion code in force.
@@ -180,6 +189,12 @@ impl fmt::Display for Reason {
                 let letter = LETTERS.get(axis).copied().unwrap_or('?');
                 let limit = Coord::LIMIT_MM;
                 write!(f, "{letter} would go to {value} mm; coordinates must be within +-{limit}")
+            }
+            Self::ControlPoints { found, least, greatest } => {
+                write!(
+                    f,
+                    "{found} control points of a NURBS block; it must have {least} to {greatest}"
+                )
             }
             Self::Arc(error) => write!(f, "{error}"),
             Self::NoMotion => {

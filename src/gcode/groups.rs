@@ -10,7 +10,7 @@ use super::words::Words;
 pub enum Group {
     /// G4, G10, G28, G30, G52, G92 and theirs.
     Once,
-    /// G0 to G5.1, G73, G81 to G83.
+    /// G0 to G5.3, G73, G81 to G83.
     Motion,
     /// G80. (In LinuxCNC of the group above; in most others it may stand beside G0 to G3.)
     CycleEnd,
@@ -92,7 +92,10 @@ const fn no(what: &'static str) -> Result<Group, Refused> {
 const fn mill(tenths: u16) -> Option<Result<Group, Refused>> {
     Some(Ok(match tenths {
         40 | 100 | 280 | 281 | 300 | 301 | 520 | 920..=923 => Group::Once,
-        0 | 10 | 20 | 30 | 50 | 51 | 730 | 810 | 820 | 830 => Group::Motion,
+        52 | 53 if !cfg!(feature = "nurbs") => {
+            return Some(no("a NURBS block, for which the feature `nurbs` is needed"));
+        }
+        0 | 10 | 20 | 30 | 50..=53 | 730 | 810 | 820 | 830 => Group::Motion,
         800 => Group::CycleEnd,
         90 => Group::Stop,
         170 | 180 | 190 => Group::Plane,
@@ -111,7 +114,6 @@ const fn mill(tenths: u16) -> Option<Result<Group, Refused>> {
         150 => Group::Off(1),
         500 => Group::NO_SCALE,
         970 => Group::Off(3),
-        52 | 53 => return Some(no("a NURBS block")),
         70 => return Some(no("diameters of a lathe")),
         110 | 120 | 130 | 150..=169 => return Some(no("polar coordinates or pockets")),
         171 | 181 | 191 => return Some(no("a plane of U, V and W")),
@@ -302,6 +304,17 @@ impl Codes {
     /// The M code for something.
     pub fn m(&self, what: Use) -> Option<Found> {
         slot(what).and_then(|slot| self.m.get(slot).copied().flatten())
+    }
+
+    /// The stop, the call or the end of the line, or its exact stop.
+    pub fn last(&self) -> Option<Found> {
+        self.m(Use::Stop).or(self.m(Use::Call)).or(self.g(Group::Stop))
+    }
+
+    /// The first code that is none of these.
+    pub fn other_than(&self, these: [Code; 2]) -> Option<Found> {
+        let all = self.g.iter().chain(&self.m).flatten().copied();
+        all.chain(self.alone.map(|(found, _)| found)).find(|(code, _)| !these.contains(code))
     }
 
     /// Whether there is an M code.

@@ -13,6 +13,8 @@ pub enum Mode {
     CounterClockwise,
     Cubic,
     Quadratic,
+    /// Between G5.2 and G5.3.
+    Nurbs,
     Cycle(Cycle),
 }
 
@@ -39,6 +41,7 @@ impl Mode {
             30 => Self::CounterClockwise,
             50 => Self::Cubic,
             51 => Self::Quadratic,
+            52 => Self::Nurbs,
             730 => Self::Cycle(Cycle::ChipBreak),
             810 => Self::Cycle(Cycle::Drill),
             820 => Self::Cycle(Cycle::Counterbore),
@@ -57,6 +60,7 @@ impl Mode {
             Self::CounterClockwise => 30,
             Self::Cubic => 50,
             Self::Quadratic => 51,
+            Self::Nurbs => 52,
             Self::Cycle(Cycle::ChipBreak) => 730,
             Self::Cycle(Cycle::Drill) => 810,
             Self::Cycle(Cycle::Counterbore) => 820,

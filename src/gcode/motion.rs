@@ -213,6 +213,11 @@ impl Reader {
     /// The motion of a line, if it asks for any.
     pub(super) fn motion(&mut self, codes: &Codes, words: &mut Words) -> Result<(), Refusal> {
         self.motion_modes(codes, words);
+        if cfg!(feature = "nurbs")
+            && let Some(found @ (Code { tenths: 52 | 53, .. }, _)) = codes.g(Group::Motion)
+        {
+            return self.begin_curve(found, codes, words);
+        }
         let explicit = codes.g(Group::Motion);
         let machine = codes.g(Group::Machine);
         let mode = self.modal.mode;
@@ -225,7 +230,7 @@ impl Reader {
             }
             return self.no_motion(codes, words);
         }
-        if mode == Mode::None {
+        if matches!(mode, Mode::None | Mode::Nurbs) {
             return Err(Refusal::new(words.axis_column(), Reason::NoMotion));
         }
         let column = explicit.map_or(words.axis_column(), |(_, column)| column);

@@ -6,6 +6,7 @@ use super::error::{Note, Reason, Refusal};
 use super::groups::{Codes, Group};
 use super::lexer::{self, Shape};
 use super::modal::{Modal, Mode, Plane};
+use super::nurbs::{self, Curve};
 use super::offsets::{Frame, Place, Setup};
 use super::words::Words;
 use super::{AXES, Action, Code, Event};
@@ -77,7 +78,7 @@ impl Pending {
     }
 }
 
-/// Reads a program, line by line. About 8 KiB.
+/// Reads a program, line by line. About 10 KiB.
 #[derive(Debug)]
 pub struct Reader {
     pub(super) settings: Settings,
@@ -94,6 +95,8 @@ pub struct Reader {
     pub(super) curve: Option<[f64; 2]>,
     /// What the canned cycles of the lines before have said.
     pub(super) series: Option<Series>,
+    /// A NURBS block.
+    pub(super) nurbs: Curve,
     pub(super) words: Words,
     pub(super) line: u32,
     pending: Pending,
@@ -117,6 +120,7 @@ impl Reader {
             tool: None,
             curve: None,
             series: None,
+            nurbs: Curve::default(),
             words: Words::new(),
             line: 0,
             pending: Pending::default(),
@@ -137,7 +141,7 @@ impl Reader {
         if self.ended {
             return Ok(());
         }
-        if !self.pending.is_empty() {
+        if !(self.pending.is_empty() && self.nurbs.is_done()) {
             return Err(Refusal::new(1, Reason::Busy));
         }
         self.line = number;
@@ -148,6 +152,9 @@ impl Reader {
         self.words = words;
         if outcome.is_err() {
             self.pending = Pending::default();
+            if let Some(end) = self.nurbs.refuse() {
+                self.position = end;
+            }
         }
         outcome
     }
@@ -163,6 +170,9 @@ impl Reader {
         if let Some(block) = self.pending.moves.pop_front() {
             return Some(Action::Move(block));
         }
+        if let Some(block) = self.curve_block() {
+            return Some(Action::Move(block));
+        }
         if let Some(mut drilling) = self.pending.drilling.take()
             && let Some(block) = drilling.step(&mut self.position, self.line)
         {
@@ -172,6 +182,28 @@ impl Reader {
         let last = self.pending.last.take();
         self.ended |= last == Some(Action::End);
         last
+    }
+
+    /// The next block of a NURBS.
+    fn curve_block(&mut self) -> Option<Block<f64, AXES>> {
+        let mut to = self.position;
+        let block = self.nurbs.step(&mut to)?;
+        self.set_moved(&block.motion);
+        self.position = to;
+        Some(block)
+    }
+
+    /// To be asked where the text ends without an end of the program (M2, M30, %).
+    ///
+    /// # Errors
+    /// What of it is not complete: a NURBS block without its G5.3.
+    pub fn finish(&self) -> Result<(), Refusal> {
+        let open = self.nurbs.is_open() && !self.ended;
+        if open {
+            Err(Refusal::new(1, Reason::Missing { code: Code::g(52), what: "its end, G5.3" }))
+        } else {
+            Ok(())
+        }
     }
 
     /// What is worth a remark about the line read last.
@@ -198,6 +230,10 @@ impl Reader {
     fn shaped(&mut self, shape: Shape, words: &mut Words) -> Result<(), Refusal> {
         if shape.percent {
             if self.begun {
+                let outcome = self.finish();
+                self.nurbs.drop();
+                self.ended |= outcome.is_err();
+                outcome?;
                 self.pending.last = Some(Action::End);
             }
             self.begun = true;
@@ -215,6 +251,11 @@ impl Reader {
         self.begun = true;
         words.take_bare(&[], Code::word('N'));
         words.take_in('N', Code::word('N'), (0.0, 1.0e9), false)?;
+        if self.nurbs.is_open() && words.has('O') {
+            let what = "cannot stand in a NURBS block (G5.2 to G5.3)";
+            let reason = Reason::Context { code: Code::word('O'), what };
+            return Err(Refusal::new(words.column('O'), reason));
+        }
         if let Some(label) = words.take_in('O', Code::word('O'), (0.0, 99_999.0), true)? {
             self.pending.label = Some(label as u32);
             return self.leftovers(words);
@@ -225,6 +266,9 @@ impl Reader {
             // A line has few notes; those of more are said of other lines.
             let _ = notes.push(note);
         })?;
+        if self.nurbs.is_open() {
+            return self.curve_line(&codes, words).and_then(|()| self.leftovers(words));
+        }
         if let Some((found, what)) = codes.alone {
             words.take_all(found.0);
             self.alone(found.0, what, words);
@@ -234,6 +278,11 @@ impl Reader {
         let outcome = self.execute(&codes, words).and_then(|()| self.leftovers(words));
         if outcome.is_err() && !codes.takes_axes() && self.position == before {
             self.recover(&codes, words);
+        }
+        if outcome.is_err() && codes.g(Group::Motion).is_some_and(|(code, _)| code == nurbs::BEGIN)
+        {
+            // The lines behind it are no moves.
+            self.nurbs.begin(&before);
         }
         outcome
     }
@@ -304,7 +353,7 @@ impl Reader {
     }
 
     /// F, in the unit that is in force in its line. (Under G93 it belongs to the move.)
-    fn feed_word(&mut self, words: &mut Words) -> Result<(), Refusal> {
+    pub(super) fn feed_word(&mut self, words: &mut Words) -> Result<(), Refusal> {
         if self.modal.inverse_time {
             return Ok(());
         }

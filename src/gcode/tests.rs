@@ -55,16 +55,60 @@ fn a_carriage_return_is_the_end_of_a_line_or_refused() {
     }
 }
 
+/// Whatever is written into a NURBS block: nothing moves before its end, and nothing of it at all if a line was refused.
+#[cfg(feature = "nurbs")]
+#[test]
+fn a_nurbs_block_is_run_as_a_whole_or_not_at_all() {
+    const JUNK: [&[u8]; 16] = [
+        b" Z1", b" X", b" P0", b" P-1", b" M3", b" G1", b" G91", b" (c", b" #1", b" X9", b" L4",
+        b" F0", b"", b" P2", b" F90", b" (c)",
+    ];
+    let (mut run, mut refused) = (0, 0);
+    for round in 0..1600usize {
+        let mut reader = Reader::new(&Settings::default());
+        let mut lines: Vec<Vec<u8>> = Vec::from([&b"F600"[..], b"G5.2"].map(Vec::from));
+        for (k, text) in [&b"X1 Y2"[..], b"X3 Y-1", b"X4", b"X5 Y2"].into_iter().enumerate() {
+            lines.push(Vec::from(text));
+            // Half of them lack a word.
+            if k == 2 && round % 2 == 0 {
+                lines[4].extend_from_slice(b" Y0");
+            }
+        }
+        lines.push(Vec::from(&b"G5.3"[..]));
+        lines[1 + round / 2 % 6].extend_from_slice(JUNK[round / 12 % 16]);
+        let last = lines.len() - 1;
+        let mut is_whole = true;
+        for (number, line) in lines.iter().enumerate() {
+            let outcome = reader.line(number as u32 + 1, line);
+            is_whole &= outcome.is_ok();
+            let found = actions(&mut reader);
+            let moves = found.iter().filter(|action| matches!(action, Action::Move(_))).count();
+            assert!(moves == 0 || number == last && is_whole, "{round}: {line:?} moves");
+            run += usize::from(moves > 0);
+        }
+        refused += usize::from(!is_whole);
+        if reader.finish().is_err() {
+            // Its last line could not be read.
+            assert!(!is_whole && round / 2 % 6 == 5);
+            continue;
+        }
+        reader.line(9, b"G1 X7 Y7").unwrap();
+        assert_eq!(actions(&mut reader).len(), 1, "what comes behind is read");
+    }
+    assert!(run > 100 && refused > 800 && run <= 1600 - refused, "{run} {refused}");
+}
+
 /// Lines of random words, and of random bytes: refused, or moves within the range, from where the last one ended;
 /// and a refused line moves nothing.
 #[test]
 fn whatever_comes_is_read_or_refused() {
-    const PARTS: [&str; 64] = [
+    const PARTS: [&str; 68] = [
         "G0", "G1", "G2", "G3", "G4", "G5", "G5.1", "G10", "G17", "G18", "G19", "G20", "G21",
         "G28", "G30", "G43", "G43.1", "G49", "G52", "G53", "G54", "G55", "G61", "G64", "G68",
         "G69", "G73", "G80", "G81", "G82", "G83", "G90", "G91", "G92", "G92.1", "G93", "G94",
-        "G98", "G99", "M0", "M3", "M6", "M30", "M98", "X1", "Y-2.5", "Z3e2", "A90", "I1", "J-1",
-        "K2", "R5", "P2", "Q0.5", "L2", "F600", "S100", "T1", "H1", "E5", "(c)", "X", "%", "N5",
+        "G98", "G99", "M0", "M3", "M6", "M30", "M98", "G5.2", "G5.3", "X1Y2", "L3", "X1", "Y-2.5",
+        "Z3e2", "A90", "I1", "J-1", "K2", "R5", "P2", "Q0.5", "L2", "F600", "S100", "T1", "H1",
+        "E5", "(c)", "X", "%", "N5",
     ];
     let mut seed = 1u64;
     let mut draw = |most: u64| {
@@ -84,7 +128,7 @@ fn whatever_comes_is_read_or_refused() {
                 if round % 10 == 9 {
                     line.push(draw(256) as u8);
                 } else {
-                    line.extend_from_slice(PARTS[draw(64) as usize].as_bytes());
+                    line.extend_from_slice(PARTS[draw(68) as usize].as_bytes());
                     line.extend_from_slice([&b""[..], b" "][draw(2) as usize]);
                 }
             }

@@ -23,7 +23,7 @@ fn end(action: &Action) -> Option<(&Place, Option<(usize, usize)>)> {
 }
 
 /// Line by line: what is refused does nothing, and a line moves only what it names. X, Y and Z may also move by a
-/// rotation, a hole or along an arc; all axes that have been named by a way home.
+/// rotation, a hole or along an arc, and X and Y at the end of a NURBS block; all axes that have been named by a way home.
 fn line_by_line(data: &[u8], dialect: Dialect, lenient: bool) {
     let mut reader = Reader::new(&Settings { dialect, lenient, ..Settings::default() });
     for (number, text) in (1..).zip(data.split(|&byte| byte == b'\n')) {
@@ -31,6 +31,7 @@ fn line_by_line(data: &[u8], dialect: Dialect, lenient: bool) {
         let capitals = text.to_ascii_uppercase();
         let has = |letters: &str| capitals.iter().any(|&byte| letters.contains(char::from(byte)));
         let goes_home = capitals.windows(2).any(|pair| matches!(pair, b"28" | b"30"));
+        let ends_curve = capitals.windows(3).any(|three| three == b"5.3");
         let is_read = reader.line(number, text).is_ok();
         let mut count = 0;
         while let Some(action) = reader.action() {
@@ -44,6 +45,7 @@ fn line_by_line(data: &[u8], dialect: Dialect, lenient: bool) {
                 let moves = to[axis] != here[axis]
                     || plane.is_some_and(|(p, q)| p == axis || q == axis);
                 let asked = if axis < 3 { has("XYZIJKR") } else { has(letter.encode_utf8(&mut [0; 4])) };
+                let asked = asked || ends_curve && axis < 2;
                 assert!(!moves || asked || goes_home, "{letter} moves unasked");
                 assert!(!moves || reader.named()[axis], "{letter} moves without its name");
                 assert!(to[axis].to_mm().abs() <= Coord::LIMIT_MM);

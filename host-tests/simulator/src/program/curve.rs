@@ -1,15 +1,9 @@
 //! Curves as cubic blocks: splines as they are, NURBS of any degree within [`ERROR`] of what they mean.
 
 use super::{AXES, Course, Move, Point, Program, ReadOptions, Speed};
-use crate::spline::{Nurbs, Rational, SplineFile};
+use crate::spline::{Nurbs, SplineFile};
 use anyhow::{Result, bail, ensure};
-
-/// Greatest distance between a NURBS curve and the cubic blocks that stand for it, mm: a hundredth of
-/// the least tolerance of a curve, and what the judge leaves to rounding.
-pub const ERROR: f64 = 1.0e-6;
-
-/// A span is halved at most so many times: by then its pieces are shorter than [`ERROR`] on any machine.
-const HALVINGS: u32 = 30;
+use splineway::spline::nurbs::ERROR;
 
 /// Reads a NURBS curve, as cubic blocks; as chords of equal parameter steps if the options ask for them.
 ///
@@ -24,15 +18,22 @@ fn of_nurbs(curve: &Nurbs, options: ReadOptions<'_>) -> Result<Program> {
         return chords(curve, segments, options.feed);
     }
     let mut program = empty(curve);
-    for span in curve.pieces() {
-        let (here, from) = (program.end(), span.point(0.0));
+    for cubic in curve.cubics(ERROR)? {
+        let [from, first, second, to] = cubic.points.map(wide);
+        let here = program.end();
         ensure!(
             (0..3).all(|axis| (here[axis] - from[axis]).abs() < ERROR),
             "the curve is torn: it leaps from {:?} to {:?}",
             &here[..3],
             &from[..3]
         );
-        add(&mut program, &span, options.feed, 0)?;
+        let path = if cubic.is_straight {
+            Course::Line { to }
+        } else {
+            Course::Cubic { controls: [first, second], to }
+        };
+        program.exact.push(curve.piece(cubic.range));
+        push(&mut program, path, options.feed)?;
     }
     ensure!(!program.moves.is_empty(), "the curve has no length");
     Ok(program)
@@ -46,25 +47,13 @@ fn empty(curve: &Nurbs) -> Program {
 }
 
 fn at(curve: &Nurbs, u: f64) -> Point {
-    let mut point = [0.0; AXES];
-    point[..3].copy_from_slice(&curve.point(u));
-    point
+    wide(curve.point(u))
 }
 
-/// Adds a piece of a curve: as a line, as a cubic, or as its halves.
-fn add(program: &mut Program, piece: &Rational, feed: f64, depth: u32) -> Result<()> {
-    let [_, first, second, to] = piece.cubic();
-    let path = if piece.is_straight(ERROR / 1e3) {
-        Course::Line { to }
-    } else if piece.is_point(ERROR / 1e3) {
-        return Ok(());
-    } else if depth == HALVINGS || piece.cubic_error() <= ERROR {
-        Course::Cubic { controls: [first, second], to }
-    } else {
-        return piece.halves().iter().try_for_each(|half| add(program, half, feed, depth + 1));
-    };
-    program.exact.push(piece.clone());
-    push(program, path, feed)
+fn wide([x, y, z]: [f64; 3]) -> Point {
+    let mut point = [0.0; AXES];
+    point[..3].copy_from_slice(&[x, y, z]);
+    point
 }
 
 fn push(program: &mut Program, path: Course, feed: f64) -> Result<()> {
@@ -120,16 +109,11 @@ pub fn parse_spline(file: &SplineFile, options: ReadOptions<'_>) -> Result<Progr
         return of_nurbs(&curve, ReadOptions { feed, ..options });
     }
     let path = file.path()?;
-    let point = |[x, y, z]: [f64; 3]| {
-        let mut point = [0.0; AXES];
-        point[..3].copy_from_slice(&[x, y, z]);
-        point
-    };
-    let mut program = Program { start: point(path.point(0, 0.0)), ..Program::default() };
+    let mut program = Program { start: wide(path.point(0, 0.0)), ..Program::default() };
     let named = file.control_points.iter().map(Vec::len).max().unwrap_or(0);
     program.uses[..named.min(3)].fill(true);
     for span in 0..path.spans() {
-        let [_, first, second, to] = path.bezier(span).map(point);
+        let [_, first, second, to] = path.bezier(span).map(wide);
         push(&mut program, Course::Cubic { controls: [first, second], to }, feed)?;
     }
     Ok(program)

@@ -3,6 +3,7 @@
 use super::rational::Rational;
 use anyhow::{Context, Result, ensure};
 use serde::Deserialize;
+use splineway::spline::nurbs::{self, Cubic, Cubics, Knots};
 
 /// A NURBS curve: `{degree, control_points, weights, knots}`.
 #[derive(Debug, Deserialize)]
@@ -98,18 +99,34 @@ impl Nurbs {
         (self.knots[self.degree], self.knots[self.knots.len() - 1 - self.degree])
     }
 
-    /// The curve between its knots, in order, by blossoms.
-    pub fn pieces(&self) -> Vec<Rational> {
+    /// The curve from one parameter to another between the same two knots, by blossoms.
+    pub fn piece(&self, [from, to]: [f64; 2]) -> Rational {
+        let span = self.span(from);
+        let point = |k: usize| self.blossom(span, |level| if level > k { from } else { to });
+        Rational::new((0..=self.degree).map(point).collect())
+    }
+
+    /// Number of the knot at which the span with a parameter begins.
+    fn span(&self, u: f64) -> usize {
         let (p, n) = (self.degree, self.control_points.len());
-        let spans = (p..n).filter(|&span| self.knots[span] < self.knots[span + 1]);
-        spans
-            .map(|span| {
-                let (from, to) = (self.knots[span], self.knots[span + 1]);
-                let point =
-                    |k: usize| self.blossom(span, |level| if level > k { from } else { to });
-                Rational::new((0..=p).map(point).collect())
-            })
-            .collect()
+        self.knots[p + 1..n].partition_point(|&knot| knot <= u) + p
+    }
+
+    /// Its cubic pieces as a board converts it, within `error` mm.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn cubics(&self, error: f64) -> Result<Vec<Cubic<3>>> {
+        let points: Vec<[f64; 3]> = self
+            .control_points
+            .iter()
+            .map(|point| std::array::from_fn(|i| point.get(i).copied().unwrap_or(0.0)))
+            .collect();
+        let ones = vec![1.0; points.len()];
+        let weights = self.weights.as_deref().unwrap_or(&ones);
+        let curve = nurbs::Nurbs::new(self.degree, &points, weights, Knots::Given(&self.knots))?;
+        let mut cubics = Cubics::default();
+        Ok(std::iter::from_fn(|| cubics.step(&curve, error)).collect())
     }
 
     /// The polar form of a span at parameters given for levels 1 to the degree, homogeneous.
@@ -141,10 +158,7 @@ impl Nurbs {
 
     /// The point at a parameter of the domain, by de Boor's algorithm on homogeneous points.
     pub fn point(&self, u: f64) -> [f64; 3] {
-        let (p, knots) = (self.degree, &self.knots);
-        let n = self.control_points.len();
-        let span = knots[p + 1..n].partition_point(|&knot| knot <= u) + p;
-        let [x, y, z, w] = self.blossom(span, |_| u);
+        let [x, y, z, w] = self.blossom(self.span(u), |_| u);
         [x / w, y / w, z / w]
     }
 }

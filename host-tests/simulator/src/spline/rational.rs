@@ -1,6 +1,6 @@
 //! Pieces of NURBS curves as rational Bezier curves: what a program in a curve file means, exactly.
 
-use crate::point::{AXES, Point, on_cubic};
+use crate::point::{AXES, Point};
 
 /// Bezier points in homogeneous coordinates: X, Y, Z, each times the weight, and the weight.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,25 +56,6 @@ impl Rational {
         [Self::new(first), Self::new(second)]
     }
 
-    /// Bezier points of the cubic that has its ends and its derivatives there.
-    pub fn cubic(&self) -> [Point; 4] {
-        let n = self.points.len();
-        let degree = (n - 1) as f64;
-        let arm = |end: [f64; 4], next: [f64; 4]| {
-            let (from, to) = (place(end), place(next));
-            let scale = degree * next[3] / end[3] / 3.0;
-            std::array::from_fn(|i| from[i] + (to[i] - from[i]) * scale)
-        };
-        let (first, last) = (self.points[0], self.points[n - 1]);
-        [place(first), arm(first, self.points[1]), arm(last, self.points[n - 2]), place(last)]
-    }
-
-    /// Whether it goes nowhere, to within `error` mm.
-    pub fn is_point(&self, error: f64) -> bool {
-        let from = place(self.points[0]);
-        self.points.iter().all(|point| distance(&place(*point), &from) <= error)
-    }
-
     /// Whether it is nowhere further than `error` mm from the line between its ends: it lies in the hull
     /// of its points.
     pub fn is_flat(&self, error: f64) -> bool {
@@ -88,40 +69,13 @@ impl Rational {
             distance(point, &foot) <= error
         })
     }
-
-    /// Whether it is a straight line run from end to end, to within `error` mm.
-    pub fn is_straight(&self, error: f64) -> bool {
-        let points: Vec<Point> = self.points.iter().map(|point| place(*point)).collect();
-        let (from, to) = (points[0], points[points.len() - 1]);
-        let length = distance(&from, &to);
-        let mut before = 0.0;
-        points.iter().all(|point| {
-            let along: f64 = (0..3).map(|i| (point[i] - from[i]) * (to[i] - from[i])).sum();
-            let way = along / length.max(1e-300);
-            let foot: Point = std::array::from_fn(|i| from[i] + (to[i] - from[i]) * way / length);
-            let forward = way >= before - error && way <= length + error;
-            before = way;
-            length > 0.0 && forward && distance(point, &foot) <= error
-        })
-    }
-
-    /// Distance between this and its cubic, at equal parameter, at places of it; the distance of the
-    /// curves is at most that.
-    pub fn cubic_error(&self) -> f64 {
-        const PLACES: u32 = 16;
-        let [from, first, second, to] = self.cubic();
-        (1..PLACES)
-            .map(|k| f64::from(k) / f64::from(PLACES))
-            .map(|u| distance(&self.point(u), &on_cubic(&from, &[first, second], &to, u)))
-            .fold(0.0, f64::max)
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// A quarter circle: halves meet on it, and the cubic has its ends and tangents.
+    /// A quarter circle: halves meet on it.
     #[test]
     fn a_quarter_circle() {
         let w = 0.5f64.sqrt();
@@ -133,20 +87,5 @@ mod tests {
         let [first, second] = arc.halves();
         assert!(distance(&first.point(1.0), &second.point(0.0)) < 1e-15);
         assert!(distance(&first.point(0.5), &arc.point(0.25)) < 1e-15);
-        let [_, one, two, _] = arc.cubic();
-        assert!((one[0] - 1.0).abs() < 1e-15 && (two[1] - 1.0).abs() < 1e-15);
-        // Halved, the cubic comes nearer by more than 2^3.
-        assert!(first.cubic_error() < arc.cubic_error() / 8.0);
-        assert!(!arc.is_straight(1e-3));
-    }
-
-    #[test]
-    fn straight_is_straight_only_without_turning_back() {
-        let line = |xs: &[f64]| Rational::new(xs.iter().map(|&x| [x, 2.0 * x, 0.0, 1.0]).collect());
-        assert!(line(&[0.0, 1.0]).is_straight(1e-9));
-        assert!(line(&[0.0, 1.0, 1.5, 4.0]).is_straight(1e-9));
-        assert!(!line(&[0.0, 5.0, 1.5, 4.0]).is_straight(1e-9));
-        assert!(!line(&[1.0, 1.0]).is_straight(1e-9));
-        assert!(line(&[0.0, 1.0, 4.0]).cubic_error() < 1e-15);
     }
 }

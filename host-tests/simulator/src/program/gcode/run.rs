@@ -143,6 +143,9 @@ impl Run<'_> {
                 }
             }
         }
+        if let Err(refusal) = self.reader.finish() {
+            self.refuse(None, refusal.reason.to_string());
+        }
         if let (Some(call), false) = (self.calls.last(), self.reader.has_ended()) {
             let text = format!("the file ends before M99 of the subprogram O{}", call.program);
             self.refuse(None, text);
