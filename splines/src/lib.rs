@@ -10,7 +10,8 @@
 //! To run a spline, give its spans ([`Spline::bezier`]) to a planner as cubic blocks.
 //!
 //! What does not belong here: anything that the core itself needs between a block and a setpoint.
-//! Rational curves and file formats are the host's.
+//! File formats are the host's. Rational curves of any degree are the core's ([`splineway::spline::nurbs`]);
+//! [`Spline::from_nurbs`] makes splines of them.
 #![no_std]
 
 #[cfg(test)]
@@ -18,6 +19,7 @@ extern crate std;
 
 pub mod bounded;
 mod bspline;
+mod convert;
 mod error;
 pub mod thesis;
 mod trajectory;

@@ -227,6 +227,35 @@ impl<'a, const N: usize> Nurbs<'a, N> {
         out
     }
 
+    /// The parameters at which it is cut, in order: its knots, each once.
+    pub fn breaks(&self) -> impl Iterator<Item = f64> + '_ {
+        let inner = (self.degree..=self.points.len()).map(|i| self.knot(i));
+        let mut before = None;
+        inner.filter(move |knot| before.replace(*knot) != Some(*knot))
+    }
+
+    /// Number of the knot at which the span with a parameter begins; beyond the ends those of the ends.
+    fn span(&self, u: f64) -> usize {
+        let (p, n) = (self.degree, self.points.len());
+        let last = (p..n).rev().find(|&span| self.knot(span) < self.knot(span + 1));
+        let own =
+            (p..n).find(|&span| self.knot(span) < self.knot(span + 1) && u < self.knot(span + 1));
+        own.or(last).unwrap_or(p)
+    }
+
+    /// The point at a parameter.
+    ///
+    /// Work: p (p + 1) / 2 steps of de Boor, p being the degree, and a look at the knots.
+    pub fn point(&self, u: f64) -> Vector<f64, N> {
+        self.blossom(self.span(u), |_| u).point()
+    }
+
+    /// A bound of the distance from a cubic Bezier curve, mm, at equal shares of a range between two neighbouring knots: see
+    /// the head of the file.
+    pub fn distance(&self, range: [f64; 2], cubic: &[Vector<f64, N>; 4]) -> f64 {
+        self.part(self.span(range[0]), range).error(cubic)
+    }
+
     /// A part of the span from knot number `span` on.
     fn part(&self, span: usize, [from, to]: [f64; 2]) -> Part<N> {
         let mut part = Part { points: heapless::Vec::new(), weights: heapless::Vec::new() };

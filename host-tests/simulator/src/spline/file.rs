@@ -4,7 +4,6 @@
 //! [Z]`, `knots K ...` (or, for a closed spline, `intervals`), `tolerance R`, `precision N`, `accuracy
 //! A`, `feed F`, `closed`; `#` begins a comment.
 
-use super::convert::convert;
 use super::nurbs::Nurbs;
 use super::path::Path;
 use anyhow::{Context, Result, anyhow, bail, ensure};
@@ -141,7 +140,7 @@ impl SplineFile {
             );
         }
         if let Some(curve) = self.nurbs()? {
-            return convert(&curve, CONVERSION_ERROR);
+            return curve.spline(CONVERSION_ERROR);
         }
         let points: Vec<[f64; 3]> = self
             .control_points

@@ -1,5 +1,6 @@
 //! NURBS curves of any degree.
 
+use super::path::Path;
 use super::rational::Rational;
 use anyhow::{Context, Result, ensure};
 use serde::Deserialize;
@@ -117,6 +118,23 @@ impl Nurbs {
     /// # Errors
     /// What is wrong with it.
     pub fn cubics(&self, error: f64) -> Result<Vec<Cubic<3>>> {
+        self.on_board(|curve| {
+            let mut cubics = Cubics::default();
+            std::iter::from_fn(|| cubics.step(curve, error)).collect()
+        })
+    }
+
+    /// The cubic spline that a board converts it to, within `error` mm.
+    ///
+    /// # Errors
+    /// What is wrong with it; more control points than there is room for: the curve has a corner.
+    pub fn spline(&self, error: f64) -> Result<Path> {
+        let spline = self.on_board(|curve| Path::from_nurbs(curve, error))?;
+        spline.with_context(|| format!("no cubic spline is within {error} mm of the curve"))
+    }
+
+    /// The same curve as the core knows it.
+    fn on_board<T>(&self, with: impl FnOnce(&nurbs::Nurbs<'_, 3>) -> T) -> Result<T> {
         let points: Vec<[f64; 3]> = self
             .control_points
             .iter()
@@ -124,9 +142,7 @@ impl Nurbs {
             .collect();
         let ones = vec![1.0; points.len()];
         let weights = self.weights.as_deref().unwrap_or(&ones);
-        let curve = nurbs::Nurbs::new(self.degree, &points, weights, Knots::Given(&self.knots))?;
-        let mut cubics = Cubics::default();
-        Ok(std::iter::from_fn(|| cubics.step(&curve, error)).collect())
+        Ok(with(&nurbs::Nurbs::new(self.degree, &points, weights, Knots::Given(&self.knots))?))
     }
 
     /// The polar form of a span at parameters given for levels 1 to the degree, homogeneous.

@@ -103,7 +103,6 @@ pub fn ripple_peaks() -> [f64; 8] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use splineway_simulator::spline::interpolate;
 
     #[test]
     fn cases_have_the_printed_number_of_control_points() {
@@ -121,7 +120,7 @@ mod tests {
         let cases = all().unwrap();
         let through = |path: &Path| -> Vec<[f64; 3]> {
             let points: Vec<[f64; 3]> = path.knots().iter().map(|t| path.at(*t)).collect();
-            let again = interpolate(&points, path.knots()).unwrap();
+            let again = Path::through(&points, path.knots()).unwrap();
             for (p, q) in again.controls().iter().zip(path.controls()) {
                 assert!(p.iter().zip(q).all(|(a, b)| (a - b).abs() < 1e-9), "{p:?} {q:?}");
             }

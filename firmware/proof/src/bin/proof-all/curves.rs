@@ -1,6 +1,7 @@
 //! Splines, as a front end on a board may use them.
 
 use core::hint::black_box;
+use splineway::spline::nurbs::{Cubics, Knots, Nurbs};
 use splineway_splines::{Low, Lows, Spline, SplineError, Trajectory, bounded, thesis};
 
 type Curve = Spline<f32, 3, 16>;
@@ -12,6 +13,20 @@ fn spline() -> Result<Curve, SplineError> {
     let knots = black_box([0.0; 20]);
     let knots = knots.get(..black_box(8)).unwrap_or_default();
     if black_box(true) { Spline::open(points, knots) } else { Spline::closed(points, knots) }
+}
+
+/// NURBS of every kind.
+fn converted() -> Option<Curve> {
+    let points = black_box([[0.0; 3]; 16]);
+    let points = points.get(..black_box(6)).unwrap_or_default();
+    let weights = black_box([1.0; 16]);
+    let weights = weights.get(..black_box(6)).unwrap_or_default();
+    let knots = black_box([0.0; 20]);
+    let knots = Knots::Given(knots.get(..black_box(8)).unwrap_or_default());
+    let knots = if black_box(true) { knots } else { Knots::Even };
+    let curve = Nurbs::new(black_box(3), points, weights, knots).ok()?;
+    black_box(Cubics::default().step(&curve, black_box(1.0e-6)));
+    Spline::from_nurbs(&curve, black_box(1.0e-3)).ok()
 }
 
 /// Everything that is told of a spline, at any place.
@@ -65,6 +80,7 @@ fn planned() {
 pub fn all() -> Result<(), SplineError> {
     let mut spline = black_box(spline()?);
     let start = black_box(spline.clone());
+    black_box(converted());
     told(&mut spline, &start)?;
     as_printed(&mut spline, &start)?;
     planned();
