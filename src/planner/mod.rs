@@ -133,6 +133,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.is_aborted() {
             return Err(PushError::Aborted);
         }
+        self.builder.set_single(self.requests.is_single());
         self.builder.push(block, &self.horizon.config)?;
         self.finished = false;
         self.pushed = self.side.cycles();
@@ -225,6 +226,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.builder.close();
         }
         let wish = self.requests.read();
+        self.builder.set_single(wish.single);
         self.drop_unwanted(&wish, at);
         let progress = if self.making.is_some() { self.go_on() } else { self.begin(&wish, at) };
         let has_draft = self.phase.offer().is_some() || self.making.is_some();

@@ -93,7 +93,7 @@ impl Requests {
         Wish {
             hold: pressed & HOLD != 0,
             stop: pressed & STOP != 0,
-            single: self.single.load(Relaxed),
+            single: self.is_single(),
             overrides: Overrides { feed: per_cent(&self.feed), rapid: per_cent(&self.rapid) },
             resumes: pressed & RESUMES,
             aborts: pressed / ABORT,
@@ -103,6 +103,11 @@ impl Requests {
     /// Number of the last abort.
     pub fn aborts(&self) -> u32 {
         self.pressed.load(Relaxed) / ABORT
+    }
+
+    /// Whether single block mode is on.
+    pub fn is_single(&self) -> bool {
+        self.single.load(Relaxed)
     }
 
     /// Goes round again only if a command of another context came between.
@@ -193,7 +198,10 @@ impl<'a> Controls<'a> {
         set_per_cent(&self.requests.rapid, percent.min(MOST_RAPID));
     }
 
-    /// Single block mode: rest at the end of every block until [`Controls::resume`].
+    /// Single block mode: rest at the end of every block until [`Controls::resume`]; what follows on with the same tag
+    /// is one block. The rest is exactly on the programmed end, as after an exact stop, of every block that is pushed, or
+    /// joined to the next one, while the mode is on. A block whose joint was rounded before ends in the middle of the
+    /// rounding.
     pub fn single_block(self, on: bool) {
         self.requests.single.store(on, Relaxed);
     }

@@ -30,7 +30,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         }
         match self.queue.get(1) {
             None => self.closed,
-            Some(next) => self.closed || next.stop_after || next.segment.is_none(),
+            Some(next) => {
+                let stops = next.stop_after || next.segment.is_none();
+                self.closed || stops || self.parts(item, next)
+            }
         }
     }
 
@@ -39,7 +42,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let next = self.queue.get(1).copied();
         let mut joint = block.joint;
         let ahead = next.as_ref().and_then(|next| next.segment.as_ref());
-        if block.stop_after || ahead.is_none() {
+        let parts = next.as_ref().is_some_and(|next| self.parts(block, next));
+        if block.stop_after || parts || ahead.is_none() {
             joint = Joint::Stop;
         }
         let taken = match (joint, &next, ahead) {

@@ -153,7 +153,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// to be shown. At equal feed, tolerance and kind only, where no stop is asked for.
     #[inline(never)]
     fn longer(&self, item: &QueuedBlock<S, N>, config: &Config<S, N>) -> Option<Longer<S, N>> {
-        let last = self.queue.back().filter(|last| last.runs_on(item))?;
+        let last =
+            self.queue.back().filter(|last| last.runs_on(item) && !self.parts(last, item))?;
         let (before, after) = (last.segment.as_ref()?, item.segment.as_ref()?);
         let lines = before.is_line() && after.is_line() && config.corner == CornerMode::Band;
         if !lines {

@@ -84,6 +84,8 @@ pub struct Builder<S, const N: usize, const BLOCKS: usize> {
     /// End of the last accepted block.
     end: [Coord; N],
     closed: bool,
+    /// Whether the motion is to rest exactly where a block ends (single block mode): as far as joints are decided from now on.
+    single: bool,
     stage: Stage<S, N>,
     /// Length kept free of the front segment's end by its joint to the next.
     kept: Length,
@@ -108,6 +110,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         marks: Marks::new(),
         end: [Coord::ZERO; N],
         closed: false,
+        single: false,
         stage: Stage::Waiting,
         kept: Length::ZERO,
         given: Length::ZERO,
@@ -153,6 +156,17 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// No more blocks for now: the path ends, at rest, where the last block ends.
     pub fn close(&mut self) {
         self.closed = !self.chords.is_some();
+    }
+
+    /// Single block mode: whether joints that are not decided yet are exact stops, and lines stay as they are written.
+    pub fn set_single(&mut self, single: bool) {
+        self.single = single;
+    }
+
+    /// Whether the motion rests between two blocks because single block mode asks for it. A block is all that has one tag:
+    /// the chords of a curve, the moves of a cycle.
+    fn parts(&self, before: &QueuedBlock<S, N>, after: &QueuedBlock<S, N>) -> bool {
+        self.single && before.tag != after.tag
     }
 
     /// Whether the joint behind the front block has not been decided.

@@ -96,7 +96,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// Lets the motion stay at a node at which it rests; whether a plan was made for it.
-    fn rest_there(&mut self, node: NodeSerial, halt: Halt) -> bool {
+    pub(super) fn rest_there(&mut self, node: NodeSerial, halt: Halt) -> bool {
         if node == self.horizon.end() {
             if let Phase::Following(now) = &mut self.phase {
                 now.rest_at_end(halt);

@@ -10,7 +10,7 @@
 //! | hold, or an override of 0 | [`Progress::Held`] | [`brake`]: a plan that rests as soon as the limits allow; none if the plan under way already does | a plan from a node is withdrawn first, one from a servo cycle waited for |
 //! | a halt no longer wanted | - | the plan is taken further at once | - |
 //! | other overrides | in effect at once | [`retune`]: a plan at the new pace from the next servo cycle on, or from a node that is near | as for a hold |
-//! | stop, single block | held; in single block mode after every block, until a resume | [`block_end`]: a plan that rests at the end of a block, looked for once in every plan | waits |
+//! | stop, single block | held; in single block mode after every block, until a resume | [`block_end`]: a plan that rests at the end of a block, looked for once in every plan; none but a halt where the plan rests there anyway | withdrawn if the motion rests there before it, else waited for |
 //! | resume | ends the rest at a pause or in single block mode; a hold or a stop it has ended at the source | - | - |
 //!
 //! # How an answer takes effect
@@ -43,7 +43,7 @@ mod tests;
 
 use self::halting::FIRST_REACH;
 use self::reaction::Asked;
-use super::phase::{Following, Halt, Phase, Rest};
+use super::phase::{Following, Halt, Offer, Phase, Rest};
 use super::{Planner, Progress};
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
@@ -99,6 +99,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         {
             now.go_on(at);
         }
+        let stays = |offer: &Offer| offer.before.is_some() && offer.taken.halt == Some(Halt::Block);
+        if self.phase.offer().is_some_and(stays) && !Halt::Block.is_wanted(wish) {
+            self.revoke();
+        }
         if wish.overrides != self.horizon.overrides()
             && self.revoke()
             && self.retune(wish.overrides, at)
@@ -115,12 +119,25 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// In motion: rests at the end of a block, as a stop or single block mode asks for.
     fn obey_stop(&mut self, at: NodeSerial) -> Option<Progress> {
+        // A plan on offer that would leave the present one behind the rest that is asked for.
+        if let Some(offer) = self.phase.offer().filter(|offer| offer.taken.halt.is_none())
+            && let Some(rest) = self.horizon.agreed_block_end(at)
+            && !offer.first.is_before(rest)
+        {
+            self.revoke();
+        }
         let Phase::Following(now) = &mut self.phase else { return None };
         if now.halt == Some(Halt::Block) {
             return Some(Progress::Waiting);
         }
         let planned = if self.horizon.stands(at) {
             self.rest_next(Halt::Block)
+        } else if let Some(rest) = self.horizon.agreed_block_end(at) {
+            let planned = self.rest_there(rest, Halt::Block);
+            if self.phase.halt() == Some(Halt::Block) {
+                return Some(Progress::Waiting);
+            }
+            planned
         } else if now.tried_block_end {
             false
         } else {
@@ -132,9 +149,14 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// At rest: whether to go on.
     fn obey_at_rest(&mut self, wish: &Wish, resumed: bool) -> Option<Progress> {
-        let (mut rest, halted) = match self.phase {
-            Phase::Following(Following { halt, .. }) => (Rest::IDLE, halt),
-            Phase::Resting(rest) => (rest, None),
+        let end = self.horizon.end_index();
+        let (mut rest, ended) = match self.phase {
+            // A plan may end with a block by itself, where no more was known in time.
+            Phase::Following(Following { halt: None, .. }) => {
+                (Rest::IDLE, self.horizon.ends_block(end))
+            }
+            Phase::Following(Following { halt, .. }) => (Rest::IDLE, halt == Some(Halt::Block)),
+            Phase::Resting(rest) => (rest, false),
             Phase::Offered(_) => {
                 debug_assert!(false, "a start is on offer");
                 return None;
@@ -150,10 +172,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if wish.overrides != self.horizon.overrides() {
             self.horizon.set_overrides(wish.overrides);
         }
-        let end = self.horizon.end_index();
         let end = self.horizon.window.get_mut(end);
         let pauses = end.is_some_and(|end| core::mem::take(&mut end.pause));
-        if pauses || (wish.single && halted == Some(Halt::Block)) {
+        if pauses || (wish.single && ended) {
             // A resume that was pressed before this was known was not meant for it.
             rest = Rest::AwaitsResume;
         } else if resumed && rest == Rest::AwaitsResume {

@@ -105,6 +105,13 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         (first + 1..self.window.len()).find(|&i| self.ends_block(i))
     }
 
+    /// The node at which the block under way ends, if the agreed plan rests there.
+    pub fn agreed_block_end(&self, at: NodeSerial) -> Option<NodeSerial> {
+        let i = self.block_end(self.window.clamped_index(at))?;
+        let rests = i <= self.end_index() && self.window.get(i).is_some_and(|end| end.rest);
+        rests.then(|| self.window.serial(i))
+    }
+
     /// Whether a block ends at station `i`.
     pub fn ends_block(&self, i: usize) -> bool {
         let Some((before, here)) = i.checked_sub(1).and_then(|i| self.window.pair(i)) else {
