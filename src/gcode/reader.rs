@@ -78,7 +78,7 @@ impl Pending {
     }
 }
 
-/// Reads a program, line by line. About 10 KiB.
+/// Reads a program, line by line. 6.9 kB; 8.5 with the feature `nurbs`.
 #[derive(Debug)]
 pub struct Reader {
     pub(super) settings: Settings,
