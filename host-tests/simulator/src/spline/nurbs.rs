@@ -42,15 +42,6 @@ impl Nurbs {
         Ok(curve)
     }
 
-    /// The knots inside its domain and at its ends, each once.
-    pub fn breaks(&self) -> Vec<f64> {
-        let (from, to) = self.domain();
-        let mut breaks: Vec<f64> =
-            self.knots.iter().copied().filter(|knot| (from..=to).contains(knot)).collect();
-        breaks.dedup();
-        breaks
-    }
-
     fn check(&self) -> Result<()> {
         let n = self.control_points.len();
         ensure!((1..=9).contains(&self.degree), "degree is {}; it must be 1 to 9", self.degree);
