@@ -38,6 +38,11 @@
 //! bounded number of steps; if it has not converged by then, another method takes over that keeps them in every
 //! step. A new bound on the motion belongs here. Blocks, tags, commands and the interrupt do not.
 //!
+//! ## Motion off the path: `jog`
+//!
+//! A feature: ramps and ways to a place for every axis by itself or along one line, in whole servo cycles. They become plans like
+//! any other, while the path rests. It knows no block and no path.
+//!
 //! ## The interrupt side: [`servo`] and [`output`]
 //!
 //! [`Interpolator::tick`] evaluates one polynomial per axis and knows no planning. Plans arrive whole in the two
@@ -137,6 +142,8 @@ mod readme {}
 pub mod c;
 #[cfg(feature = "gcode")]
 pub mod gcode;
+#[cfg(feature = "jog")]
+pub mod jog;
 pub mod machine;
 pub mod number;
 pub mod output;
@@ -149,6 +156,8 @@ pub mod spline;
 pub mod wire;
 
 pub use block::{Block, Feed, Motion, PushError, Turn};
+#[cfg(feature = "jog")]
+pub use jog::{Jog, JogError};
 pub use machine::{AxisLimits, BLOCKS, Config, ConfigError, CornerMode, Limits, NODES};
 #[cfg(feature = "travel")]
 pub use machine::{AxisTravel, Travel};

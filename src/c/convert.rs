@@ -4,6 +4,7 @@ use super::types::{
     SPLINEWAY_AXES, splineway_block, splineway_config, splineway_result, splineway_travel,
 };
 use crate::block::{BlockError, Feed, PushError};
+use crate::jog::JogError;
 use crate::machine::{AxisLimits, AxisTravel, Config, Limits, Travel};
 use crate::number::Coord;
 
@@ -86,5 +87,16 @@ pub fn refusal(error: &PushError) -> splineway_result {
         BlockError::ArcRadius { .. } | BlockError::ArcUnreachable { .. } => splineway_result::ARC,
         BlockError::TooLong { .. } => splineway_result::TOO_LONG,
         BlockError::Travel { .. } => splineway_result::TRAVEL,
+    }
+}
+
+pub fn jog_refusal(error: &JogError) -> splineway_result {
+    match error {
+        JogError::Running => splineway_result::RUNNING,
+        JogError::Aborted => splineway_result::ABORTED,
+        JogError::NoProgram => splineway_result::NO_PROGRAM,
+        JogError::OutOfRange { .. } => splineway_result::OUT_OF_RANGE,
+        JogError::Coordinate { .. } => splineway_result::COORDINATE,
+        JogError::Travel { .. } => splineway_result::TRAVEL,
     }
 }

@@ -29,7 +29,7 @@
 /*
  Bytes that a core takes at most; the build fails if it were more.
  */
-#define SPLINEWAY_STORAGE_BYTES (((13200 + (3800 * SPLINEWAY_AXES)) + (SPLINEWAY_NODES * (200 + (80 * SPLINEWAY_AXES)))) + (SPLINEWAY_BLOCKS * (136 + (20 * SPLINEWAY_AXES))))
+#define SPLINEWAY_STORAGE_BYTES (((13200 + (4300 * SPLINEWAY_AXES)) + (SPLINEWAY_NODES * (200 + (80 * SPLINEWAY_AXES)))) + (SPLINEWAY_BLOCKS * (136 + (20 * SPLINEWAY_AXES))))
 
 /*
  The same in words of 64 bits.
@@ -39,7 +39,7 @@
 /*
  Version of the interface, which header and library must agree on.
  */
-#define SPLINEWAY_INTERFACE 3
+#define SPLINEWAY_INTERFACE 4
 
 /*
  What came of a call.
@@ -78,7 +78,7 @@ typedef enum {
    */
   SPLINEWAY_RESULT_COORDINATE = 7,
   /*
-   Feed, duration, tolerance or dwell is not finite or out of its range.
+   Feed, duration, tolerance, dwell, or the velocity or time of a jog is not finite or out of its range.
    */
   SPLINEWAY_RESULT_OUT_OF_RANGE = 8,
   /*
@@ -103,9 +103,17 @@ typedef enum {
    */
   SPLINEWAY_RESULT_HEADER = 13,
   /*
-   The block leads out of the limits of travel.
+   The block or the point of a jog leads out of the limits of travel.
    */
   SPLINEWAY_RESULT_TRAVEL = 14,
+  /*
+   A jog while a program runs: hold it first.
+   */
+  SPLINEWAY_RESULT_RUNNING = 15,
+  /*
+   A jog back, but no program is held.
+   */
+  SPLINEWAY_RESULT_NO_PROGRAM = 16,
 } splineway_result;
 
 /*
@@ -167,6 +175,10 @@ typedef enum {
    At an event of the program, whose tag the setpoint has: for one servo cycle.
    */
   SPLINEWAY_ACTIVITY_EVENT = 3,
+  /*
+   In a jog.
+   */
+  SPLINEWAY_ACTIVITY_JOGGING = 4,
 } splineway_activity;
 
 /*
@@ -449,6 +461,36 @@ splineway_result splineway_push_dwell(splineway_core *core, float seconds, uint3
 splineway_result splineway_push_event(splineway_core *core,
                                       bool pause,
                                       uint32_t tag);
+
+/*
+ Jogs: every axis by itself comes to a velocity (mm/s) and keeps it for some seconds, unless it is asked for again, or up to
+ its limit of travel. From rest with nothing to run, or from a hold within a program; the next `splineway_poll` plans it.
+ `RUNNING` if a program runs.
+ */
+splineway_result splineway_jog_velocity(splineway_core *core,
+                                        const float *velocity,
+                                        float seconds);
+
+/*
+ Jogs by a distance per axis (nm), at a speed along the line (mm/s). Steps add up.
+ */
+splineway_result splineway_jog_step(splineway_core *core, const int64_t *by, float feed);
+
+/*
+ Jogs to a point (nm), from rest along the straight line, at a speed along it (mm/s).
+ */
+splineway_result splineway_jog_to(splineway_core *core, const int64_t *to, float feed);
+
+/*
+ Jogs back to where the program was held; from there `splineway_resume` goes on. `NO_PROGRAM` if none is held.
+ */
+splineway_result splineway_jog_back(splineway_core *core,
+                                    float feed);
+
+/*
+ Ends a jog: every axis brakes as hard as its limits allow. From any context, as the commands of an operator.
+ */
+splineway_result splineway_jog_cancel(splineway_core *core);
 
 /*
  Says that no more blocks come for now.

@@ -26,7 +26,7 @@ pub const SPLINEWAY_BLOCKS: usize = setting(option_env!("SPLINEWAY_BLOCKS"), cra
 pub const SPLINEWAY_NODES: usize = setting(option_env!("SPLINEWAY_NODES"), crate::NODES);
 /// Bytes that a core takes at most; the build fails if it were more.
 pub const SPLINEWAY_STORAGE_BYTES: usize = 13_200
-    + 3_800 * SPLINEWAY_AXES
+    + 4_300 * SPLINEWAY_AXES
     + SPLINEWAY_NODES * (200 + 80 * SPLINEWAY_AXES)
     + SPLINEWAY_BLOCKS * (136 + 20 * SPLINEWAY_AXES);
 
@@ -34,7 +34,7 @@ pub const SPLINEWAY_STORAGE_BYTES: usize = 13_200
 pub const SPLINEWAY_STORAGE_WORDS: usize = SPLINEWAY_STORAGE_BYTES / 8 + 1;
 
 /// Version of the interface, which header and library must agree on.
-pub const SPLINEWAY_INTERFACE: u32 = 3;
+pub const SPLINEWAY_INTERFACE: u32 = 4;
 
 /// Storage of a core: opaque, and not to be moved once it is set up (it would no longer be ready).
 #[repr(C)]
@@ -63,7 +63,7 @@ pub enum splineway_result {
     CONFIG = 6,
     /// A coordinate is beyond +-1e6 mm.
     COORDINATE = 7,
-    /// Feed, duration, tolerance or dwell is not finite or out of its range.
+    /// Feed, duration, tolerance, dwell, or the velocity or time of a jog is not finite or out of its range.
     OUT_OF_RANGE = 8,
     /// The arc's plane names an axis that does not exist, or one twice.
     PLANE = 9,
@@ -76,8 +76,12 @@ pub enum splineway_result {
     /// Header and library are not of the same version, or the configuration was not made by
     /// `splineway_config_init`.
     HEADER = 13,
-    /// The block leads out of the limits of travel.
+    /// The block or the point of a jog leads out of the limits of travel.
     TRAVEL = 14,
+    /// A jog while a program runs: hold it first.
+    RUNNING = 15,
+    /// A jog back, but no program is held.
+    NO_PROGRAM = 16,
 }
 
 impl splineway_result {
@@ -92,12 +96,14 @@ impl splineway_result {
             (Self::AXES, c"header and library differ in the number of axes"),
             (Self::CONFIG, c"a limit or a setting is out of its range"),
             (Self::COORDINATE, c"a coordinate is beyond 1e6 mm"),
-            (Self::OUT_OF_RANGE, c"feed, duration, tolerance or dwell is out of its range"),
+            (Self::OUT_OF_RANGE, c"feed, duration, tolerance, dwell or velocity is out of its range"),
             (Self::PLANE, c"the plane of the arc does not exist"),
             (Self::ARC, c"the arc's ends are not at the same distance from its centre"),
             (Self::TOO_LONG, c"the block is too long"),
             (Self::ABORTED, c"an abort has not been acknowledged"),
-            (Self::TRAVEL, c"the block leads out of the limits of travel"),
+            (Self::TRAVEL, c"the block or the jog leads out of the limits of travel"),
+            (Self::RUNNING, c"a program runs: hold it before jogging"),
+            (Self::NO_PROGRAM, c"no program is held that could be gone back to"),
             (Self::HEADER, c"header and library differ, or the configuration is not from splineway_config_init"),
         ];
         let known = all.into_iter().find(|(result, _)| *result as i32 == number);
@@ -198,6 +204,8 @@ pub enum splineway_activity {
     DWELLING = 2,
     /// At an event of the program, whose tag the setpoint has: for one servo cycle.
     EVENT = 3,
+    /// In a jog.
+    JOGGING = 4,
 }
 
 /// Where the axes should be at the end of a servo cycle.
@@ -231,6 +239,7 @@ impl From<Setpoint<f32, SPLINEWAY_AXES>> for splineway_setpoint {
                 Activity::Running => splineway_activity::RUNNING,
                 Activity::Dwelling => splineway_activity::DWELLING,
                 Activity::Event => splineway_activity::EVENT,
+                Activity::Jogging => splineway_activity::JOGGING,
             },
         }
     }

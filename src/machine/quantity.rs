@@ -38,6 +38,8 @@ pub enum Quantity {
     Duration,
     /// Time of a dwell, s.
     Dwell,
+    /// Time after which a jog at a velocity ends, s.
+    JogTime,
 }
 
 impl Quantity {
@@ -73,6 +75,7 @@ impl Quantity {
             Self::Feed => Range::new(1.0e-9, 1.0e6),
             Self::Duration => Range::new(1.0e-6, 1.0e6),
             Self::Dwell => Range::new(0.0, 1.0e6),
+            Self::JogTime => Range::new(1.0e-3, 60.0),
         }
     }
 
@@ -97,6 +100,7 @@ impl Quantity {
             Self::Feed => ("feed", "mm/s"),
             Self::Duration => ("duration", "s"),
             Self::Dwell => ("dwell", "s"),
+            Self::JogTime => ("time of a jog", "s"),
         }
     }
 }
@@ -115,6 +119,7 @@ mod tests {
             Quantity::Feed,
             Quantity::Duration,
             Quantity::Dwell,
+            Quantity::JogTime,
         ];
         for quantity in Quantity::SETTINGS.into_iter().chain(others) {
             let Range { least, greatest } = quantity.range();

@@ -4,6 +4,8 @@ use super::command::Answered;
 use super::command::reaction::Pressing;
 use super::effort::Effort;
 use super::horizon::Horizon;
+#[cfg(feature = "jog")]
+use super::jogging::Jogging;
 use super::phase::{Phase, Rest};
 use super::{Counters, Planner};
 use crate::block::BlockError;
@@ -31,6 +33,8 @@ pub struct Link<
     channel: Channel<S, N, NODES>,
     builder: Builder<S, N, BLOCKS>,
     horizon: Horizon<S, N, NODES>,
+    #[cfg(feature = "jog")]
+    jogging: Jogging<N>,
 }
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Default
@@ -44,7 +48,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Default
 impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Link<S, N, BLOCKS, NODES> {
     /// An empty link; it can live in a `static`.
     pub const fn new() -> Self {
-        Self { channel: Channel::new(), builder: Builder::EMPTY, horizon: Horizon::EMPTY }
+        Self {
+            channel: Channel::new(),
+            builder: Builder::EMPTY,
+            horizon: Horizon::EMPTY,
+            #[cfg(feature = "jog")]
+            jogging: Jogging::NONE,
+        }
     }
 
     /// The two handles of a core that rests at `start`: the planner for the background, the interpolator for the
@@ -74,7 +84,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Link<S,
         if let Err(BlockError::Coordinate { axis, error }) = check_coordinates(&start) {
             return Err(ConfigError::Start { axis, error });
         }
-        let Self { channel, builder, horizon } = self;
+        let Self { channel, builder, horizon, .. } = self;
+        #[cfg(feature = "jog")]
+        self.jogging.clear();
         let (side, servo, requests) = channel.ends(origin);
         builder.restart(start);
         horizon.begin(&config, Node { at: start, tangent: zero(), curvature: zero() }, origin.node);
@@ -84,6 +96,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Link<S,
                 requests,
                 builder,
                 horizon,
+                #[cfg(feature = "jog")]
+                jogging: &mut self.jogging,
                 phase: Phase::Resting(Rest::IDLE),
                 making: None,
                 effort: Effort::NONE,

@@ -5,6 +5,7 @@
 //! - [`horizon`]: the path ahead, the plan agreed on it, and the draft of the next.
 //! - [`ahead`]: blocks cut into cells, and when a plan goes on as far as is known.
 //! - [`command`]: answers to an operator's commands.
+//! - `jogging`: motion off the path, while that rests.
 //! - [`making`]: a plan in the making, slice by slice.
 //! - [`effort`]: what that takes, in servo cycles.
 //! - [`offer`]: plans handed over, and the interrupt's word on them.
@@ -13,6 +14,8 @@ mod ahead;
 mod command;
 mod effort;
 mod horizon;
+#[cfg(feature = "jog")]
+mod jogging;
 mod link;
 mod making;
 mod offer;
@@ -100,6 +103,8 @@ pub struct Planner<
     requests: &'a Requests,
     builder: &'a mut Builder<S, N, BLOCKS>,
     horizon: &'a mut Horizon<S, N, NODES>,
+    #[cfg(feature = "jog")]
+    jogging: &'a mut jogging::Jogging<N>,
     phase: Phase,
     /// The plan in the making.
     making: Option<Making<S>>,
@@ -132,6 +137,10 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     pub fn push(&mut self, block: &Block<S, N>) -> Result<(), PushError> {
         if self.is_aborted() {
             return Err(PushError::Aborted);
+        }
+        #[cfg(feature = "jog")]
+        if self.jogging.is_free() {
+            return Err(PushError::Full);
         }
         self.builder.set_single(self.requests.is_single());
         self.builder.push(block, &self.horizon.config)?;
@@ -199,6 +208,10 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// Whether the look-ahead has no room for another block.
     pub fn is_full(&self) -> bool {
+        #[cfg(feature = "jog")]
+        if self.jogging.is_free() {
+            return true;
+        }
         self.builder.is_full()
     }
 
@@ -220,6 +233,12 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// Cost: bounded; at most one cell is cut, or one step of a plan is done. `docs/target.md` has the number of
     /// instructions.
     pub fn poll(&mut self) -> Progress {
+        #[cfg(feature = "jog")]
+        if self.jogging.is_on()
+            && let Some(progress) = self.poll_jog()
+        {
+            return progress;
+        }
         let at = self.side.progress();
         self.hear();
         if self.finished {

@@ -35,6 +35,9 @@ pub struct Requests {
     /// Overrides, as what they differ from 100 per cent by: untouched requests are all zeros.
     feed: AtomicU32,
     rapid: AtomicU32,
+    /// Jogs that have been called off.
+    #[cfg(feature = "jog")]
+    cancels: AtomicU32,
 }
 
 /// Overrides, per cent.
@@ -85,7 +88,15 @@ impl Requests {
             single: AtomicBool::new(false),
             feed: AtomicU32::new(0),
             rapid: AtomicU32::new(0),
+            #[cfg(feature = "jog")]
+            cancels: AtomicU32::new(0),
         }
+    }
+
+    /// Number of the last jog that was called off.
+    #[cfg(feature = "jog")]
+    pub fn cancels(&self) -> u32 {
+        self.cancels.load(Relaxed)
     }
 
     pub fn read(&self) -> Wish {
@@ -139,6 +150,7 @@ impl Requests {
 /// | [`abort`](Self::abort) | brakes at once, drops everything; nothing is taken any more | [`Planner::acknowledge_abort`](crate::Planner::acknowledge_abort), once it is complete |
 /// | [`feed_override`](Self::feed_override), [`rapid_override`](Self::rapid_override) | change the speed; 0 is a hold | the next of its kind |
 /// | [`single_block`](Self::single_block) | rests at the end of every block | `single_block(false)` |
+/// | `cancel_jog` (feature `jog`) | ends a jog: as a hold and an abort do | the next jog |
 ///
 /// Which one wins: abort over everything; a hold (or an override of 0) over a stop and single block
 /// mode; these over motion. An abort ends a hold and a stop that were pressed before it; one pressed
@@ -162,6 +174,14 @@ impl<'a> Controls<'a> {
     /// once, and dwell for what is left of it when resumed.
     pub fn hold(self) {
         self.requests.pressed.fetch_or(HOLD, Release);
+        #[cfg(feature = "jog")]
+        self.cancel_jog();
+    }
+
+    /// Ends a jog: every axis brakes as hard as its limits allow. Without a jog it does nothing.
+    #[cfg(feature = "jog")]
+    pub fn cancel_jog(self) {
+        self.requests.cancels.fetch_add(1, Relaxed);
     }
 
     /// Ends a hold or a stop, and the rest at a pause; in single block mode, runs the next block.

@@ -18,6 +18,9 @@ pub enum Sequel {
     Stop,
     /// A stop because the plan knows no further.
     Starved,
+    /// The next piece of a jog, or its end.
+    #[cfg(feature = "jog")]
+    Jog = 8,
 }
 
 /// The motion over one cell of the path.
@@ -164,11 +167,21 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
             activity: if event {
                 Activity::Event
             } else if dwells {
-                Activity::Dwelling
+                self.still()
             } else {
                 Activity::Running
             },
         }
+    }
+
+    /// What is done while the path stands still.
+    #[inline]
+    fn still(&self) -> Activity {
+        #[cfg(feature = "jog")]
+        if self.sequel.load(Relaxed) == Sequel::Jog as u32 {
+            return Activity::Jogging;
+        }
+        Activity::Dwelling
     }
 
     /// Writes the place of [`Slot::at`] alone, to the bit.

@@ -17,6 +17,8 @@ pub enum Activity {
     /// At rest at an event of the program ([`Motion::Event`](crate::Motion::Event)), whose tag the
     /// setpoint has: now is the time to do what it stands for. For one servo cycle.
     Event,
+    /// In a jog (feature `jog`): off the path, whose arc length and speed do not change.
+    Jogging,
 }
 
 /// Where every axis should be at one servo cycle, and how it moves there.

@@ -1,10 +1,12 @@
-//! The bytes of protocol 3, one frame for every variant a host may send.
+//! The bytes of protocol 4, one frame for every variant a host may send.
 //!
 //! Variants and fields are numbered on the line in the order in which they are declared, some of them
 //! in types that other parts of the core use too ([`Feed`](crate::Feed)). A frame that differs from the one
 //! here cannot be read by the other end: such a change needs a new [`VERSION`].
 
-use super::{Command, FRAME, Item, Move, Opening, Path, Request, Speed, Target, VERSION, encode};
+use super::{
+    Command, FRAME, Item, JogMove, Move, Opening, Path, Request, Speed, Target, VERSION, encode,
+};
 use core::fmt::Write;
 use std::string::String;
 
@@ -44,7 +46,7 @@ fn check(cases: &[(Request, &str)]) {
 
 #[test]
 fn version_of_these_bytes() {
-    assert_eq!(VERSION, 3);
+    assert_eq!(VERSION, 4);
 }
 
 #[test]
@@ -71,6 +73,30 @@ fn commands() {
         (command(Command::FeedOverride(150)), "0c02ac02070496010fa7698800"),
         (command(Command::RapidOverride(50)), "0b02ac02070532668ee99b00"),
         (command(Command::SingleBlock(true)), "0b02ac02070601ba9cbd8c00"),
+        (command(Command::CancelJog), "0a02ac0207084be5688200"),
+    ]);
+}
+
+#[test]
+fn jogs() {
+    let jog = |jog| command(Command::Jog(jog));
+    let velocity = [1, -2, 300_000, 0, 0, 0, 0, 0, 0];
+    let by = [1_000_000, -3, 0, 0, 0, 0, 0, 0, 0];
+    let to = [None, Some(1_000_000), Some(-3), None, None, None, None, None, None];
+    check(&[
+        (
+            jog(JogMove::Velocity { velocity, time: 500 }),
+            "0602ac020707060203c0cf24010101010107f4039f64b06900",
+        ),
+        (
+            jog(JogMove::Step { by, feed: 10_000 }),
+            "0b02ac0207070180897a0501010101010107904e176dae7100",
+        ),
+        (
+            jog(JogMove::To { to, feed: 10_000 }),
+            "0702ac02070702070180897a0105010101010107904e4f3f835c00",
+        ),
+        (jog(JogMove::Back { feed: 10_000 }), "0d02ac02070703904ed282799400"),
     ]);
 }
 

@@ -1,5 +1,6 @@
 //! What host and controller say to each other.
 
+use super::jog::{JogMove, JogRefusal};
 use super::moves::{Axes, Move};
 use crate::block::BlockError;
 use crate::number::RangeError;
@@ -9,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 /// Version of the protocol. [`Request::Hello`] and [`Reply::Hello`] are the same in every version, so
 /// that two ends of different versions can say so.
-pub const VERSION: u8 = 3;
+pub const VERSION: u8 = 4;
 
 /// Silence after which a controller counts a sender as lost, if the sender does not ask for another
 /// time, ms.
@@ -49,10 +50,14 @@ pub enum Command {
     RapidOverride(u16),
     /// Single block mode.
     SingleBlock(bool),
+    /// Move off the path.
+    Jog(JogMove),
+    /// End a jog.
+    CancelJog,
 }
 
 impl Command {
-    /// Passes the command on.
+    /// Passes the command on. A jog is the planner's: [`Station`](super::Station) keeps it.
     pub fn send(self, controls: crate::Controls<'_>) {
         match self {
             Self::Hold => controls.hold(),
@@ -62,6 +67,11 @@ impl Command {
             Self::FeedOverride(percent) => controls.feed_override(percent),
             Self::RapidOverride(percent) => controls.rapid_override(percent),
             Self::SingleBlock(on) => controls.single_block(on),
+            #[cfg(feature = "jog")]
+            Self::CancelJog => controls.cancel_jog(),
+            #[cfg(not(feature = "jog"))]
+            Self::CancelJog => {}
+            Self::Jog(_) => {}
         }
     }
 }
@@ -145,6 +155,8 @@ pub enum Refusal {
         /// The limit that it would leave, nm.
         limit: i64,
     },
+    /// The machine has been jogged away from where the blocks would have begun.
+    Jogged,
 }
 
 impl Refusal {
@@ -240,6 +252,8 @@ pub struct Situation {
     pub starved: u32,
     /// Events of the session that have happened.
     pub events: u32,
+    /// Why the last jog of the session was not taken, if so.
+    pub jog: Option<JogRefusal>,
 }
 
 /// From the controller.

@@ -23,6 +23,8 @@
 //! - [`Request::Command`] is an operator's command. It has a running number of its own and is repeated
 //!   until it is acknowledged, and obeyed once. It does not wait for the items before it: the
 //!   controller gives it to [`Controls`](crate::Controls) as soon as the frame is complete.
+//!   A jog ([`Command::Jog`]) is for the planner: the next [`Station::poll`] hands it over, and [`Situation::jog`] says why it
+//!   was not taken, if so.
 //! - [`Request::Ask`] asks for [`Reply::Status`], in a session or without one.
 //!
 //! So cut, garbled, doubled and lost frames cost time and nothing else.
@@ -38,6 +40,8 @@
 //! - The session of a lost sender may be followed by another. What it has left is never run in that:
 //!   the new one is denied ([`Denial::Left`]) unless it asks for an abort ([`Opening::abort`]); then
 //!   the machine comes to rest, everything is dropped, and only then does the session begin.
+//! - A jog with nothing to run leads away from where the session's blocks would begin: no more are taken in it. The silence of its
+//!   sender ends it.
 //! - After an abort, a refused block or an emergency stop the controller takes no more items in this
 //!   session: what the host still had on the line cannot be run by mistake. A new session starts where
 //!   the machine stands, and acknowledges the abort
@@ -63,6 +67,7 @@ mod events;
 mod frame;
 #[cfg(test)]
 mod golden;
+mod jog;
 // Messages live on the stack for the length of a call; there is no heap to box them on.
 #[allow(clippy::large_enum_variant)]
 mod message;
@@ -74,6 +79,7 @@ mod station;
 
 pub use events::{Event, Events};
 pub use frame::{FRAME, Inlet, encode};
+pub use jog::{JogMove, JogRefusal};
 pub use message::{
     Command, Denial, Item, Opening, Refusal, Reply, Request, SILENCE, Situation, State, Taken,
     VERSION,

@@ -2,6 +2,7 @@
 
 use super::events::{Event, Events};
 use super::frame::{FRAME, Inlet, encode};
+use super::jog::{JogMove, JogRefusal};
 use super::message::{
     Command, Denial, Item, ItemSerial, Opening, Refusal, Reply, Request, SILENCE, Situation, State,
     Taken, VERSION,
@@ -77,6 +78,10 @@ pub struct Station<S: Scalar, const N: usize, const QUEUE: usize> {
     knock: Option<Opening>,
     /// The session has been heard of since the last look at the clock.
     heard: bool,
+    /// A jog that the planner has not seen.
+    jog: Option<JogMove>,
+    /// Why the last was not taken.
+    jog_refused: Option<JogRefusal>,
     /// What runs is to be dropped.
     aborting: bool,
     /// An abort that no command of the session has asked for.
@@ -108,6 +113,8 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
             session: None,
             knock: None,
             heard: false,
+            jog: None,
+            jog_refused: None,
             aborting: false,
             alarm: false,
             lost: false,
@@ -171,6 +178,8 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
         match command {
             Command::Abort => self.close(Refusal::Aborted),
             Command::Resume => self.lost = false,
+            Command::Jog(jog) => self.jog = Some(jog),
+            Command::Hold | Command::CancelJog => self.jog = None,
             _ => {}
         }
         Some(command)
@@ -235,7 +244,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
     /// [`Refusal::Alarm`] it shows as [`State::Alarm`] until then.
     pub fn close(&mut self, reason: Refusal) {
         self.queue.clear();
-        (self.aborting, self.lost) = (true, false);
+        (self.aborting, self.lost, self.jog) = (true, false, None);
         self.alarm |= reason == Refusal::Alarm;
         self.no_more(reason);
     }
@@ -254,6 +263,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
         now: u32,
     ) -> Progress {
         self.watch(planner, now);
+        self.pass_jog(planner);
         let more = self.feed(planner, events);
         self.progress = planner.poll();
         if self.progress == Progress::Aborted && !self.aborting {
@@ -276,6 +286,36 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
         }
     }
 
+    /// Hands a jog over.
+    #[cfg(feature = "jog")]
+    fn pass_jog<const BLOCKS: usize, const NODES: usize>(
+        &mut self,
+        planner: &mut Planner<'_, S, N, BLOCKS, NODES>,
+    ) {
+        let Some(jog) = self.jog.take() else { return };
+        let taken = match jog.jog(&planner.jog_end()) {
+            Ok(jog) => planner.jog(&jog).map_err(JogRefusal::from),
+            Err(refusal) => Err(refusal),
+        };
+        self.jog_refused = taken.err();
+        self.due.status = true;
+        if taken.is_ok() && !self.left {
+            self.queue.clear();
+            self.no_more(Refusal::Jogged);
+        }
+    }
+
+    #[cfg(not(feature = "jog"))]
+    fn pass_jog<const BLOCKS: usize, const NODES: usize>(
+        &mut self,
+        _: &mut Planner<'_, S, N, BLOCKS, NODES>,
+    ) {
+        if self.jog.take().is_some() {
+            self.jog_refused = Some(JogRefusal::Unknown);
+            self.due.status = true;
+        }
+    }
+
     /// Holds the machine if its sender is gone.
     fn watch<const BLOCKS: usize, const NODES: usize>(
         &mut self,
@@ -295,6 +335,10 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
         }
         owner.lapsed = true;
         let watched = owner.silence > 0 || owner.closed;
+        #[cfg(feature = "jog")]
+        if watched {
+            planner.controls().cancel_jog();
+        }
         if watched && self.left && !self.aborting {
             self.lost = true;
             planner.controls().hold();
@@ -328,6 +372,11 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
             planner.controls().abort();
             self.close(Refusal::Aborted);
         }
+        #[cfg(feature = "jog")]
+        if planner.is_jogging() {
+            planner.controls().cancel_jog();
+            return Err(Denial::Stopping);
+        }
         if self.left || (planner.is_aborted() && !planner.acknowledge_abort()) {
             return Err(Denial::Stopping);
         }
@@ -336,6 +385,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
             planner.controls().resume();
         }
         (self.aborting, self.alarm, self.heard) = (false, false, false);
+        (self.jog, self.jog_refused) = (None, None);
         self.progress = Progress::NeedsBlocks;
         self.end = *planner.end();
         events.clear();
@@ -440,6 +490,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
             tag: setpoint.tag,
             starved: self.starved,
             events: self.happened,
+            jog: self.jog_refused,
         }
     }
 

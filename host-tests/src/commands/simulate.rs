@@ -63,7 +63,7 @@ pub struct Simulate {
     #[arg(long, value_name = "COUNT")]
     pub segments: Option<usize>,
     /// Operator's commands: lines "time, action[, value]" with hold, resume, stop, abort, feed,
-    /// rapid, single, starve.
+    /// rapid, single, starve, jog, jog-step, jog-to, jog-back, jog-cancel.
     #[arg(long, value_name = "CSV")]
     pub events: Option<PathBuf>,
     /// Setpoints, one row per servo cycle (CSV).

@@ -17,6 +17,7 @@ use std::sync::mpsc::{Sender, channel};
 const EXAMPLES: &str = "\
 While the program runs, lines on standard input are commands to the controller:
   hold | resume | stop | abort | feed 0..200 | rapid 0..100 | single on | single off
+  jog X20 Y-5 for SECONDS (mm/s) | jog-step X0.1 at FEED | jog-to X0 Y0 at FEED | jog-back at FEED | jog-cancel
 If the program itself comes from there (-), there are none: Ctrl-C aborts.
 
 The machine is aborted - it brakes on the path and drops the rest - and this program waits until it stands:

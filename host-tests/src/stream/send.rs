@@ -178,6 +178,7 @@ fn run(
 ) -> Result<End> {
     let mut before = State::Idle;
     let mut paused = None;
+    let mut jog = None;
     // What was said before the first item was sent says nothing of the program.
     talk.forget();
     loop {
@@ -198,6 +199,12 @@ fn run(
                 paused = None;
             }
         }
+        let refused = talk.situation().and_then(|situation| situation.jog);
+        if refused != std::mem::replace(&mut jog, refused)
+            && let Some(refusal) = refused
+        {
+            watch(News::Notice(&format!("no jog: {refusal}")));
+        }
         match talk.sender.refused() {
             Some(Refusal::Aborted) if talk.is_stopped() => return Ok(End::Aborted),
             Some(Refusal::Block { tag }) => bail!("the controller refuses the block of line {tag}"),
@@ -209,6 +216,7 @@ fn run(
                     mm(limit)
                 )
             }
+            Some(Refusal::Jogged) => bail!("the machine has been jogged: send the program anew"),
             Some(Refusal::Alarm) => {
                 bail!(
                     "the controller has stopped: emergency stop, limit switch, or an output that did not follow"

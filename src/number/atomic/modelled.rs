@@ -112,6 +112,12 @@ impl AtomicU32 {
         self.model().fetch_or(value, at(order, Location::caller()))
     }
 
+    #[cfg(feature = "jog")]
+    #[track_caller]
+    pub fn fetch_add(&self, value: u32, order: Ordering) -> u32 {
+        self.model().fetch_add(value, at(order, Location::caller()))
+    }
+
     /// Where the acquiring half is left out, it is so on failure too.
     #[track_caller]
     pub fn compare_exchange(

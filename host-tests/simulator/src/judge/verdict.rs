@@ -4,6 +4,7 @@ use super::track::{Follower, Outside, Track};
 use super::witness::{Peaks, Witness};
 use crate::machine::Axis;
 use crate::run::{Observer, Overtime, Sample, Stops, Stopwatch};
+use splineway::Activity;
 
 /// What was found.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -57,6 +58,8 @@ pub struct Judge<'a> {
     witness: Witness,
     watch: Option<Stopwatch<'a>>,
     before: Vec<f64>,
+    /// The machine has been jogged, and not been on the path since.
+    jogged: bool,
     verdict: Verdict,
 }
 
@@ -74,6 +77,7 @@ impl<'a> Judge<'a> {
             witness: Witness::new(limits, cycle),
             watch: None,
             before: Vec::new(),
+            jogged: false,
             verdict: Verdict::default(),
         }
     }
@@ -98,7 +102,7 @@ impl<'a> Judge<'a> {
         verdict.reported = over(&self.witness.reported());
         verdict.mismatch = self.witness.mismatch();
         verdict.overtime = self.watch.as_ref().map(Stopwatch::overtime);
-        if !self.before.is_empty() {
+        if !self.before.is_empty() && !self.jogged {
             verdict.end_error = distance(self.track.end(), &self.before);
         }
         verdict
@@ -114,10 +118,17 @@ impl Observer for Judge<'_> {
         let x = &sample.position[..self.limits.len()];
         self.verdict.cycles += 1;
         let step = if self.before.is_empty() { 0.0 } else { distance(&self.before, x) };
-        let off = self.follower.look(self.track, x, self.reach + 2.0 * step, self.tolerance);
-        self.verdict.deviation = self.verdict.deviation.max(off.distance);
-        if off.outside.distance > self.verdict.outside.distance {
-            self.verdict.outside = off.outside;
+        match sample.activity {
+            Activity::Jogging => self.jogged = true,
+            Activity::Idle => {}
+            _ => self.jogged = false,
+        }
+        if !self.jogged {
+            let off = self.follower.look(self.track, x, self.reach + 2.0 * step, self.tolerance);
+            self.verdict.deviation = self.verdict.deviation.max(off.distance);
+            if off.outside.distance > self.verdict.outside.distance {
+                self.verdict.outside = off.outside;
+            }
         }
         self.witness.see(sample);
         self.verdict.path_speed = self.verdict.path_speed.max(step / self.cycle);

@@ -183,7 +183,7 @@ impl Witness {
                 axis.pieces = [Reach { from: before.position, ..Reach::default() }, axis.pieces[0]];
                 axis.pieces[0].see(&before);
             }
-            if sample.activity == Activity::Running {
+            if matches!(sample.activity, Activity::Running | Activity::Jogging) {
                 axis.pieces[0].time += self.cycle;
             } else {
                 // At rest nothing is carried over.

@@ -1,5 +1,6 @@
 //! An operator's command in words, as it is typed and as it stands in files.
 
+use super::jog::parse_jog;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 pub use splineway::wire::Command;
 use std::ops::RangeInclusive;
@@ -16,6 +17,10 @@ const RAPID: RangeInclusive<u16> = 0..=100;
 pub fn parse_command(text: &str) -> Result<Command> {
     let mut words = text.split_whitespace();
     let word = words.next().unwrap_or("");
+    let behind = text.trim_start().get(word.len()..).unwrap_or("");
+    if let Some(jog) = parse_jog(word, behind.trim())? {
+        return Ok(Command::Jog(jog));
+    }
     let value = words.next();
     if let Some(extra) = words.next() {
         bail!("\"{extra}\" is too much in \"{}\"", text.trim());
@@ -29,6 +34,7 @@ pub fn parse_command(text: &str) -> Result<Command> {
         "resume" | "~" => alone(Command::Resume),
         "stop" => alone(Command::Stop),
         "abort" => alone(Command::Abort),
+        "jog-cancel" => alone(Command::CancelJog),
         "feed" => Ok(Command::FeedOverride(percent(word, value, FEED)?)),
         "rapid" => Ok(Command::RapidOverride(percent(word, value, RAPID)?)),
         "single" => match value {
@@ -38,7 +44,7 @@ pub fn parse_command(text: &str) -> Result<Command> {
         },
         _ => bail!(
             "\"{}\" is no command; known are hold, resume, stop, abort, feed PERCENT, rapid PERCENT, single on, \
-             single off",
+             single off, jog, jog-step, jog-to, jog-back, jog-cancel",
             text.trim()
         ),
     }

@@ -32,7 +32,8 @@ pub struct Events {
 pub const FORMAT: &str = "\
 Events are lines \"time, action[, value]\", times in seconds since the start:
   hold | resume | stop (at the end of the block) | abort | feed, 0..200 | rapid, 0..100 (per cent)
-  single, on|off | starve, SECONDS (the producer sends nothing)";
+  single, on|off | starve, SECONDS (the producer sends nothing)
+  jog, X20 Y-5 for SECONDS (mm/s) | jog-step, X0.1 at FEED | jog-to, X0 Y0 at FEED | jog-back, at FEED | jog-cancel";
 
 impl Events {
     /// Commands in any order.

@@ -4,6 +4,7 @@ mod command;
 pub mod duration;
 pub mod events;
 pub mod happenings;
+mod jog;
 pub mod runner;
 mod validate;
 
@@ -11,5 +12,6 @@ pub use command::{Command, parse_command};
 pub use duration::{Overtime, Pace, Stops, Stopwatch};
 pub use events::{Action, Event, Events, FORMAT};
 pub use happenings::{Happening, Happenings};
+pub use jog::{JOGS, on_axes, parse_jog};
 pub use runner::{Observer, Precision, Sample, Stats, Timing, block, run, run_with};
 pub use validate::{on_letters, sharp_corners, validate};

@@ -3,13 +3,14 @@
 use super::command::Command;
 use super::duration::Pace;
 use super::events::{Action, Event, Events};
+use super::jog::on_axes;
 use super::validate::on_letters;
 use crate::machine::Machine;
 use crate::program::{Course, Move, Program, Speed};
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use splineway::{
-    Activity, Block, Config, Controls, Coord, Counters, Feed, Link, Motion, Planner, Progress,
-    PushError, Scalar, Setpoint, Turn,
+    Activity, Block, Config, Coord, Counters, Feed, Link, Motion, Planner, Progress, PushError,
+    Scalar, Setpoint, Turn,
 };
 use std::time::Instant;
 
@@ -195,7 +196,7 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     let mut at_pause = false;
     loop {
         let now = cycle as f64 * machine.cycle;
-        operator.play(now, controls);
+        operator.play(now, &mut planner, &axes).with_context(|| format!("at {now:.3} s"))?;
         if now >= operator.silent_until {
             stats.blocks += feed_blocks(&mut planner, &mut moves, &axes)?;
         }
@@ -217,7 +218,7 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         stats.ticks.add(began);
         cycle += 1;
         view.take(&setpoint, setpoint.origin != origin);
-        view.pace = operator.pace(waiting);
+        view.pace = operator.pace(waiting || setpoint.activity == Activity::Jogging);
         origin = setpoint.origin;
         view.show(cycle as f64 * machine.cycle, observers)?;
         match setpoint.activity {
@@ -226,7 +227,7 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             _ => {}
         }
         if setpoint.activity == Activity::Idle {
-            if progress == Progress::Done {
+            if progress == Progress::Done && !operator.jogs_later() {
                 break;
             }
             if progress == Progress::Aborted {
@@ -234,7 +235,7 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 check_rest(planner.end(), &setpoint)?;
                 break;
             }
-            idle = if waiting { 0 } else { idle + 1 };
+            idle = if waiting || progress == Progress::Done { 0 } else { idle + 1 };
             if idle > PATIENCE {
                 bail!("line {}: the core found no motion from here", setpoint.tag);
             }
@@ -266,7 +267,13 @@ impl<'a> Operator<'a> {
         Self { events, overrides: (100, 100), silent_until: 0.0, pressed: false }
     }
 
-    fn play(&mut self, now: f64, controls: Controls<'_>) {
+    fn play<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
+        &mut self,
+        now: f64,
+        planner: &mut Planner<'_, S, N, BLOCKS, NODES>,
+        axes: &[usize],
+    ) -> Result<()> {
+        let controls = planner.controls();
         self.pressed = false;
         while let Some(event) = self.events.next_if(|event| event.time <= now) {
             self.pressed = true;
@@ -274,6 +281,10 @@ impl<'a> Operator<'a> {
                 Action::Command(command) => {
                     command.send(controls);
                     match command {
+                        Command::Jog(jog) => {
+                            let jog = on_axes(&jog, axes)?.jog(&planner.jog_end());
+                            planner.jog(&jog.map_err(|refusal| anyhow!("{refusal}"))?)?;
+                        }
                         Command::FeedOverride(percent) => self.overrides.0 = percent,
                         Command::RapidOverride(percent) => self.overrides.1 = percent,
                         _ => {}
@@ -282,6 +293,13 @@ impl<'a> Operator<'a> {
                 Action::Starve(seconds) => self.silent_until = now + seconds,
             }
         }
+        Ok(())
+    }
+
+    /// Whether a jog is still to come.
+    fn jogs_later(&self) -> bool {
+        let jogs = |event: &Event| matches!(event.action, Action::Command(Command::Jog(_)));
+        self.events.clone().any(jogs)
     }
 
     fn is_done(&mut self) -> bool {

@@ -151,6 +151,10 @@ fn interface() {
         black_box(c::splineway_push_cubic(core, p, p, p, &raw const options));
         black_box(c::splineway_push_dwell(core, black_box(1.0), 1));
         black_box(c::splineway_push_event(core, black_box(true), 1));
+        let velocity = black_box([1.0; c::SPLINEWAY_AXES]);
+        black_box(c::splineway_jog_velocity(core, velocity.as_ptr(), black_box(0.5)));
+        black_box((c::splineway_jog_step(core, p, 1.0), c::splineway_jog_to(core, p, 1.0)));
+        black_box((c::splineway_jog_back(core, black_box(1.0)), c::splineway_jog_cancel(core)));
         black_box(c::splineway_finish(core));
         black_box(c::splineway_poll(core));
         black_box(c::splineway_acknowledge_abort(core));
