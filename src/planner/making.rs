@@ -5,7 +5,7 @@
 //!                │                  │ beyond a limit     ▲
 //!                │                  ▼                    │
 //!                └─ (seeded) ◀── Seeding                 │
-//!   Hold:       Halting ─────────────────────────────────▶│
+//!   Hold:       Slowing (its pieces as they are found) ───┼─▶ offered
 //!   Overrides:  Retuning ────────────────────────────────▶│
 //!   Reaction:   Reacting ────────────────────────────────▶│
 //!   BlockEnd:   Ending ───────────────────────────────────┘
@@ -14,19 +14,20 @@
 //! What it has changed lies in the horizon as a draft ([`super::horizon`]), so it can be dropped after any slice: by
 //! a command that it does not serve, or because the motion has passed the place where it would have branched off.
 
+use super::command::Flow;
 use super::command::block_end::Ending;
-use super::command::halting::{Flow, Halting};
-use super::command::reaction::{Asked, Reacting};
+use super::command::reaction::Reacting;
 use super::command::retune::Retuning;
+use super::command::slowing::Slowing;
 use super::horizon::{Horizon, Proposal};
-use super::phase::{Halt, Phase};
+use super::phase::Phase;
 use super::{Planner, Progress};
 use crate::number::Scalar;
 use crate::number::serial::{CycleSerial, NodeSerial};
 use crate::profile::seeding::Seeding;
 use crate::profile::solver::Aim;
 use crate::profile::solving::Solving;
-use crate::servo::control::Wish;
+use crate::servo::control::{Overrides, Wish};
 use crate::servo::link::Branch;
 use core::ops::ControlFlow;
 
@@ -45,7 +46,7 @@ pub enum Purpose {
     /// To come to rest at the end of a block.
     BlockEnd,
     /// To begin with what is asked for.
-    Reaction(Asked),
+    Reaction(Overrides),
 }
 
 /// A plan in the making.
@@ -68,8 +69,8 @@ pub enum Stage<S> {
     Checking { guessed: Option<usize> },
     /// A try for slow states that keep them, where the guess has led to none.
     Seeding(Seeding<S>),
-    /// A slice of looking for a rest.
-    Halting(Halting<S>),
+    /// Some steps of a clock that slows down, which are handed over.
+    Slowing(Slowing<S>),
     /// A slice of looking for a rest at the end of a block.
     Ending(Ending<S>),
     /// A slice of a first answer to a command.
@@ -94,8 +95,8 @@ enum Failure {
     Crawl,
     /// No motion within the limits was found.
     Stuck,
-    /// A command has not been answered by it; how far away a rest is to be looked for next.
-    Unanswered { reach: Option<u16> },
+    /// A command has not been answered by it.
+    Unanswered,
 }
 
 impl<S: Scalar> Making<S> {
@@ -105,7 +106,6 @@ impl<S: Scalar> Making<S> {
         horizon: &mut Horizon<S, N, NODES>,
     ) -> ControlFlow<Failure> {
         let flow = match &mut self.stage {
-            Stage::Halting(halting) => horizon.go_on_halting(halting, &mut self.proposal),
             Stage::Ending(ending) => horizon.go_on_ending(ending, &mut self.proposal),
             Stage::Reacting(reacting) => horizon.go_on_reacting(reacting, self.proposal),
             Stage::Retuning(retuning) => horizon.go_on_retuning(retuning, self.proposal),
@@ -114,11 +114,7 @@ impl<S: Scalar> Making<S> {
         match flow {
             Flow::Working => {}
             Flow::Ready => self.stage = Stage::publishing(&self.proposal),
-            Flow::Nothing => return ControlFlow::Break(Failure::Unanswered { reach: None }),
-            Flow::Further(reach) => {
-                let reach = Some(reach);
-                return ControlFlow::Break(Failure::Unanswered { reach });
-            }
+            Flow::Nothing => return ControlFlow::Break(Failure::Unanswered),
         }
         ControlFlow::Continue(())
     }
@@ -183,39 +179,54 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             if last < proposal.stretch.last {
                 return Progress::Planning;
             }
-            let Making { purpose, began, at, .. } = *making;
-            self.making = None;
-            if purpose == Purpose::Ahead {
-                let cells = self.cells_ahead(at);
-                self.effort.learn(cells, self.side.cycles().since(began).unwrap_or(0));
-            }
-            self.offer(proposal);
-            if matches!(purpose, Purpose::Reaction(_))
-                && let Phase::Offered(offer) = &mut self.phase
-            {
-                // Should the command be taken back, the motion is planned on at once.
-                offer.taken.checkpoint = offer.first;
-            }
-            return Progress::Planned;
+            return self.made();
         }
-        match making.step(&mut *self.horizon) {
+        let step = if let Stage::Slowing(slowing) = &mut making.stage {
+            let side = &mut self.side;
+            match self
+                .horizon
+                .go_on_slowing(slowing, &mut making.proposal, |piece| side.write(piece))
+            {
+                Flow::Working => ControlFlow::Continue(()),
+                Flow::Ready => return self.made(),
+                Flow::Nothing => ControlFlow::Break(Failure::Unanswered),
+            }
+        } else {
+            making.step(&mut *self.horizon)
+        };
+        match step {
             ControlFlow::Continue(()) => Progress::Planning,
             ControlFlow::Break(failure) => {
                 let (purpose, branch, at) = (making.purpose, making.proposal.branch, making.at);
                 self.abandon();
-                if let Failure::Unanswered { reach } = failure {
+                if failure == Failure::Unanswered {
                     if purpose == Purpose::Hold {
-                        if self.phase.halt() == Some(Halt::Hold) {
-                            self.pressing.nearer = self.pressing.nearer.saturating_add(1);
-                        } else {
-                            self.pressing.fail(reach);
-                        }
+                        self.pressing.attempts = self.pressing.attempts.wrapping_add(1);
                     }
                     return Progress::Planning;
                 }
                 self.failed(failure, branch, at)
             }
         }
+    }
+
+    /// All pieces of a plan have been written: offers it.
+    fn made(&mut self) -> Progress {
+        let Some(Making { purpose, began, at, proposal, .. }) = self.making.take() else {
+            return Progress::Waiting;
+        };
+        if purpose == Purpose::Ahead {
+            let cells = self.cells_ahead(at);
+            self.effort.learn(cells, self.side.cycles().since(began).unwrap_or(0));
+        }
+        self.offer(proposal);
+        if matches!(purpose, Purpose::Reaction(_))
+            && let Phase::Offered(offer) = &mut self.phase
+        {
+            // Should the command be taken back, the motion is planned on at once.
+            offer.taken.checkpoint = offer.first;
+        }
+        Progress::Planned
     }
 
     /// A plan ahead came to nothing.
@@ -269,13 +280,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         // Until they can be answered, the motion goes on at those before.
         let paced = paced || self.pressing.refused == Some(wish.overrides);
         let serves = match making.purpose {
-            Purpose::Hold | Purpose::Reaction(Asked::Hold) => brakes,
+            Purpose::Hold => brakes,
             // A stop at the end of a block is for a start that has not been taken up, too.
             Purpose::Ahead => paced && !brakes && !(wish.stop && at == self.horizon.end()),
             Purpose::Overrides => paced && !brakes,
-            Purpose::Reaction(Asked::Overrides(overrides)) => {
-                !brakes && wish.overrides == overrides
-            }
+            Purpose::Reaction(overrides) => !brakes && wish.overrides == overrides,
             Purpose::BlockEnd => paced && !brakes && (wish.stop || wish.single),
         };
         let passed = match making.proposal.branch {

@@ -1,6 +1,5 @@
 //! What the planner does, phase by phase; that a draft which is dropped leaves no trace; and numbers that wrap around.
 
-use super::horizon::stop_profile::{DEPTHS, SHARES, StopProfile};
 use super::horizon::{Horizon, Proposal};
 use super::making::Purpose;
 use super::phase::{Following, Halt, Phase, Rest};
@@ -339,39 +338,6 @@ fn a_draft_that_is_dropped_leaves_no_trace() {
         core.1.tick();
     }
     assert!(dropped > 100 && changed > 100, "{dropped} {changed}");
-}
-
-/// Stops from every station of a motion: they end at rest, dv/dt is the acceleration all along, and it stays within
-/// the limits.
-#[test]
-fn a_stop_profile_is_one_motion_to_a_rest() {
-    let (mut link, blocks) = (link(), program());
-    let mut core = handles(&mut link);
-    feed(&mut core.0, &mut &blocks[..14]);
-    in_motion(&mut core, 30);
-    let window = &core.0.horizon.window;
-    let mut count = 0;
-    for station in (0..window.len()).filter_map(|i| window.get(i)) {
-        for (depth, share) in DEPTHS.into_iter().flat_map(|depth| SHARES.map(|s| (depth, s))) {
-            let Some(stop) = StopProfile::new(station, 3.0, depth, share) else { continue };
-            let length = stop.length();
-            assert!((stop.at - 3.0 - length).abs() < 1e-12 && stop.time() > 0.0);
-            let (from, to) = (stop.state(0.0), stop.state(length));
-            assert!((from.b - station.state.b).abs() < 1e-6 * from.b);
-            assert!(to.b < 1e-9 * from.b && to.a.abs() < 1e-3 * station.bounds.acceleration);
-            let step = 1e-4 * length;
-            for k in 1..40 {
-                let here = length * f64::from(k) / 40.0;
-                let (before, behind) = (stop.state(here - step), stop.state(here + step));
-                let a = stop.state(here).a;
-                let slope = (behind.b - before.b) / (4.0 * step);
-                assert!((slope - a).abs() < 1e-2 * station.bounds.acceleration, "{slope} {a}");
-                assert!(a.abs() <= 1.0001 * station.bounds.acceleration.max(-station.state.a));
-            }
-            count += 1;
-        }
-    }
-    assert!(count > 50, "{count}");
 }
 
 /// A program under commands, with numbers that count on from an origin: bits of all positions, and what every poll

@@ -57,11 +57,6 @@ impl<S: Scalar> Slack<S> {
         Self { relaxation, product: S::ONE, barrier: S::ZERO, least: S::ONE, penalty: S::ZERO }
     }
 
-    /// How much is used of the limit of which most is, 1 at least.
-    pub fn most_used(&self) -> S {
-        (S::ONE - self.least.least(S::ZERO)).sqrt()
-    }
-
     /// Whether a limit is broken that must not be.
     #[inline]
     pub fn is_broken(&self) -> bool {

@@ -3,7 +3,7 @@
 use super::law::Law;
 use super::rows::{Axis, View};
 use crate::number::serial::NodeSerial;
-use crate::number::{ArcLength, Coord, Scalar};
+use crate::number::{ArcLength, Scalar};
 use crate::servo::piece::{Piece, Sequel};
 use core::array::from_fn;
 
@@ -55,20 +55,9 @@ pub fn piece<S: Scalar, const N: usize>(
         event: false,
     };
     if !(law.v1 > S::ZERO) {
-        rest_at(&mut piece, &view.to.at);
+        piece.end_at(&view.to.at);
     }
     piece
-}
-
-/// Makes a piece that comes to rest do so exactly at a place: what its polynomials have lost to rounding (in
-/// `f32`, a ten-millionth of the cell's length) is made up for at its start, where the motion is fast and
-/// pieces meet within rounding anyway.
-fn rest_at<S: Scalar, const N: usize>(piece: &mut Piece<S, N>, place: &[Coord; N]) {
-    let end = piece.at(piece.time);
-    for (i, (origin, place)) in piece.origin.iter_mut().zip(place).enumerate() {
-        let missed = place.raw().wrapping_sub(end.position(i).raw());
-        *origin = Coord::from_raw(origin.raw().wrapping_add(missed));
-    }
 }
 
 /// Standing still for `time` seconds.
@@ -94,7 +83,7 @@ mod tests {
     use super::*;
     use crate::block::Turn;
     use crate::machine::{AxisLimits, CornerMode, Limits};
-    use crate::number::{Interval, Length};
+    use crate::number::{Coord, Interval, Length};
     use crate::path::blend::{self, Blend};
     use crate::path::corner::Corner;
     use crate::path::joint::{BentLengths, mean_node, passes};

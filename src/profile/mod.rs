@@ -12,10 +12,10 @@
 
 mod barrier;
 pub(crate) mod bounds;
+pub(crate) mod clock;
 pub(crate) mod compile;
 mod descent;
 mod guess;
-mod held;
 #[cfg(test)]
 mod hull;
 pub(crate) mod law;

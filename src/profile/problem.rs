@@ -53,8 +53,6 @@ pub struct Task<S> {
     pub stretch: Stretch,
     /// Station behind whose cells nothing changes: the end of the stretch, or one before it.
     pub until: usize,
-    /// Share of acceleration and jerk that is used.
-    pub share: S,
     pub objective: Objective<S>,
     pub relaxation: Relaxation<S>,
 }
@@ -111,13 +109,6 @@ pub(super) struct Weights<S> {
 }
 
 impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
-    /// The same with a share of acceleration and jerk.
-    #[must_use]
-    pub fn share(mut self, share: S) -> Self {
-        self.task.share = share;
-        self
-    }
-
     /// The same with all states from a station of the stretch on as they are.
     #[must_use]
     pub fn until(mut self, station: usize) -> Self {
@@ -166,7 +157,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
         if i + 1 == stretch.last && stretch.open && !after.rest {
             view.share = S::of(OPEN_END_SHARE);
         }
-        view.share = view.share * self.task.share;
         if view.share < S::ONE {
             view.bounds = view.bounds.share(view.share);
         }
@@ -281,26 +271,11 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
             row.step = [S::ZERO; 2];
         }
         let task = self.task;
-        (self.task.relaxation, self.task.share) = (Relaxation::STRICT, S::ONE);
+        self.task.relaxation = Relaxation::STRICT;
         let everywhere = Probe { mu: S::ZERO, share: S::ZERO, most: S::of(UNLIMITED) };
         let holds = self.value(everywhere, cells).is_some();
         self.task = task;
         holds
-    }
-
-    /// How much of the limit that is exceeded most the states use, 1 at least; infinite if there is no motion.
-    pub fn most_used(&mut self) -> S {
-        self.task.share = S::ONE;
-        let mut slack = Slack::new(self.task.relaxation);
-        for i in self.cells() {
-            let Some((station, after)) = self.window.pair(i) else { break };
-            let to = if i + 1 == self.task.stretch.last { PathState::REST } else { after.state };
-            let Some(law) = Law::new(station.cell.length, station.state, to) else {
-                return S::of(f64::INFINITY);
-            };
-            rows(&self.view(i, station, after), &law, &mut slack);
-        }
-        slack.most_used()
     }
 
     /// Time over the stretch, s; `None` if there is no motion over a cell.

@@ -50,7 +50,6 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
         let task = Task {
             stretch,
             until: stretch.last,
-            share: S::ONE,
             objective: Objective::Time,
             relaxation: Relaxation::STRICT,
         };

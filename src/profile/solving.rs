@@ -65,11 +65,6 @@ impl<S: Scalar> Solving<S> {
         self.task.stretch.first
     }
 
-    /// Steps that may still be taken.
-    pub fn left(&self) -> u16 {
-        self.left
-    }
-
     /// A part of a Newton step, if one is left. Whether there is more to do. If the solver has been put to another problem
     /// since the last call, the step begins again.
     ///

@@ -1,6 +1,6 @@
 //! One setpoint per servo cycle.
 
-use super::link::{ServoSide, Timeline};
+use super::link::{Ahead, ServoSide, Timeline};
 use super::piece::Slot;
 use super::setpoint::{Place, Setpoint};
 use crate::number::serial::{CycleSerial, NodeSerial};
@@ -100,7 +100,7 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
     /// beginning.
     #[inline(never)]
     fn leave(&mut self, piece: &'a Slot<S, N>, t: S, now: CycleSerial) -> Setpoint<S, N> {
-        let ahead = self.side.ahead(self.serial);
+        let ahead = if piece.is_within() { Ahead::NOTHING } else { self.side.ahead(self.serial) };
         let following = self.side.following(ahead.pieces);
         let (piece, t, passed) = self.walk::<BEFORE_BRANCH>(piece, t, following);
         self.side.pass(passed);

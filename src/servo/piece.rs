@@ -14,6 +14,8 @@ use core::sync::atomic::Ordering::Relaxed;
 pub enum Sequel {
     /// The next piece, at speed.
     Motion,
+    /// The next piece, at speed, over the same cell: no plan branches off there.
+    Within,
     /// A stop that the program asks for, or its end.
     Stop,
     /// A stop because the plan knows no further.
@@ -55,6 +57,27 @@ impl<S: Scalar, const N: usize> Piece<S, N> {
         let slot = Slot::EMPTY;
         slot.store(self);
         slot.at(t, false)
+    }
+
+    /// Where it is `t` seconds after its start. In `f64`: what is rounded in a place at which another piece begins would be felt
+    /// as jerk.
+    pub fn place(&self, t: S) -> [Coord; N] {
+        let t = t.to_f64();
+        from_fn(|i| {
+            let offset = self.axes[i].iter().rev().fold(0.0, |sum, c| (sum + c.to_f64()) * t);
+            self.origin[i].plus(offset)
+        })
+    }
+
+    /// Makes a piece that comes to rest do so exactly at a place: what its polynomials have lost to rounding (in
+    /// `f32`, a ten-millionth of the cell's length) is made up for at its start, where the motion is fast and
+    /// pieces meet within rounding anyway.
+    pub fn end_at(&mut self, place: &[Coord; N]) {
+        let end = self.at(self.time);
+        for (i, (origin, place)) in self.origin.iter_mut().zip(place).enumerate() {
+            let missed = place.raw().wrapping_sub(end.position(i).raw());
+            *origin = Coord::from_raw(origin.raw().wrapping_add(missed));
+        }
     }
 }
 
@@ -119,6 +142,12 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
     #[inline]
     pub fn has_event(&self) -> bool {
         self.sequel.load(Relaxed) & EVENT != 0
+    }
+
+    /// Whether the next piece is over the same cell.
+    #[inline]
+    pub fn is_within(&self) -> bool {
+        self.sequel.load(Relaxed) == Sequel::Within as u32
     }
 
     /// Whether the motion stops at its end because the plan knows no further.

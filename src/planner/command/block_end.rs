@@ -1,7 +1,7 @@
 //! Coming to rest at the end of a block, slice by slice: the motion is made to brake as hard as the limits allow, a rest is
 //! tried at the ends of blocks that lie ahead, and the motion to the first that can be is improved for time.
 
-use super::halting::{Flow, Tried};
+use super::Flow;
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::planner::Planner;
@@ -24,6 +24,17 @@ pub enum Ending<S> {
     Trying { next: usize, tries: u8 },
     /// One is found; the motion there is being improved.
     Improving(Solving<S>),
+}
+
+/// What one try has come to.
+#[derive(Clone, Copy, Debug)]
+enum Tried {
+    /// The motion comes to rest at the end of this stretch.
+    Rests(Stretch),
+    /// A limit is broken; there may be another.
+    Fails,
+    /// There is no other.
+    Exhausted,
 }
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
@@ -83,12 +94,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// Tries a rest at the next node of a stretch, from `next` on.
-    pub(super) fn try_rest_at(
-        &mut self,
-        stretch: Stretch,
-        next: &mut usize,
-        tries: &mut u8,
-    ) -> Tried {
+    fn try_rest_at(&mut self, stretch: Stretch, next: &mut usize, tries: &mut u8) -> Tried {
         if *next > stretch.last || *tries >= END_TRIES {
             return Tried::Exhausted;
         }

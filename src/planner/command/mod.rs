@@ -19,35 +19,44 @@
 //! servo cycle, so the answer shows in the cycle after it. The cell under way is cut there: what is
 //! left of it starts at the very position, velocity and acceleration that the piece under way has
 //! at that moment, so the motion as planned before is a valid start for the solver, and the new
-//! plan joins without a step in any derivative up to the second. The cells within the distance
-//! that it takes to stop are cut finer, the solver finds the states ([`halting`], [`retune`]), and the plan is offered. How many
+//! plan joins without a step in any derivative up to the second. A hold is a march from there on ([`slowing`]); for the others
+//! the cells within the distance that it takes to stop are cut finer, and the solver finds the states ([`retune`],
+//! [`block_end`]). Then the plan is offered. How many
 //! servo cycles ahead it branches off is what plans have taken so far ([`super::effort`]). If the interrupt
 //! has passed that cycle meanwhile, it refuses; then everything is as it was before and the
 //! next attempt allows more cycles.
 //!
-//! Where planning takes long, a first answer comes before it ([`reaction`]): a few steps for [`Aim::Halt`],
-//! [`Aim::Slow`] or, when an override is raised, [`Aim::Time`] over the path that is near. From then on the motion does
+//! Where planning takes long, a first answer to an override comes before the whole one ([`reaction`]): a few steps for
+//! [`Aim::Slow`] or, when it is raised, [`Aim::Time`] over the path that is near. From then on the motion does
 //! what is asked for, and the whole answer branches off from that.
 //!
-//! [`Aim::Halt`]: crate::profile::solver::Aim::Halt
 //! [`Aim::Slow`]: crate::profile::solver::Aim::Slow
 //! [`Aim::Time`]: crate::profile::solver::Aim::Time
 
 pub mod block_end;
 mod brake;
-pub mod halting;
 pub mod reaction;
 pub mod retune;
+pub mod slowing;
 #[cfg(test)]
 mod tests;
 
-use self::halting::FIRST_REACH;
-use self::reaction::Asked;
 use super::phase::{Following, Halt, Offer, Phase, Rest};
 use super::{Planner, Progress};
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::servo::control::Wish;
+
+/// What a slice of an answer has come to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Flow {
+    /// There is more to do.
+    Working,
+    /// The proposal can be handed over.
+    Ready,
+    /// There is none.
+    Nothing,
+}
 
 /// Numbers of the commands that have been answered.
 #[derive(Clone, Copy, Debug, Default)]
@@ -76,19 +85,16 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return self.obey_at_rest(wish, resumed);
         }
         if !brakes {
-            (self.pressing.attempts, self.pressing.reach) = (0, FIRST_REACH);
+            self.pressing.attempts = 0;
         }
         if wish.overrides == self.horizon.overrides() {
             (self.pressing.retunes, self.pressing.refused) = (0, None);
         }
-        self.pressing.reacted = self.pressing.reacted.filter(|asked| match asked {
-            Asked::Hold => brakes,
-            Asked::Overrides(overrides) => !brakes && *overrides == wish.overrides,
-        });
+        self.pressing.reacted =
+            self.pressing.reacted.filter(|asked| !brakes && *asked == wish.overrides);
         if brakes {
             if self.phase.halt() == Some(Halt::Hold) {
-                let nearer = self.come_nearer(at);
-                return Some(if nearer { Progress::Planning } else { Progress::Waiting });
+                return Some(Progress::Waiting);
             }
             let planned = self.revoke() && self.brake(at);
             // If it could not be done at once: the plan is not taken further, and ends at rest.

@@ -1,11 +1,11 @@
-//! The first answer to a command where planning takes time: the motion begins to do what is asked for while the whole
+//! The first answer to an override where planning takes time: the motion begins to do what is asked for while the whole
 //! answer is still being made.
 //!
-//! The agreed motion is improved for the command's aim in a few Newton steps, over the path that it takes to stop or to
+//! The agreed motion is improved for the override's aim in a few Newton steps, over the path that it takes to
 //! come to the new pace. Every step keeps all limits and leaves the motion behind that path as it is, so the plan still
 //! ends where the agreed one does, whatever becomes of the rest of the answer.
 
-use super::halting::{BRAKING_REACH, FIRST_REACH, Flow};
+use super::Flow;
 use crate::number::Scalar;
 use crate::number::serial::{CycleSerial, NodeSerial};
 use crate::planner::Planner;
@@ -20,33 +20,24 @@ use crate::servo::control::Overrides;
 const STEPS: u16 = 4;
 /// Cells that take as much work in a plan ahead as a first answer does in all.
 const CELLS: usize = 4;
-/// Cells that take as much work in a plan ahead as an attempt to find a rest.
-const ATTEMPT_CELLS: usize = 18;
+/// The same of a whole answer that takes long.
+const LONG: usize = 18;
+/// Braking distances over which a motion is changed at first.
+const REACH: f64 = 1.3;
 /// Plans ahead that an answer takes as much work as which leads past many blocks.
 const PLANS: usize = 3;
 /// Servo cycles within which an answer can do without a first one.
 const AT_ONCE: f64 = 3.0;
 
-/// What is asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Asked {
-    /// To stop.
-    Hold,
-    /// To go on at other overrides.
-    Overrides(Overrides),
-}
-
 /// How far the answer to a command that lasts has got.
 #[derive(Clone, Copy, Debug)]
 pub struct Pressing {
-    /// What the motion answers already in part.
-    pub reacted: Option<Asked>,
+    /// Overrides that the motion answers to already in part.
+    pub reacted: Option<Overrides>,
     /// Attempts to find a rest that have come to nothing.
     pub attempts: u8,
-    /// How far away the next one puts it, in thousandths of a stop on a straight.
-    pub reach: u16,
-    /// Attempts to find a nearer rest than the one found that have come to nothing.
-    pub nearer: u8,
+    /// Servo cycle of the first of them.
+    pub attempted: CycleSerial,
     /// Tries to come to other overrides that have come to nothing.
     pub retunes: u8,
     /// Those overrides, when no more tries are made for now.
@@ -62,22 +53,12 @@ impl Pressing {
     pub const NONE: Self = Self {
         reacted: None,
         attempts: 0,
-        reach: FIRST_REACH,
-        nearer: 0,
+        attempted: CycleSerial::ZERO,
         retunes: 0,
         refused: None,
         retuned: CycleSerial::ZERO,
         at: NodeSerial::ZERO,
     };
-
-    /// An attempt has come to nothing; how far away the rest should have been.
-    pub fn fail(&mut self, reach: Option<u16>) {
-        // At least a twelfth further, and more from one to the next.
-        let more = (self.reach / 12).saturating_mul(1 + u16::from(self.attempts) / 2);
-        let further = self.reach.saturating_add(more);
-        self.reach = reach.unwrap_or(0).max(further);
-        self.attempts = self.attempts.saturating_add(1);
-    }
 }
 
 /// A first answer in the making.
@@ -108,14 +89,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         self.moment_after(PLANS * self.cells_ahead(at))
     }
 
-    /// The same for an attempt to find a rest.
-    pub(super) fn moment_of_attempt(&self) -> Option<Moment<S>> {
-        self.moment_after(ATTEMPT_CELLS)
-    }
-
     /// Begins a first answer if the whole one takes long and there is none yet. Whether one is in the making.
-    pub(super) fn react(&mut self, asked: Asked, at: NodeSerial) -> bool {
-        let long = self.effort.cycles(ATTEMPT_CELLS) > S::of(AT_ONCE);
+    pub(super) fn react(&mut self, asked: Overrides, at: NodeSerial) -> bool {
+        let long = self.effort.cycles(LONG) > S::of(AT_ONCE);
         if !long || self.pressing.reacted == Some(asked) {
             return false;
         }
@@ -132,7 +108,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     fn begin_reaction(
         &mut self,
         moment: Moment<S>,
-        asked: Asked,
+        asked: Overrides,
         halt: Option<Halt>,
     ) -> Option<(Proposal, Stage<S>)> {
         self.draft(|draft| draft.reaction(moment, asked, halt))
@@ -141,30 +117,22 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     fn reaction(
         &mut self,
         moment: Moment<S>,
-        asked: Asked,
+        asked: Overrides,
         halt: Option<Halt>,
     ) -> Option<(Proposal, Stage<S>)> {
-        if let Asked::Overrides(overrides) = asked {
-            self.try_overrides(overrides);
-        }
+        self.try_overrides(asked);
         let (first, branch) = self.cut_in(moment)?;
         let mut stretch = self.stretch_from(first);
         let behind;
         (stretch.last, behind) = self.refine(first, stretch.last, self.braking_distance(first));
-        if let Asked::Overrides(_) = asked {
-            if self.is_stopping(first) {
-                return None;
-            }
-            self.bound_from(first);
+        if self.is_stopping(first) {
+            return None;
         }
+        self.bound_from(first);
         self.loosen(first, stretch.last);
-        let aim = match asked {
-            Asked::Hold => Aim::Halt,
-            Asked::Overrides(_) if self.exceeds_goal(stretch) => Aim::Slow,
-            Asked::Overrides(_) => Aim::Time,
-        };
+        let aim = if self.exceeds_goal(stretch) { Aim::Slow } else { Aim::Time };
         // What was cut may break a limit by a rounding.
-        let until = self.near(stretch, S::of(BRAKING_REACH)).max(behind).min(stretch.last);
+        let until = self.near(stretch, S::of(REACH)).max(behind).min(stretch.last);
         stretch.open = halt.is_none() && self.is_open(stretch);
         let solving = self.begin_improving_until(stretch, until, (STEPS, aim));
         let reacting = Stage::Reacting(Reacting { solving, until });
@@ -189,5 +157,17 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         self.keep_overrides();
         self.loosen(stretch.first, stretch.last);
         if self.holds_until(stretch, reacting.until) { Flow::Ready } else { Flow::Nothing }
+    }
+
+    /// The station by which so many braking distances from the first one of a stretch have been run.
+    fn near(&self, stretch: Stretch, reach: S) -> usize {
+        let mut left = self.braking_distance(stretch.first) * reach;
+        for i in stretch.first..stretch.last {
+            if !(left > S::ZERO) {
+                return i;
+            }
+            left -= self.window.get(i).map_or(S::ZERO, |station| station.cell.length);
+        }
+        stretch.last
     }
 }

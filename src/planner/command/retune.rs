@@ -1,7 +1,6 @@
 //! Answers to overrides of feed and rapids, slice by slice.
 
-use super::halting::Flow;
-use super::reaction::Asked;
+use super::Flow;
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::planner::Planner;
@@ -45,7 +44,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 {
     /// Begins a plan at other overrides: from a servo cycle on, or else from a node on. Whether one is in the making.
     pub(super) fn retune(&mut self, overrides: Overrides, at: NodeSerial) -> bool {
-        if self.react(Asked::Overrides(overrides), at) {
+        if self.react(overrides, at) {
             return true;
         }
         let now = self.side.cycles();

@@ -4,7 +4,6 @@
 //! velocity and acceleration of the motion there: what is left of the cell is run as if nothing had
 //! been cut.
 
-use super::stop_profile::PHASES;
 use super::{Horizon, Moment};
 use crate::machine::UNLIMITED;
 use crate::number::Scalar;
@@ -44,6 +43,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     #[inline(never)]
     pub fn cut_in(&mut self, moment: Moment<S>) -> Option<(usize, Branch)> {
         let Moment { timeline: line, when } = moment;
+        if self.is_slowed(line.serial) {
+            return None;
+        }
         let cycle = self.config.cycle;
         let end = self.end_index();
         let (mut began, mut lag) = (line.began, line.lag);
@@ -120,7 +122,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
 
     /// Puts a station into the cell of station `i` where the agreed motion is after `t` seconds; whether that
     /// could be done.
-    fn cut_agreed(&mut self, i: usize, t: S) -> bool {
+    pub fn cut_agreed(&mut self, i: usize, t: S) -> bool {
         let Some(cut) = self.station_within(i, t) else { return false };
         if !self.add(i, cut) {
             return false;
@@ -142,12 +144,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         if !(here.path_speed > self.crawl() * S::of(LEAST_SPEED)) {
             return None;
         }
-        // In `f64`: what is left of the cell must make good what is rounded here, in ever less time.
-        let time = t.to_f64();
-        let at = from_fn(|k| {
-            let offset = piece.axes[k].iter().rev().fold(0.0, |sum, c| (sum + c.to_f64()) * time);
-            here.origin[k].plus(offset)
-        });
+        // What is left of the cell must make good what is rounded here, in ever less time.
+        let at = piece.place(t);
         let mut cut = *station;
         let node = if station.cell.straight {
             Node { at, tangent: station.node.tangent, curvature: zero() }
@@ -216,8 +214,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
                 // In its middle, or where braking may end if that is much nearer.
                 cut = cut.least((distance - done) / speed);
             }
-            // The last ones are for the stop itself.
-            let may = length > longest && cut > self.config.cycle && self.room_to_add() > PHASES;
+            let may = length > longest && cut > self.config.cycle && self.room_to_add() > 0;
             if may && self.cut_agreed(i, cut) {
                 last += 1;
                 behind = if behind > i { behind + 1 } else { i + 2 };

@@ -44,6 +44,8 @@ pub struct Draft<S, const N: usize> {
     overrides: Overrides,
     /// The station whose cell was under way, as it was, with its running number.
     pub replaced: Option<(NodeSerial, Station<S, N>)>,
+    /// Whether it is run by a clock that slows down.
+    pub slows: bool,
     /// Stations put in, in order: running number, and the cell that each was put into.
     pub added: heapless::Vec<(NodeSerial, Cell<S, N>), ADDED>,
 }
@@ -57,6 +59,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             stage: Stage::Making,
             overrides: self.overrides,
             replaced: None,
+            slows: false,
             added: heapless::Vec::new(),
         }));
     }
@@ -84,9 +87,18 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         }
     }
 
+    /// The draft is run by a clock that slows down.
+    pub fn mark_slowing(&mut self) {
+        if let Some(draft) = self.draft.as_mut() {
+            draft.slows = true;
+        }
+    }
+
     /// Makes the draft, which starts at node `first` and ends at node `end`, the agreed plan.
     pub fn commit(&mut self, first: NodeSerial, end: NodeSerial) {
         debug_assert!(self.draft.as_ref().is_some_and(|draft| draft.stage == Stage::Offered));
+        let slows = self.draft.as_ref().is_some_and(|draft| draft.slows);
+        self.slowed = slows.then_some(end);
         self.draft.set(None);
         self.end = end;
         // The part of the window before is the same in both plans.
@@ -103,7 +115,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     #[inline(never)]
     pub fn drop_draft(&mut self) {
         debug_assert!(self.has_draft());
-        self.take_back(0);
+        self.take_back();
         let Some(Draft { overrides, replaced, .. }) = self.draft.as_ref() else { return };
         let paced = self.overrides == *overrides;
         self.overrides = *overrides;
@@ -114,7 +126,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             }
         }
         self.draft.set(None);
-        self.window.measure(0);
+        // Up to the end of a plan that is run by a clock of its own, what its pieces say is what was measured.
+        self.window.measure(self.slowed.map_or(0, |end| self.window.clamped_index(end)));
         let last = self.end_index();
         for i in 0..self.window.len() {
             if let Some(station) = self.window.get_mut(i) {

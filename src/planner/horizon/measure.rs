@@ -34,6 +34,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// of the plan if that is less; but not before `planned`, s from the end of the piece under way, when the plan will be
     /// there. At its end the motion would rest.
     pub fn branch(&self, at: NodeSerial, planned: S) -> Option<NodeSerial> {
+        if self.is_slowed(at) {
+            return Some(self.end);
+        }
         let end = self.end_index();
         let first = self.window.clamped_index(at) + 1;
         let mut left = S::ZERO;
@@ -171,6 +174,24 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             time = time.greatest(speed / axis.acceleration);
         }
         speed * (time + limits.time_scale()) * S::of(0.6)
+    }
+
+    /// The least time, s, in which the motion could come to rest if the path were straight from station `i` on: the acceleration
+    /// is built up to its depth, held, and released together with the speed.
+    pub fn stop_time(&self, i: usize) -> S {
+        let Some(station) = self.window.get(i) else { return S::ZERO };
+        let (speed, slows) = (station.state.b.sqrt(), -station.state.a);
+        let (jerk, two) = (station.bounds.jerk, S::of(2.0));
+        // All of it is speed that is left when the acceleration is built up and released at once.
+        let free = (jerk * speed + slows * slows / two).sqrt();
+        if !(slows < free) {
+            // It stops sooner than jerk allows.
+            return two * speed / slows.greatest(S::of(1.0e-6));
+        }
+        let depth = free.least(station.bounds.acceleration.greatest(slows));
+        let built_up = speed + (slows * slows - depth * depth) / (two * jerk);
+        let released = depth * depth / (two * jerk);
+        (two * depth - slows) / jerk + (built_up - released).greatest(S::ZERO) / depth
     }
 
     /// What it takes from a speed, mm/s, to the one that the cell of station `i` is asked for, mm.

@@ -9,14 +9,12 @@
 //! - [`solve`]: states for a stretch.
 //! - [`cutting`]: stations put in where the agreed motion will be.
 //! - [`parting`]: stations put in anywhere, and taken out.
-//! - [`stop_profile`]: how a motion stops on a straight.
 
 mod cutting;
 mod draft;
 mod measure;
 mod parting;
 mod solve;
-pub mod stop_profile;
 
 pub use self::draft::ADDED;
 use self::draft::Draft;
@@ -67,6 +65,8 @@ pub struct Horizon<S: Scalar, const N: usize, const NODES: usize> {
     solver: Solver<S, NODES>,
     /// Node at which the agreed plan ends.
     end: NodeSerial,
+    /// Node up to which it is run by a clock that slows down.
+    slowed: Option<NodeSerial>,
     /// Overrides in effect.
     overrides: Overrides,
     draft: Optional<Draft<S, N>>,
@@ -81,6 +81,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         window: Window::EMPTY,
         solver: Solver::new(),
         end: NodeSerial::ZERO,
+        slowed: None,
         overrides: Overrides { feed: 0, rapid: 0 },
         draft: Optional::NONE,
         steps: 0,
@@ -91,6 +92,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         self.config = *config;
         self.window.begin(node, first);
         self.end = first;
+        self.slowed = None;
         self.overrides = Overrides::PROGRAMMED;
         self.draft.set(None);
         self.steps = 0;
@@ -105,6 +107,12 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     pub fn end_index(&self) -> usize {
         debug_assert!(self.window.find(self.end).is_some());
         self.window.clamped_index(self.end)
+    }
+
+    /// Whether the motion from a node on is run by a clock that slows down: what is known of it is its states at nodes,
+    /// not what it does between them.
+    pub fn is_slowed(&self, at: NodeSerial) -> bool {
+        self.slowed.is_some_and(|end| at.is_before(end))
     }
 
     /// Overrides in effect.
@@ -181,6 +189,21 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
 
     /// The motion over a cell as it stands in the draft.
     fn piece(&self, i: usize, to: PathState<S>, sequel: Sequel) -> Option<Piece<S, N>> {
+        self.piece_between(i, [self.window.get(i)?.state, to], sequel)
+    }
+
+    /// The motion over a cell as agreed.
+    pub fn agreed_piece(&self, i: usize) -> Option<Piece<S, N>> {
+        let (station, after) = self.window.pair(i)?;
+        self.piece_between(i, [station.agreed, after.agreed], Sequel::Motion)
+    }
+
+    fn piece_between(
+        &self,
+        i: usize,
+        [from, to]: [PathState<S>; 2],
+        sequel: Sequel,
+    ) -> Option<Piece<S, N>> {
         let (station, after) = self.window.pair(i)?;
         let view = station.view(after, &self.config.limits);
         let placement =
@@ -188,7 +211,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         if !(station.cell.length > S::ZERO) {
             return Some(compile::standstill(&view, placement));
         }
-        let law = Law::new(station.cell.length, station.state, to)?;
+        let law = Law::new(station.cell.length, from, to)?;
         Some(compile::piece(&view, &law, placement))
     }
 }

@@ -40,18 +40,13 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         }
     }
 
-    /// Takes out again the stations that the draft has put in since there were `count` of them.
-    pub fn take_back(&mut self, count: usize) {
-        while let Some(draft) = self.draft.as_mut().filter(|draft| draft.added.len() > count)
+    /// Takes out again the stations that the draft has put in.
+    pub fn take_back(&mut self) {
+        while let Some(draft) = self.draft.as_mut()
             && let Some((serial, cell)) = draft.added.pop()
         {
             self.take_out(self.window.clamped_index(serial), cell);
         }
-    }
-
-    /// Stations that the draft has put in.
-    pub fn count_added(&self) -> usize {
-        self.draft.as_ref().map_or(0, |draft| draft.added.len())
     }
 
     /// Puts a station behind the one at `i`, for good; whether there was room.
@@ -88,21 +83,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let pace = self.pace();
         self.window.bound(i, &pace);
         self.window.bound(i + 1, &pace);
-    }
-
-    /// Puts a station with a state within the cell of station `i`, at a share of its length.
-    pub fn insert(&mut self, i: usize, share: S, state: PathState<S>) -> Option<()> {
-        let bound = self.window.get(i)?.bounds.speed;
-        let (first, cut) = self.parted(i, share)?;
-        if !self.add(i, Station { state, ..cut }) {
-            return None;
-        }
-        self.part(i, first);
-        for k in [i, i + 1] {
-            let station = self.window.get_mut(k)?;
-            station.bounds.speed = station.bounds.goal.greatest(bound);
-        }
-        Some(())
     }
 
     /// Splits the cell of station `i` at a share of its length; nothing is known of the motion there.

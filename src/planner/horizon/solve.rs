@@ -13,10 +13,6 @@ use core::ops::Range;
 /// have as much in reserve.
 const EXCESS: f64 = 1.0001;
 
-/// Share of acceleration and jerk with which a rest is looked for. The states come near to their limits long before they
-/// keep them to the last digit.
-const RESERVED: f64 = 0.995;
-
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// Whether the states of a stretch keep all limits, with a rest at its end.
     pub fn holds(&mut self, stretch: Stretch) -> bool {
@@ -52,19 +48,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     ) -> Solving<S> {
         let limits = self.config.limits;
         self.solver.on(&mut self.window, &limits, stretch).until(until).improve(steps, aim)
-    }
-
-    /// To find states that come to rest at the end of a stretch, nearer than those at hand would, in a few steps.
-    pub fn begin_resting(&mut self, stretch: Stretch, steps: u16) -> Solving<S> {
-        let limits = self.config.limits;
-        let mut problem = self.solver.on(&mut self.window, &limits, stretch).share(S::of(RESERVED));
-        problem.hold_down();
-        problem.find(steps)
-    }
-
-    /// How much of the limit that is exceeded most the states of a stretch use, 1 at least.
-    pub fn most_used(&mut self, stretch: Stretch) -> S {
-        self.solver.on(&mut self.window, &self.config.limits, stretch).most_used()
     }
 
     /// A part of a Newton step. Whether there is more to do.

@@ -1,0 +1,430 @@
+//! Coming to rest by slowing down the clock of the agreed motion.
+//!
+//! What the agreed motion does as its clock shows tau is done later, and what is asked of the axes then is known for every bend
+//! of the clock ([`clock`](crate::profile::clock)). A march from the branch on takes steps of constant bend, each within a cell, and each as hard as the
+//! limits allow at both of its ends - provided that the clock could go evenly again from its end on: a motion by a clock
+//! that goes evenly and slower keeps all limits wherever it goes, so whatever follows, the next step has an answer. Whether it
+//! could is tried by marching on with the greatest bends. Where two bends of the same size would stop the clock
+//! within a step each, they are the last ones.
+//!
+//! The pieces are handed over as they are found; no solver is asked, and nothing is found that has to be improved. They are more
+//! than one to a cell ([`Sequel::Within`]): no plan branches off from within them ([`Horizon::is_slowed`]).
+
+use super::Flow;
+use crate::machine::Limits;
+use crate::number::Scalar;
+use crate::planner::horizon::{Horizon, Moment, Proposal};
+use crate::planner::making::Stage;
+use crate::planner::phase::Halt;
+use crate::profile::clock::{Clock, Instant, Run, Shape, keeps};
+use crate::profile::law::PathState;
+use crate::profile::solver::Stretch;
+use crate::servo::piece::{Piece, Sequel};
+
+/// Steps of a stop on a straight.
+const STEPS: f64 = 28.0;
+/// Servo cycles that a step takes at least.
+const LEAST_CYCLES: f64 = 3.0;
+/// A step that ends this near to the end of its cell, in steps, goes there; from a little further away it goes half-way.
+const NEAR: f64 = 1.2;
+const HALF_WAY: f64 = 2.0;
+/// Steps in which the clock must be able to go evenly again.
+const RELEASE_STEPS: usize = 48;
+/// Halvings in the search for the hardest bend.
+const HALVINGS: u32 = 3;
+/// Steps taken in one slice.
+const STEPS_PER_SLICE: usize = 2;
+/// Where a motion turns, a step takes at most this share of the time in which its velocity changes by as much as there is of it,
+/// but at least this share of what it takes elsewhere.
+const CALM: f64 = 0.15;
+const LEAST_PART: f64 = 0.4;
+/// Cells looked at in one slice.
+const CELLS: usize = 10;
+/// Shares of the limits, attempt by attempt, and how much longer the steps are.
+const SHARES: [(f64, f64); 4] = [(1.0, 1.0), (0.97, 1.0), (0.94, 1.6), (0.88, 2.5)];
+/// Attempts in a row.
+pub const ATTEMPTS: usize = SHARES.len();
+/// Shares of the hardest bend with which the clock is stopped.
+const LAST: [f64; 3] = [0.95, 0.8, 0.6];
+/// Steps that the last piece lasts at most: in a longer one the motion would not be what it stands for.
+const LONGEST_LAST: f64 = 1.5;
+/// Servo cycles that the pieces last at least which stop it.
+const SHORTEST: f64 = 0.5;
+/// A slope that is none, in parts of 1 / step.
+const EVEN: f64 = 1.0e-5;
+
+/// The rest that the plan comes to anyway is taken if the shortest stop takes as long but for this factor and
+/// so many servo cycles.
+const LATER: f64 = 1.05;
+const LATER_CYCLES: f64 = 3.0;
+
+/// What the beginning of a stop has come to.
+#[derive(Clone, Copy, Debug)]
+pub enum Begun<S> {
+    /// It is under way, in a draft.
+    Attempt((Proposal, Stage<S>)),
+    /// The motion as agreed comes to rest hardly later.
+    Soon,
+    /// The motion cannot be cut there.
+    Nothing,
+}
+
+/// A march under way.
+#[derive(Clone, Copy, Debug)]
+pub struct Slowing<S> {
+    place: Place<S>,
+    /// Duration of a step, s.
+    step: S,
+    /// Share of the limits.
+    share: S,
+    /// Pieces handed over.
+    pieces: usize,
+}
+
+/// How far the march has got.
+#[derive(Clone, Copy, Debug)]
+struct Place<S> {
+    /// Station from which the cell starts.
+    cell: usize,
+    /// What the clock shows since then, s.
+    shown: S,
+    clock: Clock<S>,
+}
+
+/// Agreed pieces, as far as they are needed.
+struct Ahead<S, const N: usize> {
+    first: usize,
+    shapes: heapless::Vec<Shape<S, N>, CELLS>,
+}
+
+/// The pieces that stop the clock: one or two.
+type Last<S, const N: usize> = [Option<Piece<S, N>>; 2];
+
+/// What comes of a step.
+enum Stepped<S, const N: usize> {
+    /// It leads there.
+    On(Piece<S, N>, Place<S>),
+    /// The clock stops, with the last pieces.
+    Stops(Last<S, N>, Place<S>),
+    /// There is none.
+    Nowhere,
+}
+
+impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
+    /// Begins a stop. There is a draft afterwards only if there is an attempt.
+    pub(super) fn begin_slowing(&mut self, moment: Option<Moment<S>>, attempt: u8) -> Begun<S> {
+        let mut soon = false;
+        let begun = self.draft(|draft| {
+            let (share, longer) = *SHARES.get(usize::from(attempt) % SHARES.len())?;
+            let (first, branch) = draft.cut_in(moment?)?;
+            draft.window.measure(first);
+            let stretch = draft.stretch_from(first);
+            let least = draft.stop_time(first);
+            soon = draft.rests_soon(stretch, least);
+            if soon {
+                return None;
+            }
+            let step =
+                (least * S::of(1.0 / STEPS)).greatest(draft.config.cycle * S::of(LEAST_CYCLES));
+            let place = Place { cell: first, shown: S::ZERO, clock: Clock::NORMAL };
+            let step = step * S::of(longer);
+            let slowing = Slowing { place, step, share: S::of(share), pieces: 0 };
+            let proposal = Proposal { stretch, branch, halt: Some(Halt::Hold) };
+            Some((proposal, Stage::Slowing(slowing)))
+        });
+        match begun {
+            Some(begun) => Begun::Attempt(begun),
+            None if soon => Begun::Soon,
+            None => Begun::Nothing,
+        }
+    }
+
+    /// Whether the motion as agreed comes to rest hardly later than a stop that takes `least` seconds.
+    fn rests_soon(&self, stretch: Stretch, least: S) -> bool {
+        let most = (least + self.config.cycle * S::of(LATER_CYCLES)) * S::of(LATER);
+        let mut agreed = S::ZERO;
+        for i in stretch.first..stretch.last {
+            agreed += self.agreed_time(i);
+            if agreed > most {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// A slice of it: some steps, whose pieces are handed over.
+    #[inline(never)]
+    pub fn go_on_slowing(
+        &mut self,
+        slowing: &mut Slowing<S>,
+        proposal: &mut Proposal,
+        mut hand_over: impl FnMut(&Piece<S, N>),
+    ) -> Flow {
+        let stretch = proposal.stretch;
+        let mut ahead = Ahead { first: slowing.place.cell, shapes: heapless::Vec::new() };
+        for _ in 0..STEPS_PER_SLICE {
+            if slowing.pieces + 3 > NODES {
+                return Flow::Nothing;
+            }
+            match self.step(slowing, stretch, &mut ahead) {
+                Stepped::On(mut piece, place) => {
+                    if place.cell == stretch.last {
+                        piece.sequel = Sequel::Stop;
+                    }
+                    hand_over(&piece);
+                    (slowing.place, slowing.pieces) = (place, slowing.pieces + 1);
+                    if place.cell == stretch.last {
+                        return self.rest_at(stretch.first, stretch.last, proposal);
+                    }
+                }
+                Stepped::Stops(pieces, place) => {
+                    let Some(rest) = self.put_rest_at(place) else { return Flow::Nothing };
+                    for mut piece in pieces.into_iter().flatten() {
+                        if piece.sequel == Sequel::Stop
+                            && let Some(station) = self.window.get(rest)
+                        {
+                            piece.end_at(&station.node.at);
+                        }
+                        hand_over(&piece);
+                    }
+                    return self.rest_at(stretch.first, rest, proposal);
+                }
+                Stepped::Nowhere => return Flow::Nothing,
+            }
+        }
+        Flow::Working
+    }
+
+    /// Puts a station where the clock stops.
+    #[inline(never)]
+    fn put_rest_at(&mut self, place: Place<S>) -> Option<usize> {
+        let station = self.window.get(place.cell)?;
+        let (whole, apart) = (station.cell.length, self.apart(station.bounds.jerk));
+        if !self.cut_agreed(place.cell, place.shown) {
+            return None;
+        }
+        let length = self.window.get(place.cell)?.cell.length;
+        (length > apart && whole - length > apart).then_some(place.cell + 1)
+    }
+
+    /// The march has come to station `last`, at which the motion rests.
+    fn rest_at(&mut self, first: usize, last: usize, proposal: &mut Proposal) -> Flow {
+        for i in last..self.window.len() {
+            self.window.set_state(i, PathState::REST);
+        }
+        self.mark_slowing();
+        proposal.stretch = Stretch { first, last, open: false };
+        Flow::Ready
+    }
+
+    /// What the axes do as agreed from station `i`.
+    fn ahead<'a>(&self, i: usize, ahead: &'a mut Ahead<S, N>) -> Option<&'a Shape<S, N>> {
+        let wanted = i.checked_sub(ahead.first)?;
+        // At most as many as there is room for.
+        while ahead.shapes.len() <= wanted {
+            let next = self.agreed_piece(ahead.first + ahead.shapes.len())?;
+            ahead.shapes.push(Shape::of(&next)).ok()?;
+        }
+        ahead.shapes.get(wanted)
+    }
+
+    /// The hardest step from a place.
+    #[inline(never)]
+    fn step(
+        &self,
+        slowing: &Slowing<S>,
+        stretch: Stretch,
+        ahead: &mut Ahead<S, N>,
+    ) -> Stepped<S, N> {
+        let Slowing { place, step: longest, share, .. } = *slowing;
+        let limits = &self.config.limits;
+        let Some(piece) = self.agreed_piece(place.cell) else { return Stepped::Nowhere };
+        let shape = Shape::of(&piece);
+        let step = Stride::new(&shape, place, longest);
+        let Some([least, most]) = step.bends(limits, share) else { return Stepped::Nowhere };
+        if let Some(stops) = self.stop(&piece, place, (least.abs().least(most), longest)) {
+            return stops;
+        }
+        let mut good = |bend: S| {
+            let (piece, next) = step.take(&piece, bend)?;
+            let runs = next.clock.rate <= S::ONE
+                && keeps(&piece, limits)
+                && self.evens_out(next, (longest, share), stretch, ahead);
+            runs.then_some(Stepped::On(piece, next))
+        };
+        if let Some(hardest) = good(least) {
+            return hardest;
+        }
+        // Even again, or on the way there.
+        let (mut hard, mut soft) = (least, step.release([least, most]));
+        let mut found = None;
+        for _ in 0..HALVINGS {
+            let bend = (hard + soft) * S::of(0.5);
+            match good(bend) {
+                Some(stepped) => (soft, found) = (bend, Some(stepped)),
+                None => hard = bend,
+            }
+        }
+        found.or_else(|| good(soft)).unwrap_or(Stepped::Nowhere)
+    }
+
+    /// The last pieces, if the clock can be stopped within a step or two.
+    #[inline(never)]
+    fn stop(
+        &self,
+        piece: &Piece<S, N>,
+        place: Place<S>,
+        (bend, longest): (S, S),
+    ) -> Option<Stepped<S, N>> {
+        let shortest = self.config.cycle * S::of(SHORTEST);
+        LAST.iter().find_map(|share| {
+            let (pieces, last) =
+                stop_in(piece, place, (bend * S::of(*share), [shortest, longest]))?;
+            let runs = pieces.iter().flatten().all(|piece| keeps(piece, &self.config.limits));
+            runs.then_some(Stepped::Stops(pieces, last))
+        })
+    }
+
+    /// Whether the clock can go evenly again from a place on, within the limits.
+    #[inline(never)]
+    fn evens_out(
+        &self,
+        mut place: Place<S>,
+        (longest, share): (S, S),
+        stretch: Stretch,
+        ahead: &mut Ahead<S, N>,
+    ) -> bool {
+        for _ in 0..RELEASE_STEPS {
+            if !(place.clock.rate > S::ZERO) {
+                return false;
+            }
+            if (place.clock.slope * longest).abs() < S::of(EVEN) || place.cell >= stretch.last {
+                return place.clock.rate <= S::ONE;
+            }
+            let Some(shape) = self.ahead(place.cell, ahead) else { return false };
+            let step = Stride::new(shape, place, longest);
+            let Some(bends) = step.bends(&self.config.limits, share) else { return false };
+            let Some(next) = step.end(step.release(bends)) else { return false };
+            place = next.1;
+        }
+        false
+    }
+}
+
+/// A step within a cell, or to its end.
+struct Stride<'a, S, const N: usize> {
+    shape: &'a Shape<S, N>,
+    place: Place<S>,
+    /// Duration, s, unless it goes to the end of the cell: then about that.
+    time: S,
+    to_end: bool,
+    /// What the axes do at its beginning.
+    from: Instant<S, N>,
+}
+
+impl<'a, S: Scalar, const N: usize> Stride<'a, S, N> {
+    fn new(shape: &'a Shape<S, N>, place: Place<S>, longest: S) -> Self {
+        let Place { shown, clock, .. } = place;
+        let half = S::of(0.5);
+        let from = Instant::of(&shape.axes, shown);
+        let longest = longest.least(
+            (from.time_scale() / clock.rate * S::of(CALM)).greatest(longest * S::of(LEAST_PART)),
+        );
+        // About as fast as it goes in the middle of a step.
+        let rate = (clock.rate + clock.slope * longest * half).greatest(clock.rate * half);
+        let rest = (shape.time - shown) / rate;
+        let to_end = rest < longest * S::of(NEAR);
+        let time = if to_end {
+            rest
+        } else if rest < longest * S::of(HALF_WAY) {
+            rest * half
+        } else {
+            longest
+        };
+        Self { shape, place, time, to_end, from }
+    }
+
+    /// The bends at which the limits are kept.
+    fn bends(&self, limits: &Limits<S, N>, share: S) -> Option<[S; 2]> {
+        let Place { shown, clock, .. } = self.place;
+        let last = if self.to_end {
+            self.shape.time
+        } else {
+            (shown + clock.shown(self.time, S::ZERO)).least(self.shape.time)
+        };
+        let ends = [&self.from, &Instant::of(&self.shape.axes, last)];
+        clock.bends(ends, self.time, (limits, share))
+    }
+
+    /// The bend after which the clock goes evenly, or else the greatest.
+    fn release(&self, [least, most]: [S; 2]) -> S {
+        most.least(-self.place.clock.slope / self.time).greatest(least)
+    }
+
+    /// How long it takes at a bend, s, and where it ends; `None` if the clock stops or the cell ends before.
+    fn end(&self, bend: S) -> Option<(S, Place<S>)> {
+        let Place { cell, shown, clock } = self.place;
+        let left = self.shape.time - shown;
+        if self.to_end {
+            let time = clock.when(left, bend, self.time)?;
+            let place = Place { cell: cell + 1, shown: S::ZERO, clock: clock.after(time, bend) };
+            return Some((time, place));
+        }
+        let (last, time) = clock.shows(shown, self.time, bend);
+        let after = clock.after(time, bend);
+        let within = last > shown && last < self.shape.time && clock.goes_on(time, bend);
+        within.then_some((time, Place { cell, shown: last, clock: after }))
+    }
+
+    /// The same with its piece.
+    fn take(&self, piece: &Piece<S, N>, bend: S) -> Option<(Piece<S, N>, Place<S>)> {
+        let (time, place) = self.end(bend)?;
+        let (last, sequel) = if self.to_end {
+            (self.shape.time, Sequel::Motion)
+        } else {
+            (place.shown, Sequel::Within)
+        };
+        let run = Run { time, bend, from: self.place.clock, to: place.clock };
+        Some((run.piece(piece, [self.place.shown, last], sequel), place))
+    }
+}
+
+/// The pieces that stop the clock from a place on: at a bend to and fro, or, if it slows down already, at one alone. `None` if they take
+/// longer than a step, or go beyond the cell.
+fn stop_in<S: Scalar, const N: usize>(
+    piece: &Piece<S, N>,
+    place: Place<S>,
+    (bend, [shortest, longest]): (S, [S; 2]),
+) -> Option<(Last<S, N>, Place<S>)> {
+    let Place { shown, clock, .. } = place;
+    let [first, second] = clock.stop(bend)?;
+    let alone = first < shortest;
+    if first > longest || (alone && !(clock.slope < S::ZERO)) {
+        return None;
+    }
+    let mut turn = place;
+    let mut pieces = [None, None];
+    let (mut last, mut time) = (bend, second);
+    if alone {
+        last = clock.slope * clock.slope * S::of(0.5) / clock.rate;
+        time = -(clock.rate + clock.rate) / clock.slope;
+    } else {
+        let (until, first) = clock.shows(shown, first, -bend);
+        let middle = clock.after(first, -bend);
+        turn = Place { shown: until, clock: middle, ..place };
+        let run = Run { time: first, bend: -bend, from: clock, to: middle };
+        pieces[0] = Some(run.piece(piece, [shown, turn.shown], Sequel::Within));
+    }
+    let end =
+        Place { shown: turn.shown + turn.clock.shown(time, last), clock: Clock::STOPPED, ..place };
+    if time < shortest
+        || time > longest * S::of(LONGEST_LAST)
+        || !(turn.clock.rate > S::ZERO)
+        || !(end.shown < piece.time)
+    {
+        return None;
+    }
+    let run = Run { time, bend: last, from: turn.clock, to: Clock::STOPPED };
+    pieces[1] = Some(run.piece(piece, [turn.shown, end.shown], Sequel::Stop));
+    Some((pieces, end))
+}
