@@ -1,6 +1,6 @@
 //! One setpoint per servo cycle.
 
-use super::link::{Ahead, ServoSide, Timeline};
+use super::link::{ServoSide, Timeline};
 use super::piece::Slot;
 use super::setpoint::{Place, Setpoint};
 use crate::number::serial::{CycleSerial, NodeSerial};
@@ -100,7 +100,7 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
     /// beginning.
     #[inline(never)]
     fn leave(&mut self, piece: &'a Slot<S, N>, t: S, now: CycleSerial) -> Setpoint<S, N> {
-        let ahead = if piece.is_within() { Ahead::NOTHING } else { self.side.ahead(self.serial) };
+        let ahead = self.side.ahead(self.serial);
         let following = self.side.following(ahead.pieces);
         let (piece, t, passed) = self.walk::<BEFORE_BRANCH>(piece, t, following);
         self.side.pass(passed);
@@ -110,7 +110,8 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
         }
         self.serial = piece.serial().next();
         let starves = piece.starves();
-        let offer = ahead.at(self.serial);
+        // The end of a piece within a cell is no node.
+        let offer = ahead.at(self.serial).filter(|_| !piece.is_within());
         // Now: the planner may write over it as soon as a new plan is taken.
         if self.side.may_end(offer) {
             piece.place(self.time, &mut self.rest);
@@ -300,6 +301,36 @@ mod tests {
         assert_eq!(plan.verdict(), Some(true));
         let timeline = plan.timeline().unwrap();
         assert_eq!((timeline.serial.raw(), timeline.began.raw(), timeline.lag), (1, 3, 0.0));
+    }
+
+    /// Several pieces to a cell, some shorter than a servo cycle: a plan takes over behind the last of them.
+    #[test]
+    fn a_plan_takes_over_at_the_end_of_a_cell_in_parts() {
+        for times in [[2.5, 2.5, 2.5], [1.5, 0.25, 2.75], [2.25, 0.5, 0.5]] {
+            let mut link = Core::new();
+            let (mut plan, mut interpolator) = ends(&mut link, Origin::ZERO);
+            let (first, second) = (NodeSerial::ZERO, NodeSerial::ZERO.next());
+            plan.write(&piece(first, 1, times[0], Sequel::Motion));
+            plan.write(&piece(second, 2, times[1], Sequel::Within));
+            plan.write(&piece(second, 3, times[2], Sequel::Stop));
+            plan.offer(Branch::Node(first));
+            let mut seen = tags(&mut interpolator, 1);
+            assert_eq!(plan.verdict(), Some(true));
+            plan.write(&piece(second.next(), 4, 2.0, Sequel::Stop));
+            plan.offer(Branch::Node(second.next()));
+            let whole = times.iter().sum::<f64>() + 2.0;
+            seen.extend(tags(&mut interpolator, whole.ceil() as usize));
+            let first_of = |tag| seen.iter().position(|(seen, _)| *seen == tag).unwrap();
+            // The setpoint of cycle k is that k + 1 s after the start.
+            let ends = times[0] + times[1] + times[2];
+            assert_eq!(
+                first_of(4),
+                ends.ceil() as usize - usize::from(ends.fract() > 0.0),
+                "{times:?}"
+            );
+            assert!(seen[..first_of(4)].iter().all(|(tag, _)| *tag < 4));
+            assert_eq!(plan.verdict(), Some(true));
+        }
     }
 
     #[test]

@@ -314,9 +314,6 @@ pub struct Ahead {
 }
 
 impl Ahead {
-    /// In the middle of a cell, where no plan branches off.
-    pub const NOTHING: Self = Self { offer: None, pieces: 0 };
-
     /// The offer that branches off at this node.
     pub fn at(self, serial: NodeSerial) -> Option<u32> {
         self.offer.filter(|(_, node)| *node == serial).map(|(offer, _)| offer)
