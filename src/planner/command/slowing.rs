@@ -97,17 +97,25 @@ struct Ahead<S, const N: usize> {
     shapes: heapless::Vec<Shape<S, N>, CELLS>,
 }
 
-/// The pieces that stop the clock: one or two.
-type Last<S, const N: usize> = [Option<Piece<S, N>>; 2];
+/// A piece to be made: of a run of the clock over the agreed piece between two instants of that, s from its start.
+#[derive(Clone, Copy, Debug)]
+struct Leg<S> {
+    run: Run<S>,
+    shows: [S; 2],
+    sequel: Sequel,
+}
 
-/// What comes of a step.
-enum Stepped<S, const N: usize> {
-    /// It leads there.
-    On(Piece<S, N>, Place<S>),
-    /// The clock stops, with the last pieces.
-    Stops(Last<S, N>, Place<S>),
-    /// There is none.
-    Nowhere,
+impl<S: Scalar> Leg<S> {
+    fn piece<const N: usize>(&self, agreed: &Piece<S, N>) -> Piece<S, N> {
+        self.run.piece(agreed, self.shows, self.sequel)
+    }
+}
+
+/// What comes of a step: one leg, or the two or one that stop the clock; and where it leads.
+#[derive(Clone, Copy, Debug)]
+struct Stepped<S> {
+    legs: [Option<Leg<S>>; 2],
+    to: Place<S>,
 }
 
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
@@ -166,30 +174,29 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             if slowing.pieces + 3 > NODES {
                 return Flow::Nothing;
             }
-            match self.step(slowing, stretch, &mut ahead) {
-                Stepped::On(mut piece, place) => {
-                    if place.cell == stretch.last {
-                        piece.sequel = Sequel::Stop;
-                    }
-                    hand_over(&piece);
-                    (slowing.place, slowing.pieces) = (place, slowing.pieces + 1);
-                    if place.cell == stretch.last {
-                        return self.rest_at(stretch.first, stretch.last, proposal);
-                    }
+            let Some(Stepped { legs, to }) = self.step(slowing, stretch, &mut ahead) else {
+                return Flow::Nothing;
+            };
+            let Some(agreed) = self.agreed_piece(slowing.place.cell) else { return Flow::Nothing };
+            let stops = to.clock == Clock::STOPPED;
+            let Some(end) = (if stops { self.put_rest_at(to) } else { Some(to.cell) }) else {
+                return Flow::Nothing;
+            };
+            let rests = stops || end == stretch.last;
+            for leg in legs.iter().flatten() {
+                let mut piece = leg.piece(&agreed);
+                if rests
+                    && leg.sequel != Sequel::Within
+                    && let Some(station) = self.window.get(end)
+                {
+                    piece.sequel = Sequel::Stop;
+                    piece.end_at(&station.node.at);
                 }
-                Stepped::Stops(pieces, place) => {
-                    let Some(rest) = self.put_rest_at(place) else { return Flow::Nothing };
-                    for mut piece in pieces.into_iter().flatten() {
-                        if piece.sequel == Sequel::Stop
-                            && let Some(station) = self.window.get(rest)
-                        {
-                            piece.end_at(&station.node.at);
-                        }
-                        hand_over(&piece);
-                    }
-                    return self.rest_at(stretch.first, rest, proposal);
-                }
-                Stepped::Nowhere => return Flow::Nothing,
+                hand_over(&piece);
+            }
+            (slowing.place, slowing.pieces) = (to, slowing.pieces + 1);
+            if rests {
+                return self.rest_at(stretch.first, end, proposal);
             }
         }
         Flow::Working
@@ -235,25 +242,25 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         slowing: &Slowing<S>,
         stretch: Stretch,
         ahead: &mut Ahead<S, N>,
-    ) -> Stepped<S, N> {
+    ) -> Option<Stepped<S>> {
         let Slowing { place, step: longest, share, .. } = *slowing;
         let limits = &self.config.limits;
-        let Some(piece) = self.agreed_piece(place.cell) else { return Stepped::Nowhere };
+        let piece = self.agreed_piece(place.cell)?;
         let shape = Shape::of(&piece);
         let step = Stride::new(&shape, place, longest);
-        let Some([least, most]) = step.bends(limits, share) else { return Stepped::Nowhere };
+        let [least, most] = step.bends(limits, share)?;
         if let Some(stops) = self.stop(&piece, place, (least.abs().least(most), longest)) {
-            return stops;
+            return Some(stops);
         }
         let mut good = |bend: S| {
-            let (piece, next) = step.take(&piece, bend)?;
-            let runs = next.clock.rate <= S::ONE
-                && keeps(&piece, limits)
-                && self.evens_out(next, (longest, share), stretch, ahead);
-            runs.then_some(Stepped::On(piece, next))
+            let (leg, to) = step.take(bend)?;
+            let runs = to.clock.rate <= S::ONE
+                && keeps(&leg.piece(&piece), limits)
+                && self.evens_out(to, (longest, share), stretch, ahead);
+            runs.then_some(Stepped { legs: [Some(leg), None], to })
         };
         if let Some(hardest) = good(least) {
-            return hardest;
+            return Some(hardest);
         }
         // Even again, or on the way there.
         let (mut hard, mut soft) = (least, step.release([least, most]));
@@ -265,7 +272,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
                 None => hard = bend,
             }
         }
-        found.or_else(|| good(soft)).unwrap_or(Stepped::Nowhere)
+        found.or_else(|| good(soft))
     }
 
     /// The last pieces, if the clock can be stopped within a step or two.
@@ -275,13 +282,13 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         piece: &Piece<S, N>,
         place: Place<S>,
         (bend, longest): (S, S),
-    ) -> Option<Stepped<S, N>> {
+    ) -> Option<Stepped<S>> {
         let shortest = self.config.cycle * S::of(SHORTEST);
         LAST.iter().find_map(|share| {
-            let (pieces, last) =
-                stop_in(piece, place, (bend * S::of(*share), [shortest, longest]))?;
-            let runs = pieces.iter().flatten().all(|piece| keeps(piece, &self.config.limits));
-            runs.then_some(Stepped::Stops(pieces, last))
+            let stops = stop_in(piece, place, (bend * S::of(*share), [shortest, longest]))?;
+            let mut legs = stops.legs.iter().flatten();
+            let runs = legs.all(|leg| keeps(&leg.piece(piece), &self.config.limits));
+            runs.then_some(stops)
         })
     }
 
@@ -377,7 +384,7 @@ impl<'a, S: Scalar, const N: usize> Stride<'a, S, N> {
     }
 
     /// The same with its piece.
-    fn take(&self, piece: &Piece<S, N>, bend: S) -> Option<(Piece<S, N>, Place<S>)> {
+    fn take(&self, bend: S) -> Option<(Leg<S>, Place<S>)> {
         let (time, place) = self.end(bend)?;
         let (last, sequel) = if self.to_end {
             (self.shape.time, Sequel::Motion)
@@ -385,7 +392,7 @@ impl<'a, S: Scalar, const N: usize> Stride<'a, S, N> {
             (place.shown, Sequel::Within)
         };
         let run = Run { time, bend, from: self.place.clock, to: place.clock };
-        Some((run.piece(piece, [self.place.shown, last], sequel), place))
+        Some((Leg { run, shows: [self.place.shown, last], sequel }, place))
     }
 }
 
@@ -395,7 +402,7 @@ fn stop_in<S: Scalar, const N: usize>(
     piece: &Piece<S, N>,
     place: Place<S>,
     (bend, [shortest, longest]): (S, [S; 2]),
-) -> Option<(Last<S, N>, Place<S>)> {
+) -> Option<Stepped<S>> {
     let Place { shown, clock, .. } = place;
     let [first, second] = clock.stop(bend)?;
     let alone = first < shortest;
@@ -403,7 +410,7 @@ fn stop_in<S: Scalar, const N: usize>(
         return None;
     }
     let mut turn = place;
-    let mut pieces = [None, None];
+    let mut legs = [None, None];
     let (mut last, mut time) = (bend, second);
     if alone {
         last = clock.slope * clock.slope * S::of(0.5) / clock.rate;
@@ -413,7 +420,7 @@ fn stop_in<S: Scalar, const N: usize>(
         let middle = clock.after(first, -bend);
         turn = Place { shown: until, clock: middle, ..place };
         let run = Run { time: first, bend: -bend, from: clock, to: middle };
-        pieces[0] = Some(run.piece(piece, [shown, turn.shown], Sequel::Within));
+        legs[0] = Some(Leg { run, shows: [shown, turn.shown], sequel: Sequel::Within });
     }
     let end =
         Place { shown: turn.shown + turn.clock.shown(time, last), clock: Clock::STOPPED, ..place };
@@ -425,6 +432,6 @@ fn stop_in<S: Scalar, const N: usize>(
         return None;
     }
     let run = Run { time, bend: last, from: turn.clock, to: Clock::STOPPED };
-    pieces[1] = Some(run.piece(piece, [turn.shown, end.shown], Sequel::Stop));
-    Some((pieces, end))
+    legs[1] = Some(Leg { run, shows: [turn.shown, end.shown], sequel: Sequel::Stop });
+    Some(Stepped { legs, to: end })
 }
