@@ -12,15 +12,10 @@
 use crate::machine::Limits;
 use crate::number::Scalar;
 use crate::number::vector::norm;
-use crate::servo::piece::{Piece, Sequel};
-use core::array::from_fn;
+use crate::servo::piece::Piece;
 
 /// Share of the limits with which a bend is chosen: the quintic is not quite what it stands for.
 const SHARE: f64 = 0.998;
-/// What may be used of a limit more than all of it, but for rounding, which agreed pieces have as well.
-const MOST: f64 = 1.000_001;
-/// What a way is rounded by, in units of its last place, is felt as this much jerk for every step cubed.
-const FELT: f64 = 60.0;
 /// A bend beyond 1 / step^2 times this would stop the clock within the step, whatever its rate was.
 const STEEPEST: f64 = 4.0;
 /// Rounds of Newton's method for the time at which the clock shows something.
@@ -102,9 +97,12 @@ impl<S: Scalar> Clock<S> {
 /// What the axes do at an instant, by the motion's own time.
 #[derive(Clone, Copy, Debug)]
 pub struct Instant<S, const N: usize> {
-    velocity: [S; N],
-    acceleration: [S; N],
-    jerk: [S; N],
+    /// mm/s.
+    pub velocity: [S; N],
+    /// mm/s2.
+    pub acceleration: [S; N],
+    /// mm/s3.
+    pub jerk: [S; N],
 }
 
 impl<S: Scalar, const N: usize> Instant<S, N> {
@@ -198,185 +196,26 @@ impl<S: Scalar, const N: usize> Shape<S, N> {
     }
 }
 
-/// A clock over a step.
-#[derive(Clone, Copy, Debug)]
-pub struct Run<S> {
-    /// Duration, s.
-    pub time: S,
-    /// Bend, 1/s2.
-    pub bend: S,
-    /// How it goes at the beginning.
-    pub from: Clock<S>,
-    /// How it goes at the end.
-    pub to: Clock<S>,
-}
-
-impl<S: Scalar> Run<S> {
-    /// What it makes of a piece between two instants, s from its start.
-    #[inline(never)]
-    pub fn piece<const N: usize>(
-        &self,
-        piece: &Piece<S, N>,
-        [first, last]: [S; 2],
-        sequel: Sequel,
-    ) -> Piece<S, N> {
-        let Self { time: h, .. } = *self;
-        let (per, shows) = (S::ONE / h, last - first);
-        let cube = per * per * per;
-        let (from, to) = (Instant::of(&piece.axes, first), Instant::of(&piece.axes, last));
-        let axes = from_fn(|i| {
-            let [c1, c2, c3] = self.begins(from.velocity[i], from.acceleration[i], from.jerk[i]);
-            // What is still missing of velocity and acceleration at the end.
-            let speed = to.velocity[i] * self.to.rate - (c1 + (c2 + c2 + S::of(3.0) * c3 * h) * h);
-            let acceleration = to.acceleration[i] * self.to.rate * self.to.rate
-                + to.velocity[i] * self.to.slope
-                - (c2 + c2 + S::of(6.0) * c3 * h);
-            let gain = acceleration * h;
-            let c4 = (speed - gain * S::of(0.25)) * cube;
-            let c5 = (gain - S::of(3.0) * speed) * S::of(0.2) * cube * per;
-            // And of the way: what it has beyond the fifth power, and what is rounded in the clock.
-            let [.., d4, d5] = piece.axes[i];
-            let (half, sixth) = (S::of(0.5), S::of(1.0 / 6.0));
-            let further = from.jerk[i] * sixth + (d4 + (S::of(5.0) * first + shows) * d5) * shows;
-            let way = (from.velocity[i] + (from.acceleration[i] * half + further * shows) * shows)
-                * shows;
-            let missed = (way - (c1 + (c2 + (c3 + (c4 + c5 * h) * h) * h) * h) * h) * cube;
-            let (more, less) = (S::of(10.0) * missed, S::of(15.0) * missed * per);
-            [c1, c2, c3 + more, c4 - less, c5 + S::of(6.0) * missed * per * per]
-        });
-        let [s1, s2, s3, s4] = piece.path;
-        let along = [[s1, s2, s3, s4, S::ZERO]];
-        let (from, to) = (Instant::of(&along, first), Instant::of(&along, last));
-        let [p1, p2, _] = self.begins(from.velocity[0], from.acceleration[0], from.jerk[0]);
-        let run = |t: S| (s1 + (s2 + (s3 + s4 * t) * t) * t) * t;
-        // What is still missing of speed at the end, and of the way.
-        let begun = (p1 + p2 * h) * h;
-        let speed = (to.velocity[0] * self.to.rate - (p1 + (p2 + p2) * h)) * h;
-        let third = S::of(1.0 / 3.0);
-        let (p4, start) = if self.to == Clock::STOPPED {
-            // Of acceleration instead, so that it does not go back; and it ends where it should.
-            let p4 = -(p2 * h * h + speed) * S::of(0.5);
-            (p4, run(last) - begun - (speed - p4) * third)
-        } else {
-            (speed - S::of(3.0) * (run(last) - run(first) - begun), run(first))
-        };
-        let p3 = (speed - S::of(4.0) * p4) * third;
-        let path = [p1, p2, p3 * cube, p4 * cube * per];
-        Piece {
-            time: h,
-            origin: piece.place(first),
-            axes,
-            arc_length: piece.arc_length.plus(start),
-            path,
-            sequel,
-            event: false,
-            ..*piece
-        }
-    }
-
-    /// The first coefficients of a motion, from its derivatives by its own time.
-    #[inline]
-    fn begins(&self, v: S, a: S, j: S) -> [S; 3] {
-        let Clock { rate: r, slope: g } = self.from;
-        let jerk = v * self.bend + (S::of(3.0) * a * g + j * r * r) * r;
-        [v * r, (a * r * r + v * g) * S::of(0.5), jerk * S::of(1.0 / 6.0)]
-    }
-}
-
-/// Whether a piece keeps the limits of acceleration and jerk at every instant.
-pub fn keeps<S: Scalar, const N: usize>(piece: &Piece<S, N>, limits: &Limits<S, N>) -> bool {
-    let h = piece.time;
-    let half = S::of(0.5);
-    let most = S::of(MOST);
-    let felt = S::EPSILON * S::of(FELT) / (h * h);
-    limits.axes().iter().zip(&piece.axes).all(|(axis, [c1, c2, c3, c4, c5])| {
-        // Bernstein coefficients of the jerk, and of either half (see the rows); of the acceleration.
-        let q0 = S::of(6.0) * *c3;
-        let rise = S::of(12.0) * *c4 * h;
-        let (q1, q2) = (q0 + rise, q0 + rise + rise + S::of(60.0) * *c5 * h * h);
-        let (a0, third) = (*c2 + *c2, h * S::of(1.0 / 3.0));
-        let a1 = a0 + (q0 + q1 + q2) * third;
-        let jerk = axis.jerk * most + c1.abs() * felt;
-        let acceleration = axis.acceleration * most;
-        [q0, (q0 + q1) * half, (q1 + q2) * half, q2].iter().all(|q| q.abs() <= jerk)
-            && [a0, a0 + q0 * third, a1 - q2 * third, a1].iter().all(|a| a.abs() <= acceleration)
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::machine::AxisLimits;
-    use crate::number::serial::NodeSerial;
-    use crate::number::{ArcLength, Coord};
     use std::vec::Vec;
-
-    fn piece() -> Piece<f64, 2> {
-        Piece {
-            serial: NodeSerial::ZERO,
-            tag: 7,
-            time: 0.02,
-            origin: [Coord::ZERO; 2],
-            axes: [[80.0, -300.0, 4.0e3, 2.0e4, -1.0e5], [20.0, 500.0, -6.0e3, 5.0e4, 3.0e5]],
-            arc_length: ArcLength::ZERO,
-            path: [82.0, -100.0, 500.0, 1.0e3],
-            sequel: Sequel::Motion,
-            event: false,
-        }
-    }
 
     const SLOWS: Clock<f64> = Clock { rate: 0.8, slope: -9.0 };
     const BEND: f64 = -400.0;
     const TIME: f64 = 4.0e-3;
+    /// Coefficients of a motion, and when the step begins in it.
+    const AXES: [[f64; 5]; 2] =
+        [[80.0, -300.0, 4.0e3, 2.0e4, -1.0e5], [20.0, 500.0, -6.0e3, 5.0e4, 3.0e5]];
+    const FIRST: f64 = 5.0e-3;
 
-    /// The run from 5 ms on, and what the clock then shows.
-    fn run() -> (Run<f64>, [f64; 2]) {
-        let run = Run { time: TIME, bend: BEND, from: SLOWS, to: SLOWS.after(TIME, BEND) };
-        (run, [5.0e-3, 5.0e-3 + SLOWS.shown(TIME, BEND)])
-    }
-
-    /// x(tau(t)) by the polynomials themselves: place, velocity, acceleration, jerk by differences.
-    fn exact(t: f64) -> [f64; 2] {
-        let piece = piece();
-        let tau = 5.0e-3 + SLOWS.shown(t, BEND);
-        [0, 1].map(|i| piece.axes[i].iter().rev().fold(0.0, |sum, c| (sum + c) * tau))
-    }
-
-    #[test]
-    fn a_piece_by_another_clock_passes_the_same_places_later() {
-        let (run, shows) = run();
-        let made = run.piece(&piece(), shows, Sequel::Within);
-        for k in 0..=8 {
-            let t = TIME * f64::from(k) / 8.0;
-            let here = made.at(t);
-            for (i, place) in exact(t).into_iter().enumerate() {
-                assert!((here.position_mm(i) - place).abs() < 1.0e-8, "{k} {i}");
-            }
-        }
-        let (first, last) = (made.at(0.0), made.at(TIME));
-        for i in 0..2 {
-            let step = 1.0e-6;
-            let around = |t: f64| [exact(t - step)[i], exact(t)[i], exact(t + step)[i]];
-            for (t, at) in [(0.0, first), (TIME, last)] {
-                let [a, b, c] = around(t);
-                assert!((at.velocity[i] - (c - a) / (2.0 * step)).abs() < 1.0e-5);
-                assert!((at.acceleration[i] - (c - 2.0 * b + a) / (step * step)).abs() < 2.0);
-            }
-        }
-        let (p, s) = (piece().path, shows[1]);
-        let speed = p[0] + s * (2.0 * p[1] + s * (3.0 * p[2] + s * 4.0 * p[3]));
-        assert!((last.path_speed - speed * run.to.rate).abs() < 1.0e-9);
-    }
-
-    /// At the least and the greatest bend a limit is used up, between them none is broken.
     #[test]
     fn bends_are_those_that_keep_the_limits() {
-        let piece = piece();
         let limits = Limits::new([AxisLimits::linear(200.0, 2.0e3, 5.0e4); 2]).unwrap();
-        let (_, [first, _]) = run();
-        let from = Instant::of(&piece.axes, first);
-        let last = first + SLOWS.shown(TIME, 0.0);
-        let to = Instant::of(&piece.axes, last);
+        let from = Instant::of(&AXES, FIRST);
+        let last = FIRST + SLOWS.shown(TIME, 0.0);
+        let to = Instant::of(&AXES, last);
         let [least, most] = SLOWS.bends([&from, &to], TIME, (&limits, 1.0)).unwrap();
         assert!(least < 0.0 && most > 0.0);
         let used = |bend: f64| {
@@ -422,22 +261,5 @@ mod tests {
         assert!(clock.goes_on(2.0e-3, 0.0) && !clock.goes_on(3.0e-3, 0.0));
         assert!(!clock.goes_on(20.0e-3, 5.0e3) && clock.goes_on(20.0e-3, 9.0e3));
         assert!(clock.when(clock.shown(4.0e-3, 0.0), 0.0, 4.0e-3).is_none());
-    }
-
-    #[test]
-    fn a_piece_beyond_a_limit_is_seen() {
-        let (run, shows) = run();
-        let made = run.piece(&piece(), shows, Sequel::Within);
-        let kept = |acceleration: f64, jerk: f64| {
-            keeps(&made, &Limits::new([AxisLimits::linear(200.0, acceleration, jerk); 2]).unwrap())
-        };
-        let most = |of: &dyn Fn(&[f64; 5], f64) -> f64| {
-            let times = (0..=40).map(|k| TIME * f64::from(k) / 40.0);
-            times.flat_map(|t| made.axes.map(|c| of(&c, t).abs())).fold(0.0, f64::max)
-        };
-        let a = most(&|c, t| 2.0 * c[1] + t * (6.0 * c[2] + t * (12.0 * c[3] + t * 20.0 * c[4])));
-        let j = most(&|c, t| 6.0 * c[2] + t * (24.0 * c[3] + t * 60.0 * c[4]));
-        assert!(kept(a * 1.01, j * 1.01));
-        assert!(!kept(a * 0.99, j * 1.01) && !kept(a * 1.01, j * 0.99));
     }
 }

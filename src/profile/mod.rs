@@ -9,6 +9,8 @@
 //! What [`bounds`] a cell besides its shape is set when it comes into the window. A [`solver`] is the workspace, a [`problem`] what it is put to: what is minimised, and its second-order model of
 //! [`barrier`] ([`relaxation`]) and time ([`model`]). It is solved by Newton's method ([`descent`], on a block [`tridiagonal`]
 //! system) from a [`guess`] (or from slow seeds: [`seeding`]), step by step ([`solving`]). What comes out is made pieces of motion by [`compile`].
+//!
+//! A hold needs none of this: it runs the motion as agreed by a [`clock`] that slows down ([`slowed`]).
 
 mod barrier;
 pub(crate) mod bounds;
@@ -24,6 +26,7 @@ mod problem;
 mod relaxation;
 pub(crate) mod rows;
 pub(crate) mod seeding;
+pub(crate) mod slowed;
 pub(crate) mod solver;
 pub(crate) mod solving;
 #[cfg(test)]

@@ -16,8 +16,9 @@ use crate::number::Scalar;
 use crate::planner::horizon::{Horizon, Moment, Proposal};
 use crate::planner::making::Stage;
 use crate::planner::phase::Halt;
-use crate::profile::clock::{Clock, Instant, Run, Shape, keeps};
+use crate::profile::clock::{Clock, Instant, Shape};
 use crate::profile::law::PathState;
+use crate::profile::slowed::{Run, keeps};
 use crate::profile::solver::Stretch;
 use crate::servo::piece::{Piece, Sequel};
 

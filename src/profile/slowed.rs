@@ -1,0 +1,252 @@
+//! The pieces of a motion that is run by another clock.
+
+use super::clock::{Clock, Instant};
+use crate::machine::Limits;
+use crate::number::Scalar;
+use crate::servo::piece::{Piece, Sequel};
+use core::array::from_fn;
+
+/// What may be used of a limit more than all of it, but for rounding, which agreed pieces have as well.
+const MOST: f64 = 1.000_001;
+/// What the velocity gained over a step is rounded by, in units of its last place, is felt as this much jerk for every step squared.
+const FELT: f64 = 60.0;
+
+/// A clock over a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Run<S> {
+    /// Duration, s.
+    pub time: S,
+    /// Bend, 1/s2.
+    pub bend: S,
+    /// How it goes at the beginning.
+    pub from: Clock<S>,
+    /// How it goes at the end.
+    pub to: Clock<S>,
+}
+
+impl<S: Scalar> Run<S> {
+    /// What it makes of a piece between two instants, s from its start.
+    #[inline(never)]
+    pub fn piece<const N: usize>(
+        &self,
+        piece: &Piece<S, N>,
+        [first, last]: [S; 2],
+        sequel: Sequel,
+    ) -> Piece<S, N> {
+        let h = self.time;
+        let (per, shows) = (S::ONE / h, last - first);
+        let axes = from_fn(|i| self.axis(&piece.axes[i], first, shows));
+        let [s1, s2, s3, s4] = piece.path;
+        let along = [[s1, s2, s3, s4, S::ZERO]];
+        let (from, to) = (Instant::of(&along, first), Instant::of(&along, last));
+        let [p1, p2, _] = self.begins(from.velocity[0], from.acceleration[0], from.jerk[0]);
+        let run = |t: S| (s1 + (s2 + (s3 + s4 * t) * t) * t) * t;
+        // What is still missing of speed at the end, and of the way.
+        let begun = (p1 + p2 * h) * h;
+        let speed = (to.velocity[0] * self.to.rate - (p1 + (p2 + p2) * h)) * h;
+        let third = S::of(1.0 / 3.0);
+        let (p4, start) = if self.to == Clock::STOPPED {
+            // Of acceleration instead, so that it does not go back; and it ends where it should.
+            let p4 = -(p2 * h * h + speed) * S::of(0.5);
+            (p4, run(last) - begun - (speed - p4) * third)
+        } else {
+            (speed - S::of(3.0) * (run(last) - run(first) - begun), run(first))
+        };
+        let p3 = (speed - S::of(4.0) * p4) * third;
+        let cube = per * per * per;
+        let path = [p1, p2, p3 * cube, p4 * cube * per];
+        Piece {
+            time: h,
+            origin: piece.place(first),
+            axes,
+            arc_length: piece.arc_length.plus(start),
+            path,
+            sequel,
+            event: false,
+            ..*piece
+        }
+    }
+
+    /// What it makes of an axis with these coefficients while it shows `shows` seconds from `first` on.
+    ///
+    /// By what changes over the step, not by what is there at its ends: a difference of velocities is rounded like the
+    /// velocities, and in `f32` that would be felt as jerk.
+    fn axis(&self, [c1, c2, c3, c4, c5]: &[S; 5], first: S, shows: S) -> [S; 5] {
+        let n = |x: f64| S::of(x);
+        let (h, s) = (self.time, shows);
+        let (Clock { rate: r, slope: g }, end) = (self.from, self.to);
+        let Instant { velocity: [v], acceleration: [a], jerk: [j] } =
+            Instant::of(&[[*c1, *c2, *c3, *c4, *c5]], first);
+        let (fourth, fifth) = (*c4 + n(5.0) * first * *c5, *c5);
+        // What the motion gains over the step by its own clock, of acceleration and of velocity; and what it goes beyond its
+        // velocity.
+        let more = (j + (n(12.0) * fourth + n(20.0) * fifth * s) * s) * s;
+        let faster = (a + (j * n(0.5) + (n(4.0) * fourth + n(5.0) * fifth * s) * s) * s) * s;
+        let further = (a * n(0.5) + (j * n(1.0 / 6.0) + (fourth + fifth * s) * s) * s) * s * s;
+        // Of its jerk by this clock, what does not come from the bend: that is a cubic, and missed nowhere.
+        let jerk = (n(3.0) * a * g + j * r * r) * r;
+        // What the cubic has not, of acceleration, velocity and way.
+        let gain =
+            (a * (end.rate + r) * (end.rate - r) + more * end.rate * end.rate + faster * end.slope
+                - jerk * h)
+                * h;
+        let speed = faster * end.rate - (a * r * r + jerk * h * n(0.5)) * h;
+        let missed = further - (a * r * r * n(0.5) + jerk * h * n(1.0 / 6.0)) * h * h;
+        let per = S::ONE / h;
+        let cube = per * per * per;
+        // The quartic and the quintic that end with these gains of velocity and acceleration, and then the way.
+        let (c4, c5) = (speed - gain * n(0.25), (gain - n(3.0) * speed) * n(0.2));
+        let way = missed * per - c4 - c5;
+        let [p1, p2, p3] = self.begins(v, a, j);
+        [
+            p1,
+            p2,
+            p3 + n(10.0) * way * per * per,
+            (c4 - n(15.0) * way) * cube,
+            (c5 + n(6.0) * way) * cube * per,
+        ]
+    }
+
+    /// The first coefficients of a motion, from its derivatives by its own time.
+    #[inline]
+    fn begins(&self, v: S, a: S, j: S) -> [S; 3] {
+        let Clock { rate: r, slope: g } = self.from;
+        let jerk = v * self.bend + (S::of(3.0) * a * g + j * r * r) * r;
+        [v * r, (a * r * r + v * g) * S::of(0.5), jerk * S::of(1.0 / 6.0)]
+    }
+}
+
+/// Whether a piece keeps the limits of acceleration and jerk at every instant.
+pub fn keeps<S: Scalar, const N: usize>(piece: &Piece<S, N>, limits: &Limits<S, N>) -> bool {
+    let h = piece.time;
+    let half = S::of(0.5);
+    let most = S::of(MOST);
+    let felt = S::EPSILON * S::of(FELT) / h;
+    limits.axes().iter().zip(&piece.axes).all(|(axis, [_, c2, c3, c4, c5])| {
+        // Bernstein coefficients of the jerk, and of either half (see the rows); of the acceleration.
+        let q0 = S::of(6.0) * *c3;
+        let rise = S::of(12.0) * *c4 * h;
+        let (q1, q2) = (q0 + rise, q0 + rise + rise + S::of(60.0) * *c5 * h * h);
+        let (a0, third) = (*c2 + *c2, h * S::of(1.0 / 3.0));
+        let a1 = a0 + (q0 + q1 + q2) * third;
+        let jerk = axis.jerk * most + a0.abs() * felt;
+        let acceleration = axis.acceleration * most;
+        [q0, (q0 + q1) * half, (q1 + q2) * half, q2].iter().all(|q| q.abs() <= jerk)
+            && [a0, a0 + q0 * third, a1 - q2 * third, a1].iter().all(|a| a.abs() <= acceleration)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::AxisLimits;
+    use crate::number::serial::NodeSerial;
+    use crate::number::{ArcLength, Coord};
+
+    fn piece() -> Piece<f64, 2> {
+        Piece {
+            serial: NodeSerial::ZERO,
+            tag: 7,
+            time: 0.02,
+            origin: [Coord::ZERO; 2],
+            axes: [[80.0, -300.0, 4.0e3, 2.0e4, -1.0e5], [20.0, 500.0, -6.0e3, 5.0e4, 3.0e5]],
+            arc_length: ArcLength::ZERO,
+            path: [82.0, -100.0, 500.0, 1.0e3],
+            sequel: Sequel::Motion,
+            event: false,
+        }
+    }
+
+    const SLOWS: Clock<f64> = Clock { rate: 0.8, slope: -9.0 };
+    const BEND: f64 = -400.0;
+    const TIME: f64 = 4.0e-3;
+
+    /// The run from 5 ms on, and what the clock then shows.
+    fn run() -> (Run<f64>, [f64; 2]) {
+        let run = Run { time: TIME, bend: BEND, from: SLOWS, to: SLOWS.after(TIME, BEND) };
+        (run, [5.0e-3, 5.0e-3 + SLOWS.shown(TIME, BEND)])
+    }
+
+    /// x(tau(t)) by the polynomials themselves: place, velocity, acceleration, jerk by differences.
+    fn exact(t: f64) -> [f64; 2] {
+        let piece = piece();
+        let tau = 5.0e-3 + SLOWS.shown(t, BEND);
+        [0, 1].map(|i| piece.axes[i].iter().rev().fold(0.0, |sum, c| (sum + c) * tau))
+    }
+
+    #[test]
+    fn a_piece_by_another_clock_passes_the_same_places_later() {
+        let (run, shows) = run();
+        let made = run.piece(&piece(), shows, Sequel::Within);
+        for k in 0..=8 {
+            let t = TIME * f64::from(k) / 8.0;
+            let here = made.at(t);
+            for (i, place) in exact(t).into_iter().enumerate() {
+                assert!((here.position_mm(i) - place).abs() < 1.0e-8, "{k} {i}");
+            }
+        }
+        let (first, last) = (made.at(0.0), made.at(TIME));
+        for i in 0..2 {
+            let step = 1.0e-6;
+            let around = |t: f64| [exact(t - step)[i], exact(t)[i], exact(t + step)[i]];
+            for (t, at) in [(0.0, first), (TIME, last)] {
+                let [a, b, c] = around(t);
+                assert!((at.velocity[i] - (c - a) / (2.0 * step)).abs() < 1.0e-5);
+                assert!((at.acceleration[i] - (c - 2.0 * b + a) / (step * step)).abs() < 2.0);
+            }
+        }
+        let (p, s) = (piece().path, shows[1]);
+        let speed = p[0] + s * (2.0 * p[1] + s * (3.0 * p[2] + s * 4.0 * p[3]));
+        assert!((last.path_speed - speed * run.to.rate).abs() < 1.0e-9);
+    }
+
+    /// At the least and the greatest bend a limit is used up, between them none is broken.
+    /// In a millisecond at 180 mm/s the jerk of `f32` is that of `f64`.
+    #[test]
+    fn a_short_piece_asks_no_more_in_single_precision() {
+        fn jerks<S: Scalar>() -> [f64; 3] {
+            let clock = Clock { rate: S::of(0.97), slope: S::of(-1.4) };
+            let (bend, shown) = (S::of(-170.0), S::of(1.3e-3));
+            let (shown, time) = clock.shows(S::of(2.0e-3), shown, bend);
+            let run = Run { time, bend, from: clock, to: clock.after(time, bend) };
+            let axes = [[183.0, -330.0, 2.8e3, 1.0e4, 0.0].map(S::of)];
+            let place = Piece::<S, 1> {
+                serial: NodeSerial::ZERO,
+                tag: 0,
+                time: S::of(0.01),
+                origin: [Coord::ZERO],
+                axes,
+                arc_length: ArcLength::ZERO,
+                path: [S::ZERO; 4],
+                sequel: Sequel::Motion,
+                event: false,
+            };
+            let made = run.piece(&place, [S::of(2.0e-3), shown], Sequel::Within);
+            let [.., c3, c4, c5] = made.axes[0].map(Scalar::to_f64);
+            [0.0, 0.5, 1.0].map(|part| {
+                let t = part * made.time.to_f64();
+                6.0 * c3 + (24.0 * c4 + 60.0 * c5 * t) * t
+            })
+        }
+        for (single, double) in jerks::<f32>().into_iter().zip(jerks::<f64>()) {
+            assert!((single - double).abs() < 20.0, "{single} {double}");
+        }
+    }
+
+    #[test]
+    fn a_piece_beyond_a_limit_is_seen() {
+        let (run, shows) = run();
+        let made = run.piece(&piece(), shows, Sequel::Within);
+        let kept = |acceleration: f64, jerk: f64| {
+            keeps(&made, &Limits::new([AxisLimits::linear(200.0, acceleration, jerk); 2]).unwrap())
+        };
+        let most = |of: &dyn Fn(&[f64; 5], f64) -> f64| {
+            let times = (0..=40).map(|k| TIME * f64::from(k) / 40.0);
+            times.flat_map(|t| made.axes.map(|c| of(&c, t).abs())).fold(0.0, f64::max)
+        };
+        let a = most(&|c, t| 2.0 * c[1] + t * (6.0 * c[2] + t * (12.0 * c[3] + t * 20.0 * c[4])));
+        let j = most(&|c, t| 6.0 * c[2] + t * (24.0 * c[3] + t * 60.0 * c[4]));
+        assert!(kept(a * 1.01, j * 1.01));
+        assert!(!kept(a * 0.99, j * 1.01) && !kept(a * 1.01, j * 0.99));
+    }
+}
