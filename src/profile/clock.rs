@@ -94,6 +94,15 @@ impl<S: Scalar> Clock<S> {
     }
 }
 
+impl<S: Scalar> Clock<S> {
+    /// The one bend, 1/s2, that stops a clock which slows down, and how long that takes, s; `None` if it does not slow down.
+    pub fn end(self) -> Option<(S, S)> {
+        let Self { rate, slope } = self;
+        let slows = rate > S::ZERO && slope < S::ZERO;
+        slows.then(|| (slope * slope * S::of(0.5) / rate, -(rate + rate) / slope))
+    }
+}
+
 /// What the axes do at an instant, by the motion's own time.
 #[derive(Clone, Copy, Debug)]
 pub struct Instant<S, const N: usize> {
@@ -161,20 +170,25 @@ impl<S: Scalar> Clock<S> {
         let steepest = S::of(STEEPEST) / (time * time);
         let mut range = Range { least: -steepest, most: steepest };
         let share = share * S::of(SHARE);
-        // What is run already may use all of a limit.
-        let most = |limit: S, own: S| (limit * share).greatest(limit.least(own.abs()));
+        // What a clock that goes evenly asks for may use all of a limit; and half of what it leaves is for a bend.
+        let half = S::of(0.5);
+        let most =
+            |limit: S, even: S| (limit * share).greatest(limit.least((limit + even.abs()) * half));
         let Self { rate: r, slope: g } = self;
         let end = (r + g * time).greatest(S::ZERO);
         // By how much the rate at the end changes with the bend; its slope by `time`.
         let per_rate = time * time * S::of(0.5);
         for (i, axis) in limits.axes().iter().enumerate() {
             let (v, a, j) = (from.velocity[i], from.acceleration[i], from.jerk[i]);
-            range.keep((j * r * r + three * a * g) * r, v, most(axis.jerk, j));
+            let even = j * r * r * r;
+            range.keep(even + three * a * g * r, v, most(axis.jerk, even));
             let (v, a, j) = (to.velocity[i], to.acceleration[i], to.jerk[i]);
             let per_bend = three * (a * (end * time + g * per_rate) + j * end * end * per_rate);
-            range.keep((j * end * end + three * a * g) * end, v + per_bend, most(axis.jerk, j));
+            let even = j * end * end * end;
+            range.keep(even + three * a * g * end, v + per_bend, most(axis.jerk, even));
             let per_bend = v * time + two * a * end * per_rate;
-            range.keep(a * end * end + v * g, per_bend, most(axis.acceleration, a));
+            let even = a * end * end;
+            range.keep(even + v * g, per_bend, most(axis.acceleration, even));
         }
         (range.least <= range.most).then_some([range.least, range.most])
     }

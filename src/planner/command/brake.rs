@@ -30,17 +30,18 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.horizon.is_slowed(at) {
             return self.rest_as_agreed();
         }
-        let (now, attempt) = (self.side.cycles(), self.pressing.attempts);
-        if attempt == 0 {
-            self.pressing.attempted = now;
-        } else if usize::from(attempt) >= ATTEMPTS {
+        let now = self.side.cycles();
+        if usize::from(self.pressing.attempts) >= ATTEMPTS {
             // As long as nothing is known that could change it, no more.
             if self.pressing.attempted == now {
                 return self.rest_next(Halt::Hold);
             }
             self.pressing.attempts = 0;
         }
-        match self.horizon.begin_slowing(self.moment_after(CELLS), attempt) {
+        if self.pressing.attempts == 0 {
+            self.pressing.attempted = now;
+        }
+        match self.horizon.begin_slowing(self.moment_after(CELLS), self.pressing.attempts) {
             Begun::Attempt(begun) => self.make((Purpose::Hold, at), Some(begun)),
             // The rest that the plan comes to anyway may be nearer than any other.
             Begun::Soon => self.rest_as_agreed(),

@@ -31,6 +31,13 @@ const NEAR: f64 = 1.2;
 const HALF_WAY: f64 = 2.0;
 /// Steps in which the clock must be able to go evenly again.
 const RELEASE_STEPS: usize = 48;
+/// Share of the limits with which that is tried: what is known of a step before it is taken is not exact.
+const RELEASED: f64 = 0.96;
+/// From this part of all the pieces on that there may be, each step is longer than the one before by this factor.
+const MANY: usize = 2;
+const LONGER: f64 = 1.06;
+/// Where no step can be taken, one so much shorter is tried.
+const SHORTER: f64 = 0.5;
 /// Halvings in the search for the hardest bend.
 const HALVINGS: u32 = 3;
 /// Steps taken in one slice.
@@ -80,6 +87,13 @@ pub struct Slowing<S> {
     share: S,
     /// Pieces handed over.
     pieces: usize,
+}
+
+impl<S: Scalar> Slowing<S> {
+    /// Duration of the next step, s.
+    fn next<const NODES: usize>(&self) -> S {
+        if self.pieces > NODES / MANY { self.step * S::of(LONGER) } else { self.step }
+    }
 }
 
 /// How far the march has got.
@@ -175,9 +189,11 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             if slowing.pieces + 3 > NODES {
                 return Flow::Nothing;
             }
-            let Some(Stepped { legs, to }) = self.step(slowing, stretch, &mut ahead) else {
-                return Flow::Nothing;
-            };
+            let stepped = self.step(slowing, stretch, &mut ahead).or_else(|| {
+                let shorter = Slowing { step: slowing.step * S::of(SHORTER), ..*slowing };
+                self.step(&shorter, stretch, &mut ahead)
+            });
+            let Some(Stepped { legs, to }) = stepped else { return Flow::Nothing };
             let Some(agreed) = self.agreed_piece(slowing.place.cell) else { return Flow::Nothing };
             let stops = to.clock == Clock::STOPPED;
             let Some(end) = (if stops { self.put_rest_at(to) } else { Some(to.cell) }) else {
@@ -196,6 +212,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
                 hand_over(&piece);
             }
             (slowing.place, slowing.pieces) = (to, slowing.pieces + 1);
+            slowing.step = slowing.next::<NODES>();
             if rests {
                 return self.rest_at(stretch.first, end, proposal);
             }
@@ -253,18 +270,20 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         if let Some(stops) = self.stop(&piece, place, (least.abs().least(most), longest)) {
             return Some(stops);
         }
+        let next = slowing.next::<NODES>();
         let mut good = |bend: S| {
             let (leg, to) = step.take(bend)?;
             let runs = to.clock.rate <= S::ONE
                 && keeps(&leg.piece(&piece), limits)
-                && self.evens_out(to, (longest, share), stretch, ahead);
+                && self.evens_out(to, (next, share), stretch, ahead);
             runs.then_some(Stepped { legs: [Some(leg), None], to })
         };
         if let Some(hardest) = good(least) {
             return Some(hardest);
         }
         // Even again, or on the way there.
-        let (mut hard, mut soft) = (least, step.release([least, most]));
+        let sure = step.release(step.bends(limits, share * S::of(RELEASED))?);
+        let (mut hard, mut soft) = (least, sure);
         let mut found = None;
         for _ in 0..HALVINGS {
             let bend = (hard + soft) * S::of(0.5);
@@ -293,7 +312,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         })
     }
 
-    /// Whether the clock can go evenly again from a place on, within the limits.
+    /// Whether the clock can go evenly again from a place on, within the limits, or be stopped at once.
     #[inline(never)]
     fn evens_out(
         &self,
@@ -311,7 +330,12 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             }
             let Some(shape) = self.ahead(place.cell, ahead) else { return false };
             let step = Stride::new(shape, place, longest);
-            let Some(bends) = step.bends(&self.config.limits, share) else { return false };
+            let Some(bends) = step.bends(&self.config.limits, share * S::of(RELEASED)) else {
+                return false;
+            };
+            if step.may_stop(bends, longest) {
+                return true;
+            }
             let Some(next) = step.end(step.release(bends)) else { return false };
             place = next.1;
         }
@@ -369,6 +393,16 @@ impl<'a, S: Scalar, const N: usize> Stride<'a, S, N> {
         most.least(-self.place.clock.slope / self.time).greatest(least)
     }
 
+    /// Whether one piece more would stop the clock.
+    fn may_stop(&self, [_, most]: [S; 2], longest: S) -> bool {
+        let Place { shown, clock, .. } = self.place;
+        clock.end().is_some_and(|(bend, time)| {
+            bend <= most * S::of(RELEASED)
+                && time <= longest * S::of(LONGEST_LAST)
+                && shown + clock.shown(time, bend) < self.shape.time
+        })
+    }
+
     /// How long it takes at a bend, s, and where it ends; `None` if the clock stops or the cell ends before.
     fn end(&self, bend: S) -> Option<(S, Place<S>)> {
         let Place { cell, shown, clock } = self.place;
@@ -407,15 +441,14 @@ fn stop_in<S: Scalar, const N: usize>(
     let Place { shown, clock, .. } = place;
     let [first, second] = clock.stop(bend)?;
     let alone = first < shortest;
-    if first > longest || (alone && !(clock.slope < S::ZERO)) {
+    if first > longest {
         return None;
     }
     let mut turn = place;
     let mut legs = [None, None];
     let (mut last, mut time) = (bend, second);
     if alone {
-        last = clock.slope * clock.slope * S::of(0.5) / clock.rate;
-        time = -(clock.rate + clock.rate) / clock.slope;
+        (last, time) = clock.end()?;
     } else {
         let (until, first) = clock.shows(shown, first, -bend);
         let middle = clock.after(first, -bend);
