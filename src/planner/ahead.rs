@@ -122,7 +122,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// How long it will be until a plan made now can be taken up, s.
     fn planned(&self, at: NodeSerial) -> S {
-        self.effort.cycles(self.cells_ahead(at)) * self.horizon.config.cycle
+        self.effort.plan.cycles(self.cells_ahead(at)) * self.horizon.config.cycle
     }
 
     /// Cells of the window that lie ahead of a node.

@@ -2,44 +2,57 @@
 
 use crate::number::Scalar;
 
-/// Share of what is known that one plan which took less changes.
+/// Share of what is known that one which took less changes.
 const FORGET: f64 = 0.125;
-/// By how much more a plan that came too late is taken to have needed.
+/// By how much more something that came too late is taken to have needed.
 const LATE: f64 = 1.5;
 /// What an estimate adds, in parts of itself and in servo cycles: a count of cycles is rounded down at either end.
 const RESERVE: f64 = 1.25;
 const RESERVE_CYCLES: f64 = 2.0;
 
-/// Servo cycles that a plan takes for each of its cells, from the first slice to the offer. As much as the worst lately.
+/// What plans and stops take, from the first slice to the offer.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort<S> {
-    per_cell: S,
+    /// A plan, for each of its cells.
+    pub plan: Work<S>,
+    /// A stop, in all.
+    pub stop: Work<S>,
 }
 
 impl<S: Scalar> Effort<S> {
     /// Nothing is known, or planning takes no time.
-    pub const NONE: Self = Self { per_cell: S::ZERO };
+    pub const NONE: Self = Self { plan: Work::NONE, stop: Work::NONE };
+}
 
-    /// A plan over so many cells took so many servo cycles.
-    pub fn learn(&mut self, cells: usize, cycles: u32) {
-        let per_cell = S::from_u32(cycles) / S::from_u32(cells.max(1) as u32);
-        if per_cell > self.per_cell {
-            self.per_cell = per_cell;
+/// Servo cycles that something takes for each of its parts. As much as the worst lately.
+#[derive(Clone, Copy, Debug)]
+pub struct Work<S> {
+    per_part: S,
+}
+
+impl<S: Scalar> Work<S> {
+    const NONE: Self = Self { per_part: S::ZERO };
+
+    /// So many parts took so many servo cycles.
+    pub fn learn(&mut self, parts: usize, cycles: u32) {
+        let per_part = S::from_u32(cycles) / S::from_u32(parts.max(1) as u32);
+        if per_part > self.per_part {
+            self.per_part = per_part;
         } else {
-            self.per_cell += (per_cell - self.per_cell) * S::of(FORGET);
+            self.per_part += (per_part - self.per_part) * S::of(FORGET);
         }
     }
 
-    /// A plan over so many cells came too late after so many servo cycles.
-    pub fn learn_late(&mut self, cells: usize, cycles: u32) {
+    /// So many parts came too late after so many servo cycles.
+    pub fn learn_late(&mut self, parts: usize, cycles: u32) {
         let most = S::from_u32(cycles).greatest(S::ONE) * S::of(LATE);
-        self.learn(cells, most.to_i64().clamp(1, i64::from(u32::MAX)) as u32);
+        self.learn(parts, most.to_i64().clamp(1, i64::from(u32::MAX)) as u32);
     }
 
-    /// Servo cycles that a plan over so many cells will take; 0 if planning takes none.
-    pub fn cycles(&self, cells: usize) -> S {
-        let cycles = self.per_cell * S::from_u32(cells as u32);
-        // Less than a cycle in all: the clock does not move while a plan is made.
+    /// Servo cycles that so many parts will take; 0 if they take none.
+    pub fn cycles(&self, parts: usize) -> S {
+        let cycles = self.per_part * S::from_u32(parts as u32);
+        // Less than a cycle in all: the clock does not move meanwhile.
         if cycles < S::of(0.5) { S::ZERO } else { cycles * S::of(RESERVE) + S::of(RESERVE_CYCLES) }
     }
 }
@@ -50,19 +63,19 @@ mod tests {
 
     #[test]
     fn takes_up_more_at_once_and_less_slowly() {
-        let mut effort = Effort::<f64>::NONE;
+        let mut effort = Work::<f64>::NONE;
         assert!(effort.cycles(64) == 0.0);
         effort.learn(10, 20);
         assert!((effort.cycles(5) - 14.5).abs() < 1e-12);
         effort.learn(10, 0);
-        assert!((effort.per_cell - 1.75).abs() < 1e-12);
+        assert!((effort.per_part - 1.75).abs() < 1e-12);
         effort.learn_late(10, 20);
-        assert!((effort.per_cell - 3.0).abs() < 1e-12);
+        assert!((effort.per_part - 3.0).abs() < 1e-12);
     }
 
     #[test]
     fn forgets_when_planning_takes_no_time() {
-        let mut effort = Effort::<f32>::NONE;
+        let mut effort = Work::<f32>::NONE;
         effort.learn(40, 40);
         for _ in 0..60 {
             effort.learn(40, 0);

@@ -215,9 +215,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let Some(Making { purpose, began, at, proposal, .. }) = self.making.take() else {
             return Progress::Waiting;
         };
-        if purpose == Purpose::Ahead {
-            let cells = self.cells_ahead(at);
-            self.effort.learn(cells, self.side.cycles().since(began).unwrap_or(0));
+        let cycles = self.side.cycles().since(began).unwrap_or(0);
+        match purpose {
+            Purpose::Ahead => self.effort.plan.learn(self.cells_ahead(at), cycles),
+            Purpose::Hold => self.effort.stop.learn(1, cycles),
+            _ => {}
         }
         self.offer(proposal);
         if matches!(purpose, Purpose::Reaction(_))
@@ -301,6 +303,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             let stretch = making.proposal.stretch;
             let cycles = self.side.cycles().since(making.began).unwrap_or(0);
             let by_cycle = making.proposal.branch.is_by_cycle();
+            if making.purpose == Purpose::Hold {
+                self.effort.stop.learn_late(1, cycles);
+            }
             self.late(by_cycle, stretch.last - stretch.first, cycles);
         }
         if passed || !serves {

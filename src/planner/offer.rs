@@ -71,7 +71,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if by_cycle {
             self.reaction = (2 * self.reaction + 1).min(self.most_reaction());
         } else {
-            self.effort.learn_late(cells, cycles);
+            self.effort.plan.learn_late(cells, cycles);
         }
     }
 

@@ -52,14 +52,15 @@ impl<S: Scalar> Clock<S> {
         (self.rate + (self.slope * half + bend * time * sixth) * time) * time
     }
 
-    /// What it shows after `time` seconds if it shows `shown` now, and when exactly: that number is rounded, and a fraction of a
-    /// nanosecond is a way that would be felt as jerk.
-    pub fn shows(self, shown: S, time: S, bend: S) -> (S, S) {
-        let more = self.shown(time, bend);
-        let last = shown + more;
-        let rate = self.after(time, bend).rate;
-        let missed = (last - shown) - more;
-        (last, if rate > S::ZERO { time + missed / rate } else { time })
+    /// When exactly it shows `last` if it shows `first` now, `time` seconds from now or a rounding away. In `f64`: at the speed of
+    /// the motion a fraction of a nanosecond is a way that would be felt as jerk.
+    pub fn exactly(self, [first, last]: [S; 2], time: S, bend: S) -> S {
+        let (rate, slope, u) = (self.rate.to_f64(), self.slope.to_f64(), bend.to_f64());
+        let t = time.to_f64();
+        let shown = (rate + (slope * 0.5 + u * t * (1.0 / 6.0)) * t) * t;
+        let now = self.after(time, bend).rate;
+        let missed = S::of(last.to_f64() - first.to_f64() - shown);
+        if now > S::ZERO { time + missed / now } else { time }
     }
 
     /// When it shows so much, about `guess` seconds from now; `None` if it stops before.

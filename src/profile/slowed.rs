@@ -207,7 +207,9 @@ mod tests {
         fn jerks<S: Scalar>() -> [f64; 3] {
             let clock = Clock { rate: S::of(0.97), slope: S::of(-1.4) };
             let (bend, shown) = (S::of(-170.0), S::of(1.3e-3));
-            let (shown, time) = clock.shows(S::of(2.0e-3), shown, bend);
+            let last = S::of(2.0e-3) + clock.shown(shown, bend);
+            let time = clock.exactly([S::of(2.0e-3), last], shown, bend);
+            let shown = last;
             let run = Run { time, bend, from: clock, to: clock.after(time, bend) };
             let axes = [[183.0, -330.0, 2.8e3, 1.0e4, 0.0].map(S::of)];
             let place = Piece::<S, 1> {

@@ -10,8 +10,8 @@ use crate::planner::phase::{Halt, Phase};
 use crate::profile::solver::Stretch;
 use crate::servo::link::Branch;
 
-/// Cells that take as much work in a plan ahead as a stop does in all.
-const CELLS: usize = 4;
+/// Cells that take as much work in a plan ahead as a stop does in all, as long as none has been measured.
+const CELLS: usize = 10;
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     Planner<'_, S, N, BLOCKS, NODES>
@@ -41,7 +41,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.pressing.attempts == 0 {
             self.pressing.attempted = now;
         }
-        match self.horizon.begin_slowing(self.moment_after(CELLS), self.pressing.attempts) {
+        let needed = self.effort.stop.cycles(1);
+        let needed = if needed > S::ZERO { needed } else { self.effort.plan.cycles(CELLS) };
+        match self.horizon.begin_slowing(self.moment_after(needed), self.pressing.attempts) {
             Begun::Attempt(begun) => self.make((Purpose::Hold, at), Some(begun)),
             // The rest that the plan comes to anyway may be nearer than any other.
             Begun::Soon => self.rest_as_agreed(),

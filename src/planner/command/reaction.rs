@@ -72,11 +72,10 @@ pub struct Reacting<S> {
 impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     Planner<'_, S, N, BLOCKS, NODES>
 {
-    /// Where the motion is, and when an answer that takes as much work as a plan ahead over so many cells can
-    /// take effect.
-    pub(super) fn moment_after(&self, cells: usize) -> Option<Moment<S>> {
+    /// Where the motion is, and when an answer that takes so many servo cycles can take effect.
+    pub(super) fn moment_after(&self, cycles: S) -> Option<Moment<S>> {
         let mut moment = self.moment()?;
-        let work = (self.effort.cycles(cells) + S::of(0.5)).to_i64().clamp(0, 1_000_000) as u32;
+        let work = (cycles + S::of(0.5)).to_i64().clamp(0, 1_000_000) as u32;
         let least = self.side.cycles().plus(work);
         if moment.when.is_before(least) {
             moment.when = least;
@@ -86,18 +85,18 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// The same for a plan at other overrides, or to the end of a block, with the motion at node `at`.
     pub(super) fn moment_of_answer(&self, at: NodeSerial) -> Option<Moment<S>> {
-        self.moment_after(PLANS * self.cells_ahead(at))
+        self.moment_after(self.effort.plan.cycles(PLANS * self.cells_ahead(at)))
     }
 
     /// Begins a first answer if the whole one takes long and there is none yet. Whether one is in the making.
     pub(super) fn react(&mut self, asked: Overrides, at: NodeSerial) -> bool {
-        let long = self.effort.cycles(LONG) > S::of(AT_ONCE);
+        let long = self.effort.plan.cycles(LONG) > S::of(AT_ONCE);
         if !long || self.pressing.reacted == Some(asked) {
             return false;
         }
         self.pressing.reacted = Some(asked);
         let halt = self.phase.halt();
-        let Some(moment) = self.moment_after(CELLS) else { return false };
+        let Some(moment) = self.moment_after(self.effort.plan.cycles(CELLS)) else { return false };
         let begun = self.horizon.begin_reaction(moment, asked, halt);
         self.make((Purpose::Reaction(asked), at), begun)
     }

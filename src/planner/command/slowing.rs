@@ -189,12 +189,12 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             if slowing.pieces + 3 > NODES {
                 return Flow::Nothing;
             }
-            let stepped = self.step(slowing, stretch, &mut ahead).or_else(|| {
+            let Some(agreed) = self.agreed_piece(slowing.place.cell) else { return Flow::Nothing };
+            let stepped = self.step(slowing, &agreed, stretch, &mut ahead).or_else(|| {
                 let shorter = Slowing { step: slowing.step * S::of(SHORTER), ..*slowing };
-                self.step(&shorter, stretch, &mut ahead)
+                self.step(&shorter, &agreed, stretch, &mut ahead)
             });
             let Some(Stepped { legs, to }) = stepped else { return Flow::Nothing };
-            let Some(agreed) = self.agreed_piece(slowing.place.cell) else { return Flow::Nothing };
             let stops = to.clock == Clock::STOPPED;
             let Some(end) = (if stops { self.put_rest_at(to) } else { Some(to.cell) }) else {
                 return Flow::Nothing;
@@ -258,23 +258,23 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     fn step(
         &self,
         slowing: &Slowing<S>,
+        piece: &Piece<S, N>,
         stretch: Stretch,
         ahead: &mut Ahead<S, N>,
     ) -> Option<Stepped<S>> {
         let Slowing { place, step: longest, share, .. } = *slowing;
         let limits = &self.config.limits;
-        let piece = self.agreed_piece(place.cell)?;
-        let shape = Shape::of(&piece);
+        let shape = Shape::of(piece);
         let step = Stride::new(&shape, place, longest);
         let [least, most] = step.bends(limits, share)?;
-        if let Some(stops) = self.stop(&piece, place, (least.abs().least(most), longest)) {
+        if let Some(stops) = self.stop(piece, place, ([least, most], longest)) {
             return Some(stops);
         }
         let next = slowing.next::<NODES>();
         let mut good = |bend: S| {
             let (leg, to) = step.take(bend)?;
             let runs = to.clock.rate <= S::ONE
-                && keeps(&leg.piece(&piece), limits)
+                && keeps(&leg.piece(piece), limits)
                 && self.evens_out(to, (next, share), stretch, ahead);
             runs.then_some(Stepped { legs: [Some(leg), None], to })
         };
@@ -301,14 +301,18 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         &self,
         piece: &Piece<S, N>,
         place: Place<S>,
-        (bend, longest): (S, S),
+        ([least, most], longest): ([S; 2], S),
     ) -> Option<Stepped<S>> {
-        let shortest = self.config.cycle * S::of(SHORTEST);
-        LAST.iter().find_map(|share| {
-            let stops = stop_in(piece, place, (bend * S::of(*share), [shortest, longest]))?;
+        let times = [self.config.cycle * S::of(SHORTEST), longest];
+        let runs = |stops: &Stepped<S>| {
             let mut legs = stops.legs.iter().flatten();
-            let runs = legs.all(|leg| keeps(&leg.piece(piece), &self.config.limits));
-            runs.then_some(stops)
+            legs.all(|leg| keeps(&leg.piece(piece), &self.config.limits))
+        };
+        stop_at_once(piece, place, (most, times)).filter(runs).or_else(|| {
+            let bend = most.least(-least);
+            LAST.iter().find_map(|share| {
+                stop_in_two(piece, place, (bend * S::of(*share), times)).filter(runs)
+            })
         })
     }
 
@@ -412,7 +416,7 @@ impl<'a, S: Scalar, const N: usize> Stride<'a, S, N> {
             let place = Place { cell: cell + 1, shown: S::ZERO, clock: clock.after(time, bend) };
             return Some((time, place));
         }
-        let (last, time) = clock.shows(shown, self.time, bend);
+        let (time, last) = (self.time, shown + clock.shown(self.time, bend));
         let after = clock.after(time, bend);
         let within = last > shown && last < self.shape.time && clock.goes_on(time, bend);
         within.then_some((time, Place { cell, shown: last, clock: after }))
@@ -420,52 +424,69 @@ impl<'a, S: Scalar, const N: usize> Stride<'a, S, N> {
 
     /// The same with its piece.
     fn take(&self, bend: S) -> Option<(Leg<S>, Place<S>)> {
-        let (time, place) = self.end(bend)?;
+        let (about, to) = self.end(bend)?;
         let (last, sequel) = if self.to_end {
             (self.shape.time, Sequel::Motion)
         } else {
-            (place.shown, Sequel::Within)
+            (to.shown, Sequel::Within)
         };
-        let run = Run { time, bend, from: self.place.clock, to: place.clock };
-        Some((Leg { run, shows: [self.place.shown, last], sequel }, place))
+        let Place { shown, clock, .. } = self.place;
+        let time = clock.exactly([shown, last], about, bend);
+        let to = Place { clock: clock.after(time, bend), ..to };
+        let run = Run { time, bend, from: clock, to: to.clock };
+        Some((Leg { run, shows: [shown, last], sequel }, to))
     }
 }
 
-/// The pieces that stop the clock from a place on: at a bend to and fro, or, if it slows down already, at one alone. `None` if they take
-/// longer than a step, or go beyond the cell.
-fn stop_in<S: Scalar, const N: usize>(
+/// The piece that stops a clock which slows down, at no more than a bend. `None` if it takes too short or too long, or goes beyond
+/// the cell.
+fn stop_at_once<S: Scalar, const N: usize>(
     piece: &Piece<S, N>,
     place: Place<S>,
-    (bend, [shortest, longest]): (S, [S; 2]),
+    (most, times): (S, [S; 2]),
+) -> Option<Stepped<S>> {
+    let (bend, time) = place.clock.end()?;
+    let (leg, to) = last_leg(piece, place, (bend, time), times).filter(|_| bend <= most)?;
+    Some(Stepped { legs: [None, Some(leg)], to })
+}
+
+/// The pieces that stop the clock from a place on, at a bend to and fro. `None` if they take too short or too long, or go beyond
+/// the cell.
+fn stop_in_two<S: Scalar, const N: usize>(
+    piece: &Piece<S, N>,
+    place: Place<S>,
+    (bend, times): (S, [S; 2]),
 ) -> Option<Stepped<S>> {
     let Place { shown, clock, .. } = place;
     let [first, second] = clock.stop(bend)?;
-    let alone = first < shortest;
-    if first > longest {
+    let [shortest, longest] = times;
+    if first < shortest || first > longest {
         return None;
     }
-    let mut turn = place;
-    let mut legs = [None, None];
-    let (mut last, mut time) = (bend, second);
-    if alone {
-        (last, time) = clock.end()?;
-    } else {
-        let (until, first) = clock.shows(shown, first, -bend);
-        let middle = clock.after(first, -bend);
-        turn = Place { shown: until, clock: middle, ..place };
-        let run = Run { time: first, bend: -bend, from: clock, to: middle };
-        legs[0] = Some(Leg { run, shows: [shown, turn.shown], sequel: Sequel::Within });
-    }
-    let end =
-        Place { shown: turn.shown + turn.clock.shown(time, last), clock: Clock::STOPPED, ..place };
-    if time < shortest
-        || time > longest * S::of(LONGEST_LAST)
-        || !(turn.clock.rate > S::ZERO)
-        || !(end.shown < piece.time)
-    {
+    let until = shown + clock.shown(first, -bend);
+    let first = clock.exactly([shown, until], first, -bend);
+    let middle = clock.after(first, -bend);
+    let turn = Place { shown: until, clock: middle, ..place };
+    let run = Run { time: first, bend: -bend, from: clock, to: middle };
+    let begins = Leg { run, shows: [shown, until], sequel: Sequel::Within };
+    let (ends, to) = last_leg(piece, turn, (bend, second), times)?;
+    Some(Stepped { legs: [Some(begins), Some(ends)], to })
+}
+
+/// The last piece: at a bend for some time, s, after which the clock has stopped.
+fn last_leg<S: Scalar, const N: usize>(
+    piece: &Piece<S, N>,
+    place: Place<S>,
+    (bend, time): (S, S),
+    [shortest, longest]: [S; 2],
+) -> Option<(Leg<S>, Place<S>)> {
+    let Place { shown, clock, .. } = place;
+    let last = shown + clock.shown(time, bend);
+    let lasts = time >= shortest && time <= longest * S::of(LONGEST_LAST);
+    if !lasts || !(clock.rate > S::ZERO) || !(last < piece.time) {
         return None;
     }
-    let run = Run { time, bend: last, from: turn.clock, to: Clock::STOPPED };
-    legs[1] = Some(Leg { run, shows: [turn.shown, end.shown], sequel: Sequel::Stop });
-    Some(Stepped { legs, to: end })
+    let run = Run { time, bend, from: clock, to: Clock::STOPPED };
+    let leg = Leg { run, shows: [shown, last], sequel: Sequel::Stop };
+    Some((leg, Place { shown: last, clock: Clock::STOPPED, ..place }))
 }
