@@ -18,6 +18,8 @@ use crate::servo::piece::Piece;
 const SHARE: f64 = 0.998;
 /// A bend beyond 1 / step^2 times this would stop the clock within the step, whatever its rate was.
 const STEEPEST: f64 = 4.0;
+/// Share of a time that is a rounding.
+const ROUNDED: f64 = 1.0e-3;
 /// Rounds of Newton's method for the time at which the clock shows something.
 const ROUNDS: usize = 4;
 
@@ -59,8 +61,9 @@ impl<S: Scalar> Clock<S> {
         let t = time.to_f64();
         let shown = (rate + (slope * 0.5 + u * t * (1.0 / 6.0)) * t) * t;
         let now = self.after(time, bend).rate;
-        let missed = S::of(last.to_f64() - first.to_f64() - shown);
-        if now > S::ZERO { time + missed / now } else { time }
+        let later = S::of(last.to_f64() - first.to_f64() - shown) / now;
+        // Where the clock hardly goes, no time would make up for it.
+        if later.abs() <= time * S::of(ROUNDED) { time + later } else { time }
     }
 
     /// When it shows so much, about `guess` seconds from now; `None` if it stops before.
