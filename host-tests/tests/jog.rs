@@ -540,3 +540,21 @@ fn nine_axes_arrive() {
     let setpoint = rest(&mut planner, &mut interpolator, |setpoint| watch.see(setpoint));
     assert!((0..9).all(|i| setpoint.position(i) == to[i]));
 }
+
+#[test]
+fn a_jog_after_a_cancel_counts() {
+    let config = usual();
+    let mut link: Link<f64, AXES> = Link::new();
+    let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; AXES]).unwrap();
+    let (velocity, time) = ([50.0, 0.0, 0.0], 1.0);
+    planner.jog(&Jog::Velocity { velocity, time }).unwrap();
+    for _ in 0..100 {
+        planner.settle();
+        interpolator.tick();
+    }
+    planner.controls().cancel_jog();
+    let to: Point = [at(30.0), at(2.0), at(-1.0)];
+    planner.jog(&Jog::To { to, feed: 50.0 }).unwrap();
+    let setpoint = rest(&mut planner, &mut interpolator, |_| {});
+    assert_eq!([0, 1, 2].map(|i| setpoint.position(i)), to);
+}

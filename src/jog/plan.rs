@@ -220,7 +220,7 @@ impl<const N: usize> Plan<N> {
                     cursor.advance(cycles);
                 }
                 if left == 0 {
-                    end_at(&mut piece, &self.end());
+                    piece.end_at(&self.end());
                 }
                 hand_over(&piece);
             }
@@ -251,15 +251,6 @@ impl<S: Scalar> Frame<S> {
         let second = 0.5 * motion.acceleration * rate * rate;
         let third = jerk * rate * rate * rate / 6.0;
         [S::of(first), S::of(second), S::of(third), S::ZERO, S::ZERO]
-    }
-}
-
-/// Makes the last piece end exactly at a place: what its polynomials have lost to rounding is made up for where it begins.
-fn end_at<S: Scalar, const N: usize>(piece: &mut Piece<S, N>, place: &[Coord; N]) {
-    let end = piece.at(piece.time);
-    for (i, (origin, place)) in piece.origin.iter_mut().zip(place).enumerate() {
-        let missed = place.raw().wrapping_sub(end.position(i).raw());
-        *origin = Coord::from_raw(origin.raw().wrapping_add(missed));
     }
 }
 

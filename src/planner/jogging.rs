@@ -142,7 +142,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// ([`Jog::Back`]), and then until it is resumed. [`Controls::cancel_jog`](crate::Controls::cancel_jog), a hold and an abort
     /// end a jog as soon as the limits allow; overrides do not change it, but one of 0 is a hold.
     ///
-    /// Cost: that of a few comparisons per axis; of the poll, `docs/target.md` has the number of instructions.
+    /// Cost: that of a few comparisons per axis; the poll that plans it looks at every axis once, for a bounded number of durations.
     ///
     /// # Errors
     /// [`JogError`]; nothing has changed.
@@ -191,6 +191,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 self.phase = Phase::Resting(Rest::AwaitsResume);
             }
         }
+        // The newest counts: a cancel from before is not meant for it. A hold is.
+        self.jogging.cancels = self.requests.cancels();
         self.jogging.asked = asked;
         Ok(())
     }
