@@ -184,6 +184,10 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
             speed = speed * t + distance;
         }
         let dwells = c1 == S::ZERO && c3 == S::ZERO && c4 == S::ZERO;
+        let still = Activity::Dwelling;
+        #[cfg(feature = "jog")]
+        let still =
+            if self.sequel.load(Relaxed) == Sequel::Jog as u32 { Activity::Jogging } else { still };
         Setpoint {
             origin: self.origin.each_ref().map(Shared::load),
             offset: axes.map(|[offset, ..]| offset),
@@ -196,21 +200,11 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
             activity: if event {
                 Activity::Event
             } else if dwells {
-                self.still()
+                still
             } else {
                 Activity::Running
             },
         }
-    }
-
-    /// What is done while the path stands still.
-    #[inline]
-    fn still(&self) -> Activity {
-        #[cfg(feature = "jog")]
-        if self.sequel.load(Relaxed) == Sequel::Jog as u32 {
-            return Activity::Jogging;
-        }
-        Activity::Dwelling
     }
 
     /// Writes the place of [`Slot::at`] alone, to the bit.
