@@ -2,10 +2,10 @@
 //!
 //! [`Planner::jog`](crate::Planner::jog) takes a [`Jog`]; `docs/jog.md` tells the rules and shows the motion.
 //!
-//! - [`ramp`]: from any speed and acceleration to another speed, within the limits of one axis.
-//! - [`reach`]: the same to a place, at rest.
-//! - [`axis`]: what one axis does from a servo cycle on until it rests: phases of constant jerk.
-//! - [`plan`]: what all axes do, and the pieces that the interrupt runs.
+//! - `ramp`: from any speed and acceleration to another speed, within the limits of one axis.
+//! - `reach`: the same to a place, at rest.
+//! - `axis`: what one axis does from a servo cycle on until it rests: phases of constant jerk.
+//! - `plan`: what all axes do, and the pieces that the interrupt runs.
 //!
 //! Every phase lasts a whole number of servo cycles, so those of different axes never begin within a cycle at different times,
 //! and a motion can be left for another at any cycle with its exact state. Durations are found as real numbers and rounded up;
