@@ -41,14 +41,16 @@
 //! ## Motion off the path: `jog`
 //!
 //! A feature: ramps and ways to a place for every axis by itself or along one line, in whole servo cycles. They become plans like
-//! any other, while the path rests. It knows no block and no path.
+//! any other, while the path rests. It knows no block and no path. Probing is such a way that ends early on an
+//! input, and homing some of them (two features more).
 //!
 //! ## The interrupt side: [`servo`] and [`output`]
 //!
 //! [`Interpolator::tick`] evaluates one polynomial per axis and knows no planning. Plans arrive whole in the two
 //! buffers of a [`Link`], each from a place still ahead of the motion to a stop; the interpolator changes over where they
 //! branch off. If nothing arrives it comes to rest on the path, and continues from there when something does. All that
-//! contexts share is in `servo`. [`output`] makes steps, duty cycles or anything else of setpoints, over `embedded-hal`;
+//! contexts share is in `servo`. With the feature `outputs`, what is to switch where waits beside the pieces, by its arc length: a
+//! setpoint has one, so an output keeps its place whatever an operator does. [`output`] makes steps, duty cycles or anything else of setpoints, over `embedded-hal`;
 //! chips and pins belong to firmware.
 //!
 //! ## Geometry: `path`
@@ -142,6 +144,8 @@ mod readme {}
 pub mod c;
 #[cfg(feature = "gcode")]
 pub mod gcode;
+#[cfg(feature = "grbl")]
+pub mod grbl;
 #[cfg(feature = "jog")]
 pub mod jog;
 pub mod machine;
@@ -156,11 +160,23 @@ pub mod spline;
 pub mod wire;
 
 pub use block::{Block, Feed, Motion, PushError, Turn};
+#[cfg(feature = "outputs")]
+pub use block::{Offset, Output, Power, Switch, SwitchError, Trigger};
+#[cfg(feature = "home")]
+pub use jog::{AxisHome, HomeFailure, HomeFault, HomePhase};
 #[cfg(feature = "jog")]
 pub use jog::{Jog, JogError};
+#[cfg(feature = "probe")]
+pub use jog::{Outcome, Overshoot, Probe, ProbeError, Probed};
+#[cfg(feature = "outputs")]
+pub use machine::{ANALOGUE, DIGITAL, POWERS, SWITCHES};
 pub use machine::{AxisLimits, BLOCKS, Config, ConfigError, CornerMode, Limits, NODES};
 #[cfg(feature = "travel")]
 pub use machine::{AxisTravel, Travel};
 pub use number::{Coord, RangeError, Scalar};
 pub use planner::{Counters, Link, Planner, Progress};
+#[cfg(feature = "outputs")]
+pub use servo::Switched;
 pub use servo::{Activity, Controls, Interpolator, Setpoint};
+#[cfg(feature = "probe")]
+pub use servo::{Input, Inputs};

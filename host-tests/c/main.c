@@ -53,6 +53,134 @@ static int beyond(splineway_core *core, const splineway_block *options)
     return failures;
 }
 
+/* Other limits for the blocks to come; and how many servo cycles two kinds of hold take. */
+static int calmer(splineway_core *core)
+{
+    splineway_axis axes[SPLINEWAY_AXES];
+    int axis, failures = 0;
+
+    for (axis = 0; axis < SPLINEWAY_AXES; ++axis) {
+        axes[axis].velocity = 100.0f;
+        axes[axis].acceleration = 500.0f;
+        axes[axis].jerk = 20000.0f;
+        axes[axis].rotary = false;
+    }
+    failures += splineway_set_limits(core, NULL) != SPLINEWAY_RESULT_NULL;
+    failures += splineway_set_limits(core, axes) != SPLINEWAY_RESULT_OK;
+    axes[0].jerk = NAN;
+    failures += splineway_set_limits(core, axes) != SPLINEWAY_RESULT_CONFIG;
+    return failures;
+}
+
+static int cycles_to_rest(bool quick)
+{
+    static splineway_core core;
+    static const int64_t start[SPLINEWAY_AXES] = {0};
+    static const int64_t far[SPLINEWAY_AXES] = {300000000};
+    const splineway_block options = {100.0f, 0.0f, -1.0f, false, 1};
+    splineway_config config;
+    splineway_setpoint setpoint;
+    int cycle;
+
+    splineway_config_init(&config, 200.0f, 1000.0f, 20000.0f);
+    config.stop[0].acceleration = 4000.0f;
+    config.stop[0].jerk = 400000.0f;
+    if (splineway_init(&core, sizeof core, &config, start) != SPLINEWAY_RESULT_OK
+        || splineway_push_line(&core, far, &options) != SPLINEWAY_RESULT_OK) {
+        return -1;
+    }
+    splineway_finish(&core);
+    for (cycle = 0; cycle < 1000; ++cycle) {
+        splineway_settle(&core);
+        splineway_tick(&core, &setpoint);
+    }
+    if (quick) {
+        splineway_quick_hold(&core);
+    } else {
+        splineway_hold(&core);
+    }
+    for (cycle = 0; cycle < 1000; ++cycle) {
+        splineway_settle(&core);
+        splineway_tick(&core, &setpoint);
+        if (setpoint.activity == SPLINEWAY_ACTIVITY_IDLE) {
+            break;
+        }
+    }
+    return cycle;
+}
+
+/* A surface 2 mm below is probed, and the axis then homed on it. */
+static int seeks(void)
+{
+    static splineway_core core;
+    static const int64_t start[SPLINEWAY_AXES] = {0};
+    static const int64_t down[SPLINEWAY_AXES] = {-5000000};
+    static const float direction[SPLINEWAY_AXES] = {-1.0f};
+    splineway_axis_home axes[SPLINEWAY_AXES] = {{0}};
+    splineway_probe_result probed = {SPLINEWAY_PROBE_OUTCOME_NONE, {0}};
+    splineway_home_result homed = {SPLINEWAY_HOMING_NONE, 0, 0};
+    splineway_config config;
+    splineway_setpoint setpoint;
+    float at_feed, most;
+    int64_t before = 0, shift = 0;
+    int cycle, sets = 0, failures = 0;
+
+    failures += splineway_input(&core, -1, false, 0.0f) != SPLINEWAY_RESULT_NOT_READY;
+    splineway_config_init(&config, 100.0f, 1000.0f, 20000.0f);
+    failures += splineway_init(&core, sizeof core, &config, start) != SPLINEWAY_RESULT_OK;
+    failures += splineway_probe(&core, NULL, 10.0f, -1, true) != SPLINEWAY_RESULT_NULL;
+    failures += splineway_probe(&core, down, 10.0f, -1, false) != SPLINEWAY_RESULT_INPUT;
+    failures += splineway_probe(&core, down, 10.0f, 9, true) != SPLINEWAY_RESULT_INPUT;
+    failures += splineway_probe(&core, down, 0.0f, -1, true) != SPLINEWAY_RESULT_OUT_OF_RANGE;
+    splineway_hold(&core);
+    failures += splineway_probe(&core, down, 10.0f, -1, true) != SPLINEWAY_RESULT_HELD;
+    splineway_resume(&core);
+    failures += splineway_probe_overshoot(&core, 10.0f, direction, &at_feed, &most) != SPLINEWAY_RESULT_OK;
+    failures += splineway_probe(&core, down, 10.0f, -1, true) != SPLINEWAY_RESULT_OK;
+    failures += splineway_home(&core, axes) != SPLINEWAY_RESULT_RUNNING;
+    for (cycle = 0; cycle < 5000 && probed.outcome == SPLINEWAY_PROBE_OUTCOME_NONE; ++cycle) {
+        splineway_settle(&core);
+        splineway_tick(&core, &setpoint);
+        if (before > -2000000 && setpoint.position[0] <= -2000000) {
+            splineway_input(&core, -1, true,
+                (float)(before + 2000000) / (float)(before - setpoint.position[0]));
+        }
+        before = setpoint.position[0];
+        splineway_probed(&core, &probed);
+    }
+    failures += probed.outcome != SPLINEWAY_PROBE_OUTCOME_TRIPPED;
+    failures += probed.position[0] < -2000100 || probed.position[0] > -1999900;
+    failures += (float)(probed.position[0] - before) * 1e-6f > at_feed || at_feed > most;
+    /* It stands on the switch: off, to it, off, to it slowly. */
+    axes[0].wanted = true;
+    axes[0].fast = -20.0f;
+    axes[0].slow = 2.0f;
+    axes[0].reach = 10000000;
+    axes[0].back = 1000000;
+    axes[0].at = 7000000;
+    axes[0].parks = true;
+    axes[0].park = 8000000;
+    splineway_input(&core, 0, true, 0.0f);
+    failures += splineway_home(&core, axes) != SPLINEWAY_RESULT_OK;
+    for (cycle = 0; cycle < 20000 && homed.homing == SPLINEWAY_HOMING_NONE; ++cycle) {
+        splineway_settle(&core);
+        splineway_tick(&core, &setpoint);
+        if (setpoint.activity == SPLINEWAY_ACTIVITY_SET) {
+            shift = before - setpoint.position[0];
+            ++sets;
+        } else {
+            splineway_input(&core, 0, setpoint.position[0] + shift <= -2000000, 1.0f);
+        }
+        before = setpoint.position[0];
+        splineway_homed(&core, &homed);
+    }
+    failures += homed.homing != SPLINEWAY_HOMING_DONE || sets != 1;
+    /* Told at the ends of cycles: to a cycle's way at 2 mm/s. */
+    failures += before != 8000000 || shift < -9002000 || shift > -8998000;
+    failures += splineway_set_position(&core, start) != SPLINEWAY_RESULT_OK;
+    return failures;
+}
+
 static int wrong_calls(void)
 {
     static splineway_core core, moved;
@@ -102,6 +230,9 @@ static int wrong_calls(void)
     config.axes[0].jerk = INFINITY;
     failures += splineway_init(&core, sizeof core, &config, start) != SPLINEWAY_RESULT_CONFIG;
     config.axes[0].jerk = 50000.0f;
+    config.stop[0].jerk = NAN;
+    failures += splineway_init(&core, sizeof core, &config, start) != SPLINEWAY_RESULT_CONFIG;
+    config.stop[0].jerk = 0.0f;
     config.travel[0].least = 5;
     config.travel[0].greatest = 4;
     failures += splineway_init(&core, sizeof core, &config, start) != SPLINEWAY_RESULT_CONFIG;
@@ -129,10 +260,13 @@ static int wrong_calls(void)
     failures += splineway_push_arc(&core, start, &nowhere, &options) != SPLINEWAY_RESULT_PLANE;
     failures += splineway_push_dwell(&core, -1.0f, 1) != SPLINEWAY_RESULT_OUT_OF_RANGE;
     failures += beyond(&core, &options);
+    failures += calmer(&core);
+    failures += seeks();
+    failures += cycles_to_rest(false) < 150 || cycles_to_rest(true) > 40;
     failures += splineway_push_event(&core, true, 2) != SPLINEWAY_RESULT_OK;
     /* After an abort nothing is taken until the caller says that it knows. */
     failures += splineway_acknowledge_abort(&core);
-    failures += splineway_abort(&core) != SPLINEWAY_RESULT_OK;
+    failures += splineway_quick_abort(&core) != SPLINEWAY_RESULT_OK;
     failures += splineway_push_line(&core, start, &options) != SPLINEWAY_RESULT_ABORTED;
     failures += splineway_acknowledge_abort(&core);
     failures += splineway_settle(&core) != SPLINEWAY_PROGRESS_ABORTED;

@@ -7,6 +7,7 @@ use splineway_host::commands::check::Check;
 #[cfg(unix)]
 use splineway_host::commands::controller::ControllerCommand;
 use splineway_host::commands::corners::Corners;
+use splineway_host::commands::limit::Limit;
 use splineway_host::commands::paper::Paper;
 use splineway_host::commands::simulate::Simulate;
 use splineway_host::commands::smooth::Smooth;
@@ -34,6 +35,7 @@ enum Command {
     Smooth(Smooth),
     Bench(Bench),
     Soak(Soak),
+    Limit(Limit),
     Corners(Corners),
     Paper(Paper),
     Thesis(Thesis),
@@ -69,6 +71,7 @@ fn main() -> ExitCode {
         Command::Smooth(smooth) => smooth.execute(),
         Command::Bench(bench) => bench.execute(),
         Command::Soak(soak) => soak.execute(),
+        Command::Limit(limit) => limit.execute(),
         Command::Corners(corners) => corners.execute(),
         Command::Paper(paper) => paper.execute(),
         Command::Thesis(thesis) => thesis.execute(),

@@ -24,6 +24,9 @@ const PRELUDE: &str = "\
 #ifndef SPLINEWAY_NODES
 #define SPLINEWAY_NODES 64
 #endif
+#ifndef SPLINEWAY_OUTPUTS
+#define SPLINEWAY_OUTPUTS 0
+#endif
 /* With this header's size and version, so that a library of another touches nothing. */
 #define splineway_config_init(config, velocity, acceleration, jerk) \\
     splineway_config_init_sized((config), sizeof(splineway_config), SPLINEWAY_INTERFACE, (velocity), \\
@@ -48,12 +51,16 @@ fn header() -> String {
     config.enumeration.rename_variants = cbindgen::RenameRule::QualifiedScreamingSnakeCase;
     // Made from the size by the prelude, not numbers of this build.
     config.export.exclude =
-        ["SPLINEWAY_AXES", "SPLINEWAY_BLOCKS", "SPLINEWAY_NODES"].map(str::to_owned).to_vec();
+        ["SPLINEWAY_AXES", "SPLINEWAY_BLOCKS", "SPLINEWAY_NODES", "SPLINEWAY_OUTPUTS"]
+            .map(str::to_owned)
+            .to_vec();
     let mut out = Vec::new();
     cbindgen::Builder::new()
         .with_config(config)
         .with_src(sources.join("types.rs"))
         .with_src(sources.join("mod.rs"))
+        .with_src(sources.join("outputs.rs"))
+        .with_src(sources.join("seeking.rs"))
         .generate()
         .unwrap()
         .write(&mut out);

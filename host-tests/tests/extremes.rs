@@ -17,13 +17,8 @@ fn zigzag(axes: usize, count: usize, size: f64, feed: f64, place: f64) -> Progra
     let mut to: Point = program.start;
     for n in 0..count {
         to[n % axes] += if n % 3 == 2 { -size } else { size };
-        program.moves.push(Move {
-            path: Course::Line { to },
-            speed: Speed::PerSecond(feed),
-            tolerance: None,
-            exact_stop: false,
-            line: n as u32 + 1,
-        });
+        let path = Course::Line { to };
+        program.moves.push(Move::new(path, Speed::PerSecond(feed), n as u32 + 1));
     }
     program
 }

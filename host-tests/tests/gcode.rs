@@ -69,6 +69,18 @@ fn story(program: &Program) -> String {
     parts.join(", ")
 }
 
+/// What follows a probe depends on the machine: a program that is read before it runs has none.
+#[test]
+fn a_probe_in_a_program_is_refused_by_line() {
+    for line in ["G31 Z-10", "G38.2 Z-10", "G38.3 Z-10 F100", "G38.5 X2"] {
+        let found = errors(&format!("G21 G90 G1 X1 Y1 Z1 F600\n{line}\nG1 X1"), MILL);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(found[0].starts_with("line 2: a probe within a program"), "{found:?}");
+    }
+    let found = errors("G38.2 F100\n", MILL);
+    assert!(found[0].contains("G38.2 needs axis words"), "{found:?}");
+}
+
 /// Every line of these was once a move, or changed where moves go without a word.
 #[test]
 #[allow(clippy::too_many_lines)]
@@ -82,9 +94,6 @@ fn words_of_codes_that_do_not_move_never_move() {
         ("M205 X10 Y10", "M205"),
         ("M92 X80", "M92"),
         ("M600 X50 Y50", "M600"),
-        ("G31 Z-10", "G31 (probing)"),
-        ("G38.2 Z-10", "G38.2 (probing)"),
-        ("G38.3 Z-10 F100", "G38.3 (probing)"),
         ("G33 Z-10 K1", "G33"),
         ("G33.1 Z-10 K1", "G33.1"),
         ("G76 P1 Z-10 I1 J1 R1 K1", "G76"),

@@ -37,14 +37,7 @@ fn program(courses: Vec<(Course, f64)>) -> Program {
     let mut program = Program::default();
     program.uses[..3].fill(true);
     for (n, (path, feed)) in courses.into_iter().enumerate() {
-        let speed = Speed::PerSecond(feed);
-        program.moves.push(Move {
-            path,
-            speed,
-            tolerance: None,
-            exact_stop: false,
-            line: n as u32 + 1,
-        });
+        program.moves.push(Move::new(path, Speed::PerSecond(feed), n as u32 + 1));
     }
     program
 }

@@ -132,7 +132,9 @@ fn any_jog<S: Scalar>(draw: &mut Draw, config: &Config<S, AXES>, room: f64) -> J
                     2 => -1.0,
                     _ => draw.between(-1.2, 1.2),
                 };
-                S::of(share * axes[i].velocity.to_f64())
+                let velocity = share * axes[i].velocity.to_f64();
+                // Less than the least that is accepted is refused.
+                S::of(if velocity.abs() < 1.1e-6 { 0.0 } else { velocity })
             });
             Jog::Velocity { velocity, time: S::of(draw.scale(1.0e-3, 2.0)) }
         }
@@ -557,4 +559,37 @@ fn a_jog_after_a_cancel_counts() {
     planner.jog(&Jog::To { to, feed: 50.0 }).unwrap();
     let setpoint = rest(&mut planner, &mut interpolator, |_| {});
     assert_eq!([0, 1, 2].map(|i| setpoint.position(i)), to);
+}
+
+#[test]
+fn what_is_sent_again_does_not_outrun_a_hold() {
+    for held_before in [false, true] {
+        let config = usual();
+        let mut link: Link<f64, AXES> = Link::new();
+        let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; AXES]).unwrap();
+        if held_before {
+            program(&mut planner);
+            planner.controls().hold();
+            while planner.settle() != Progress::Held {
+                interpolator.tick();
+            }
+        }
+        let jog = Jog::Velocity { velocity: [50.0, 0.0, 0.0], time: 1.0 };
+        planner.jog(&jog).unwrap();
+        for _ in 0..100 {
+            planner.settle();
+            interpolator.tick();
+        }
+        // The operator's hand, and in the same moment what his device sends every so often.
+        planner.controls().hold();
+        planner.jog(&jog).unwrap();
+        let mut cycles = 0;
+        rest(&mut planner, &mut interpolator, |_| cycles += 1);
+        assert!(cycles < 150, "{held_before}: {cycles}");
+        // Asked for after that, it is meant.
+        planner.jog(&jog).unwrap();
+        let mut cycles = 0;
+        rest(&mut planner, &mut interpolator, |_| cycles += 1);
+        assert!(cycles > 1000, "{held_before}: {cycles}");
+    }
 }

@@ -28,7 +28,9 @@ const ANSWER: f64 = 0.3;
 
 fn setting<S: Scalar>(cycle: f64) -> Config<S, 2> {
     let axis = AxisLimits::linear(S::of(200.0), S::of(ACCELERATION), S::of(JERK));
+    let stop = AxisLimits::linear(S::of(200.0), S::of(3.0 * ACCELERATION), S::of(8.0 * JERK));
     let mut config = Config::new(Limits::new([axis; 2]).unwrap());
+    config.stop_limits = Some(Limits::new([stop; 2]).unwrap());
     config.tolerance = S::of(0.05);
     config.cycle = S::of(cycle);
     config
@@ -42,9 +44,11 @@ fn at(x: f64, y: f64) -> [Coord; 2] {
 #[derive(Clone, Copy, Debug)]
 enum Press {
     Hold,
+    QuickHold,
     Resume,
     Stop,
     Abort,
+    QuickAbort,
     Override(u16),
     Single(bool),
 }
@@ -53,9 +57,11 @@ impl Press {
     fn send(self, controls: Controls<'_>) {
         match self {
             Self::Hold => controls.hold(),
+            Self::QuickHold => controls.quick_hold(),
             Self::Resume => controls.resume(),
             Self::Stop => controls.stop(),
             Self::Abort => controls.abort(),
+            Self::QuickAbort => controls.quick_abort(),
             Self::Override(percent) => {
                 controls.feed_override(percent);
                 controls.rapid_override(percent);
@@ -113,8 +119,8 @@ fn operate<S: Scalar>(steps: &Steps, presses: &[(u32, Press)], seed: u32) -> Res
         for (_, press) in presses.iter().filter(|(when, _)| *when == cycle) {
             press.send(controls);
             match press {
-                Press::Abort => (held, aborts) = (held.or(Some(cycle)), true),
-                Press::Hold => held = held.or(Some(cycle)),
+                Press::Abort | Press::QuickAbort => (held, aborts) = (held.or(Some(cycle)), true),
+                Press::Hold | Press::QuickHold => held = held.or(Some(cycle)),
                 Press::Resume if !aborts => held = None,
                 _ => {}
             }
@@ -204,7 +210,8 @@ fn presses() -> impl Strategy<Value = Vec<(u32, Press)>> {
         |(start, rounds, aborts)| {
             let (mut list, mut time) = (Vec::new(), start);
             for (rest, run, other) in rounds {
-                list.push((time, Press::Hold));
+                let quick = rest < 0.3;
+                list.push((time, if quick { Press::QuickHold } else { Press::Hold }));
                 list.extend(other.map(|(after, press)| (time + after, press)));
                 time += 1 + (rest * rest * 250.0) as u32;
                 list.push((time, Press::Resume));
@@ -212,7 +219,8 @@ fn presses() -> impl Strategy<Value = Vec<(u32, Press)>> {
             }
             let end = list.iter().map(|(cycle, _)| *cycle).max().unwrap_or(0) + 1;
             let runs_on = [Press::Single(false), Press::Override(100), Press::Resume];
-            let last: &[Press] = if aborts { &[Press::Abort] } else { &runs_on };
+            let abort = if start % 2 == 0 { Press::Abort } else { Press::QuickAbort };
+            let last: &[Press] = if aborts { &[abort] } else { &runs_on };
             list.extend(last.iter().map(|press| (end, *press)));
             list
         },

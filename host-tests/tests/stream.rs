@@ -2,6 +2,7 @@
 //! the program as a process that is killed.
 #![cfg(unix)]
 
+use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use serial2::SerialPort;
 use splineway::wire::State;
 use splineway_host::stream::{
@@ -200,7 +201,7 @@ fn another_version_is_named() {
     let make = |controlled: &Controlled| items(&gcode("G1 X1 F600"), controlled.axes);
     let error = send(&mut port, CALM, make, &receiver, &mut |_| {}).unwrap_err();
     assert!(
-        error.to_string().contains("version 1 of the protocol, this program version 4"),
+        error.to_string().contains("version 1 of the protocol, this program version 5"),
         "{error}"
     );
 }
@@ -329,12 +330,16 @@ fn the_end_of_a_pipe_is_no_operator_who_is_gone_but_that_of_a_terminal_is() {
     assert_eq!(code, Some(0), "{complaints}");
     assert!(run(&happenings, TEN).is_some());
     // The same at a terminal, which hangs up.
-    let terminal = Controller::open().unwrap();
+    // The child must not have it too.
+    let terminal = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC).unwrap();
+    grantpt(&terminal).unwrap();
+    unlockpt(&terminal).unwrap();
+    let name = ptsname(&terminal, Vec::new()).unwrap().into_string().unwrap();
     let folder = std::env::temp_dir().join(format!("splineway-{}-tty", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let file = folder.join("program.ngc");
     std::fs::write(&file, LONG).unwrap();
-    let end = std::fs::File::options().read(true).write(true).open(terminal.name()).unwrap();
+    let end = std::fs::File::options().read(true).write(true).open(name).unwrap();
     let child = std::process::Command::new(env!("CARGO_BIN_EXE_splineway"))
         .args(["stream", "--port", &port, "--watchdog", "0"])
         .arg(&file)

@@ -6,9 +6,13 @@
 mod arc;
 mod error;
 pub(crate) mod range;
+#[cfg(feature = "outputs")]
+mod switch;
 
 pub use arc::centre_from_radius;
 pub use error::{BlockError, PushError};
+#[cfg(feature = "outputs")]
+pub use switch::{Offset, Output, Power, Switch, SwitchError, Trigger};
 
 use crate::number::{Coord, Scalar};
 

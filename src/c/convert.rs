@@ -1,10 +1,11 @@
 //! From C's plain data to the core's.
 
 use super::types::{
-    SPLINEWAY_AXES, splineway_block, splineway_config, splineway_result, splineway_travel,
+    SPLINEWAY_AXES, splineway_axis, splineway_block, splineway_config, splineway_result,
+    splineway_travel,
 };
 use crate::block::{BlockError, Feed, PushError};
-use crate::jog::JogError;
+use crate::jog::{JogError, ProbeError};
 use crate::machine::{AxisLimits, AxisTravel, Config, Limits, Travel};
 use crate::number::Coord;
 
@@ -42,6 +43,17 @@ pub fn tolerance(options: &splineway_block) -> Option<f32> {
     (!default).then_some(options.tolerance)
 }
 
+/// `None` if one is out of its range.
+pub fn limits(axes: [splineway_axis; SPLINEWAY_AXES]) -> Option<Limits<f32, SPLINEWAY_AXES>> {
+    let axes = axes.map(|axis| AxisLimits {
+        velocity: axis.velocity,
+        acceleration: axis.acceleration,
+        jerk: axis.jerk,
+        rotary: axis.rotary,
+    });
+    Limits::new(axes).ok()
+}
+
 /// `None` if a limit is out of its range, or the greatest position is less than the least.
 pub fn travel(axes: [splineway_travel; SPLINEWAY_AXES]) -> Option<Travel<SPLINEWAY_AXES>> {
     let mut travel = [AxisTravel::default(); SPLINEWAY_AXES];
@@ -57,13 +69,18 @@ pub fn travel(axes: [splineway_travel; SPLINEWAY_AXES]) -> Option<Travel<SPLINEW
 }
 
 pub fn config(c: &splineway_config) -> Result<Config<f32, SPLINEWAY_AXES>, splineway_result> {
-    let axes = c.axes.map(|axis| AxisLimits {
-        velocity: axis.velocity,
-        acceleration: axis.acceleration,
-        jerk: axis.jerk,
-        rotary: axis.rotary,
-    });
-    let mut config = Config::new(Limits::new(axes).map_err(|_| splineway_result::CONFIG)?);
+    let usual = limits(c.axes).ok_or(splineway_result::CONFIG)?;
+    let mut config = Config::new(usual);
+    let mut stop = c.axes;
+    for (axis, stop) in stop.iter_mut().zip(c.stop) {
+        // No number is refused with the rest.
+        let more = |usual: f32, stop: f32| if stop <= usual { usual } else { stop };
+        axis.acceleration = more(axis.acceleration, stop.acceleration);
+        axis.jerk = more(axis.jerk, stop.jerk);
+    }
+    if c.stop.iter().any(|stop| stop.acceleration != 0.0 || stop.jerk != 0.0) {
+        config.stop_limits = Some(limits(stop).ok_or(splineway_result::CONFIG)?);
+    }
     config.travel = travel(c.travel).ok_or(splineway_result::CONFIG)?;
     config.cycle = c.cycle;
     config.tolerance = c.tolerance;
@@ -87,6 +104,18 @@ pub fn refusal(error: &PushError) -> splineway_result {
         BlockError::ArcRadius { .. } | BlockError::ArcUnreachable { .. } => splineway_result::ARC,
         BlockError::TooLong { .. } => splineway_result::TOO_LONG,
         BlockError::Travel { .. } => splineway_result::TRAVEL,
+    }
+}
+
+pub fn probe_refusal(error: &ProbeError) -> splineway_result {
+    match error {
+        ProbeError::Running => splineway_result::RUNNING,
+        ProbeError::Held => splineway_result::HELD,
+        ProbeError::Aborted => splineway_result::ABORTED,
+        ProbeError::Input => splineway_result::INPUT,
+        ProbeError::OutOfRange { .. } => splineway_result::OUT_OF_RANGE,
+        ProbeError::Coordinate { .. } => splineway_result::COORDINATE,
+        ProbeError::Travel { .. } => splineway_result::TRAVEL,
     }
 }
 

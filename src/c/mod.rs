@@ -2,7 +2,8 @@
 //!
 //! `cargo rustc --release --lib --features c-lib --crate-type staticlib` makes the library. It is built
 //! for one machine: the environment variables `SPLINEWAY_AXES`, `SPLINEWAY_BLOCKS` and `SPLINEWAY_NODES` set
-//! its size (3, 16 and 64 if they are not set), and C code that includes the header defines the same.
+//! its size (3, 16 and 64 if they are not set), and C code that includes the header defines the same. With the feature `outputs`
+//! it has outputs in time with the path too, and C code defines `SPLINEWAY_OUTPUTS` as 1.
 //! The library knows what it was built for and refuses anything else before it touches it: the header passes
 //! its sizes and its version.
 //!
@@ -14,10 +15,16 @@
 #![allow(clippy::missing_safety_doc, clippy::undocumented_unsafe_blocks)]
 
 mod convert;
+#[cfg(feature = "outputs")]
+mod outputs;
 #[cfg(all(feature = "c-lib", not(test)))]
 mod runtime;
+mod seeking;
 mod types;
 
+#[cfg(feature = "outputs")]
+pub use outputs::*;
+pub use seeking::*;
 pub use types::*;
 
 use crate::block::{Block, Motion, Turn};
@@ -25,8 +32,8 @@ use crate::jog::Jog;
 use crate::machine::defaults;
 use crate::number::Coord;
 use crate::planner::{Link, Planner};
-use crate::servo::{Controls, Interpolator};
-use convert::{config, coord, coords, feed, jog_refusal, refusal, tolerance, travel};
+use crate::servo::{Controls, Inputs, Interpolator};
+use convert::{config, coord, coords, feed, jog_refusal, limits, refusal, tolerance, travel};
 use core::mem::MaybeUninit;
 
 /// What stands in the storage.
@@ -40,6 +47,7 @@ struct Core {
     planner: MaybeUninit<CPlanner>,
     interpolator: MaybeUninit<Interpolator<'static, f32, SPLINEWAY_AXES>>,
     controls: MaybeUninit<Controls<'static>>,
+    inputs: MaybeUninit<Inputs<'static>>,
 }
 
 type CPlanner = Planner<'static, f32, SPLINEWAY_AXES, SPLINEWAY_BLOCKS, SPLINEWAY_NODES>;
@@ -72,6 +80,11 @@ fn controls(storage: *mut splineway_core) -> Option<Controls<'static>> {
     ready(storage).map(|core| unsafe { (&raw const (*core).controls).read().assume_init() })
 }
 
+fn inputs(storage: *mut splineway_core) -> Option<Inputs<'static>> {
+    // SAFETY: as the controls.
+    ready(storage).map(|core| unsafe { (&raw const (*core).inputs).read().assume_init() })
+}
+
 /// Fills in sensible settings: 1 ms servo cycle, 0.01 mm tolerance, and the same limits for every axis,
 /// mm/s, mm/s2 and mm/s3. To be called as `splineway_config_init(config, velocity, acceleration, jerk)`, which
 /// passes the header's size of a configuration, `bytes`, and its version, `interface`: if they are not the
@@ -101,6 +114,7 @@ pub unsafe extern "C" fn splineway_config_init_sized(
             size: size_of::<splineway_config>() as u32,
             axis_count: SPLINEWAY_AXES as u32,
             axes: [axis; SPLINEWAY_AXES],
+            stop: [splineway_stop_limits { acceleration: 0.0, jerk: 0.0 }; SPLINEWAY_AXES],
             travel: [splineway_travel { least: i64::MIN, greatest: i64::MAX }; SPLINEWAY_AXES],
             cycle: defaults::CYCLE as f32,
             tolerance: defaults::TOLERANCE as f32,
@@ -152,6 +166,7 @@ pub unsafe extern "C" fn splineway_init(
             return splineway_result::CONFIG;
         };
         (&raw mut (*core).controls).write(MaybeUninit::new(planner.controls()));
+        (&raw mut (*core).inputs).write(MaybeUninit::new(planner.inputs()));
         (&raw mut (*core).interpolator).write(MaybeUninit::new(interpolator));
         (&raw mut (*core).planner).write(MaybeUninit::new(planner));
         (&raw mut (*core).home).write(core);
@@ -176,6 +191,27 @@ pub unsafe extern "C" fn splineway_set_travel(
     let Some(travel) = travel(axes) else { return splineway_result::CONFIG };
     planner.set_travel(travel);
     splineway_result::OK
+}
+
+/// Changes the limits of the axes, one set per axis: they bound every block that is pushed from now on. What has been taken keeps
+/// those it was taken with. `FULL`, and nothing has changed: limits have changed four times between the motion and the last
+/// block, a curve is still being taken, or a jog is on; poll, and set them again. `CONFIG`: one is out of its range.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splineway_set_limits(
+    core: *mut splineway_core,
+    axes: *const splineway_axis,
+) -> splineway_result {
+    let Some(planner) = planner(core) else { return splineway_result::NOT_READY };
+    if axes.is_null() {
+        return splineway_result::NULL;
+    }
+    // SAFETY: the caller gives one set per axis to read.
+    let axes = core::array::from_fn(|axis| unsafe { axes.add(axis).read() });
+    let Some(limits) = limits(axes) else { return splineway_result::CONFIG };
+    match planner.set_limits(limits) {
+        Ok(()) => splineway_result::OK,
+        Err(error) => refusal(&error),
+    }
 }
 
 /// Adds a block; what its motion is comes from `motion`.
@@ -443,6 +479,12 @@ pub unsafe extern "C" fn splineway_hold(core: *mut splineway_core) -> splineway_
     command(core, Controls::hold)
 }
 
+/// The same by the limits for stops. If the motion brakes already, it goes on as it does.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splineway_quick_hold(core: *mut splineway_core) -> splineway_result {
+    command(core, Controls::quick_hold)
+}
+
 /// Ends a hold or a stop; in single block mode, runs the next block.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splineway_resume(core: *mut splineway_core) -> splineway_result {
@@ -459,6 +501,12 @@ pub unsafe extern "C" fn splineway_stop(core: *mut splineway_core) -> splineway_
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splineway_abort(core: *mut splineway_core) -> splineway_result {
     command(core, Controls::abort)
+}
+
+/// The same by the limits for stops.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splineway_quick_abort(core: *mut splineway_core) -> splineway_result {
+    command(core, Controls::quick_abort)
 }
 
 /// Feed override, 0 to 200 per cent.

@@ -20,6 +20,9 @@
 #ifndef SPLINEWAY_NODES
 #define SPLINEWAY_NODES 64
 #endif
+#ifndef SPLINEWAY_OUTPUTS
+#define SPLINEWAY_OUTPUTS 0
+#endif
 /* With this header's size and version, so that a library of another touches nothing. */
 #define splineway_config_init(config, velocity, acceleration, jerk) \
     splineway_config_init_sized((config), sizeof(splineway_config), SPLINEWAY_INTERFACE, (velocity), \
@@ -29,7 +32,7 @@
 /*
  Bytes that a core takes at most; the build fails if it were more.
  */
-#define SPLINEWAY_STORAGE_BYTES (((13200 + (4300 * SPLINEWAY_AXES)) + (SPLINEWAY_NODES * (200 + (80 * SPLINEWAY_AXES)))) + (SPLINEWAY_BLOCKS * (136 + (20 * SPLINEWAY_AXES))))
+#define SPLINEWAY_STORAGE_BYTES ((((13600 + (4900 * SPLINEWAY_AXES)) + (SPLINEWAY_NODES * (200 + (80 * SPLINEWAY_AXES)))) + (SPLINEWAY_BLOCKS * (136 + (20 * SPLINEWAY_AXES)))) + (SPLINEWAY_OUTPUTS * 13000))
 
 /*
  The same in words of 64 bits.
@@ -39,7 +42,7 @@
 /*
  Version of the interface, which header and library must agree on.
  */
-#define SPLINEWAY_INTERFACE 4
+#define SPLINEWAY_INTERFACE 5
 
 /*
  What came of a call.
@@ -114,6 +117,14 @@ typedef enum {
    A jog back, but no program is held.
    */
   SPLINEWAY_RESULT_NO_PROGRAM = 16,
+  /*
+   A probe or homing: a hold, a stop or an override of 0 is in force, or a pause waits for its resume.
+   */
+  SPLINEWAY_RESULT_HELD = 17,
+  /*
+   A probe: the input is already as it would be at the end, or there is no such input.
+   */
+  SPLINEWAY_RESULT_INPUT = 18,
 } splineway_result;
 
 /*
@@ -179,7 +190,77 @@ typedef enum {
    In a jog.
    */
   SPLINEWAY_ACTIVITY_JOGGING = 4,
+  /*
+   At rest, in other coordinates than before: what counts steps counts on from this position. For one servo cycle.
+   */
+  SPLINEWAY_ACTIVITY_SET = 5,
 } splineway_activity;
+
+/*
+ An output.
+ */
+typedef enum {
+  /*
+   On or off, number 0 to 7.
+   */
+  SPLINEWAY_OUTPUT_DIGITAL = 0,
+  /*
+   Any value, number 0 to 3.
+   */
+  SPLINEWAY_OUTPUT_ANALOGUE = 1,
+  /*
+   The power of a tool.
+   */
+  SPLINEWAY_OUTPUT_POWER = 2,
+} splineway_output;
+
+/*
+ How a probe ended.
+ */
+typedef enum {
+  /*
+   There is none, it is not over, or it has been said.
+   */
+  SPLINEWAY_PROBE_OUTCOME_NONE = 0,
+  /*
+   By its input.
+   */
+  SPLINEWAY_PROBE_OUTCOME_TRIPPED = 1,
+  /*
+   At its target, without it.
+   */
+  SPLINEWAY_PROBE_OUTCOME_MISSED = 2,
+  /*
+   By `splineway_jog_cancel` or an abort.
+   */
+  SPLINEWAY_PROBE_OUTCOME_CANCELLED = 3,
+} splineway_probe_outcome;
+
+/*
+ What came of homing.
+ */
+typedef enum {
+  /*
+   There is none, it is not over, or it has been said.
+   */
+  SPLINEWAY_HOMING_NONE = 0,
+  /*
+   All axes are homed, and the coordinates set.
+   */
+  SPLINEWAY_HOMING_DONE = 1,
+  /*
+   A switch has not closed within the way it was given.
+   */
+  SPLINEWAY_HOMING_MISSING = 2,
+  /*
+   A switch is still closed after the way back.
+   */
+  SPLINEWAY_HOMING_STUCK = 3,
+  /*
+   By `splineway_jog_cancel` or an abort.
+   */
+  SPLINEWAY_HOMING_CANCELLED = 4,
+} splineway_homing;
 
 /*
  Limits of an axis.
@@ -202,6 +283,20 @@ typedef struct {
    */
   bool rotary;
 } splineway_axis;
+
+/*
+ Limits of an axis for stops that must be short.
+ */
+typedef struct {
+  /*
+   mm/s2; less than that of the axis, as 0, says nothing.
+   */
+  float acceleration;
+  /*
+   mm/s3; the same.
+   */
+  float jerk;
+} splineway_stop_limits;
 
 /*
  How far an axis may go.
@@ -234,6 +329,10 @@ typedef struct {
    Limits of the axes.
    */
   splineway_axis axes[SPLINEWAY_AXES];
+  /*
+   Limits for `splineway_quick_hold` and `splineway_quick_abort`; none of their own unless they are set.
+   */
+  splineway_stop_limits stop[SPLINEWAY_AXES];
   /*
    Limits of travel; none unless they are set.
    */
@@ -390,6 +489,159 @@ typedef struct {
   uint32_t stuck;
 } splineway_report;
 
+/*
+ An output that takes a value at a place of the program.
+ */
+typedef struct {
+  /*
+   A digital or an analogue one: a number of `splineway_output`.
+   */
+  uint32_t output;
+  /*
+   Its number.
+   */
+  uint8_t number;
+  /*
+   What it is to be: 0 or 1 of a digital one.
+   */
+  float value;
+  /*
+   With what: a number of `splineway_trigger`.
+   */
+  uint32_t trigger;
+  /*
+   How far behind that, mm; negative: before.
+   */
+  float distance;
+  /*
+   Or how long behind that, s; negative: before. One of the two is 0.
+   */
+  float time;
+  /*
+   Tag of the event at `REST`.
+   */
+  uint32_t tag;
+} splineway_switch;
+
+/*
+ The power of a tool that works along the path.
+ */
+typedef struct {
+  /*
+   At the programmed feed.
+   */
+  float level;
+  /*
+   Whether it is in proportion to the speed along the path.
+   */
+  bool dynamic;
+  /*
+   The least of one in proportion to the speed, as long as the motion moves.
+   */
+  float least;
+  /*
+   The greatest.
+   */
+  float most;
+} splineway_power;
+
+/*
+ An output has switched.
+ */
+typedef struct {
+  /*
+   Which.
+   */
+  splineway_output output;
+  /*
+   Its number.
+   */
+  uint8_t number;
+  /*
+   To what.
+   */
+  float value;
+  /*
+   When in the servo cycle that ends with the setpoint: 0 at its beginning, 1 at its end.
+   */
+  float fraction;
+} splineway_switched;
+
+/*
+ What came of a probe.
+ */
+typedef struct {
+  /*
+   How it ended.
+   */
+  splineway_probe_outcome outcome;
+  /*
+   Where the axes were when the input changed, where they came to rest if it did not, nm.
+   */
+  int64_t position[SPLINEWAY_AXES];
+} splineway_probe_result;
+
+/*
+ How an axis is homed.
+ */
+typedef struct {
+  /*
+   Whether it is.
+   */
+  bool wanted;
+  /*
+   Axes of a lower number are homed before those of a higher one; those of the same at once.
+   */
+  uint8_t order;
+  /*
+   Speed of the first approach and of the ways back, mm/s; its sign says on which side the switch is.
+   */
+  float fast;
+  /*
+   Speed of the second approach, mm/s.
+   */
+  float slow;
+  /*
+   How far away the switch may be, nm: without an edge the axis ends there.
+   */
+  int64_t reach;
+  /*
+   How far it goes back from the switch, nm: more than the switch needs to open.
+   */
+  int64_t back;
+  /*
+   The coordinate of the edge, nm.
+   */
+  int64_t at;
+  /*
+   Whether the axis goes somewhere in the end.
+   */
+  bool parks;
+  /*
+   Where to, in the new coordinates, nm.
+   */
+  int64_t park;
+} splineway_axis_home;
+
+/*
+ What came of homing, and with which axis.
+ */
+typedef struct {
+  /*
+   What came of it.
+   */
+  splineway_homing homing;
+  /*
+   The axis with which something has gone wrong.
+   */
+  uint32_t axis;
+  /*
+   What it was doing: 0 done, 1 waiting for others, 2 leaving its switch, 3 seeking it, 4 backing off, 5 approaching it slowly,
+   6 on its way from it.
+   */
+  uint32_t phase;
+} splineway_home_result;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -422,6 +674,14 @@ splineway_result splineway_init(splineway_core *storage,
  */
 splineway_result splineway_set_travel(splineway_core *core,
                                       const splineway_travel *axes);
+
+/*
+ Changes the limits of the axes, one set per axis: they bound every block that is pushed from now on. What has been taken keeps
+ those it was taken with. `FULL`, and nothing has changed: limits have changed four times between the motion and the last
+ block, a curve is still being taken, or a jog is on; poll, and set them again. `CONFIG`: one is out of its range.
+ */
+splineway_result splineway_set_limits(splineway_core *core,
+                                      const splineway_axis *axes);
 
 /*
  Adds a straight line to `to` (nm).
@@ -532,6 +792,11 @@ splineway_result splineway_status(splineway_core *core, splineway_report *status
 splineway_result splineway_hold(splineway_core *core);
 
 /*
+ The same by the limits for stops. If the motion brakes already, it goes on as it does.
+ */
+splineway_result splineway_quick_hold(splineway_core *core);
+
+/*
  Ends a hold or a stop; in single block mode, runs the next block.
  */
 splineway_result splineway_resume(splineway_core *core);
@@ -545,6 +810,11 @@ splineway_result splineway_stop(splineway_core *core);
  Brake, and drop everything that has not been run. No block is taken until `splineway_acknowledge_abort`.
  */
 splineway_result splineway_abort(splineway_core *core);
+
+/*
+ The same by the limits for stops.
+ */
+splineway_result splineway_quick_abort(splineway_core *core);
 
 /*
  Feed override, 0 to 200 per cent.
@@ -567,10 +837,184 @@ splineway_result splineway_single_block(splineway_core *core, bool on);
 const char *splineway_result_text(int32_t result);
 
 /*
+ Has an output switch at or about the end of the block that was pushed last. `FULL`: poll, and push the same switch again.
+ */
+splineway_result splineway_push_switch(splineway_core *core,
+                                       const splineway_switch *switch_);
+
+/*
+ The power of the blocks that are pushed from now on.
+ */
+splineway_result splineway_set_power(splineway_core *core, const splineway_power *wanted);
+
+/*
+ The same, and at rest, behind all that was pushed, before all that will be: one that is the same at every speed is on in
+ the dwells that follow.
+ */
+splineway_result splineway_push_power(splineway_core *core,
+                                      const splineway_power *wanted,
+                                      uint32_t tag);
+
+/*
+ `splineway_tick`, and what has switched in that servo cycle, in `list`, which has room for `room`: 52 is enough for
+ all. `count` is how many there are, also beyond the room; `level` the power at the end of the cycle.
+ */
+splineway_result splineway_tick_outputs(splineway_core *core,
+                                        splineway_setpoint *setpoint,
+                                        splineway_switched *list,
+                                        uint32_t room,
+                                        uint32_t *count,
+                                        float *level);
+
+/*
  Hosts come with a compiler runtime that is built for unwinding and asks for this by name. Nothing
  unwinds here, so nothing calls it.
  */
 void rust_eh_personality(void);
+
+/*
+ Tells the level of an input, `fraction` of a servo cycle after the last `splineway_tick`: to be called from the interrupt of its
+ edges, from any context, and once at the start. `number` is the index of an axis for its home switch, -1 for the probe.
+ Where the fraction is read while a tick is due that has not come, it is one more; where one came after it was read, one less.
+ */
+splineway_result splineway_input(splineway_core *core,
+                                 int32_t number,
+                                 bool closed,
+                                 float fraction);
+
+/*
+ Probes: a straight move to `to` (nm) at a feed (mm/s) that ends early when an input closes, or opens. From rest with nothing to run;
+ `RUNNING`, `HELD` or `ABORTED` else, and `INPUT` if the input is as it would be at the end. `splineway_probed` says what came of it;
+ until then no block is taken.
+ */
+splineway_result splineway_probe(splineway_core *core,
+                                 const int64_t *to,
+                                 float feed,
+                                 int32_t number,
+                                 bool closes);
+
+/*
+ What came of the last probe, once: afterwards, and as long as it is not over, the outcome is `NONE`.
+ */
+splineway_result splineway_probed(splineway_core *core,
+                                  splineway_probe_result *result);
+
+/*
+ How far a probe in a direction (one number per axis, of any length) at a feed (mm/s) goes on after its edge at the worst, mm: where the
+ feed has been reached, and anywhere.
+ */
+splineway_result splineway_probe_overshoot(splineway_core *core,
+                                           float feed,
+                                           const float *direction,
+                                           float *at_feed,
+                                           float *most);
+
+/*
+ Homes axes, one `splineway_axis_home` per axis: each that has `wanted` goes to its switch, back, to it again slowly, and the
+ coordinate of its edge then is `at`. Refused as `splineway_probe` is. `splineway_homed` says what came of it.
+ */
+splineway_result splineway_home(splineway_core *core,
+                                const splineway_axis_home *axes);
+
+/*
+ What came of the last `splineway_home` or `splineway_set_position`, once: afterwards, and as long as it is not over, it is `NONE`.
+ */
+splineway_result splineway_homed(splineway_core *core,
+                                 splineway_home_result *result);
+
+/*
+ Sets the coordinates (nm) of where the machine stands, at rest with nothing to run. Setpoints are the new ones from the one with the
+ activity `SET` on, and `splineway_homed` says `DONE`.
+ */
+splineway_result splineway_set_position(splineway_core *core,
+                                        const int64_t *to);
+
+/*
+ Has an output switch at or about the end of the block that was pushed last. `FULL`: poll, and push the same switch again.
+ */
+splineway_result splineway_push_switch(splineway_core *core,
+                                       const splineway_switch *switch_);
+
+/*
+ The power of the blocks that are pushed from now on.
+ */
+splineway_result splineway_set_power(splineway_core *core, const splineway_power *wanted);
+
+/*
+ The same, and at rest, behind all that was pushed, before all that will be: one that is the same at every speed is on in
+ the dwells that follow.
+ */
+splineway_result splineway_push_power(splineway_core *core,
+                                      const splineway_power *wanted,
+                                      uint32_t tag);
+
+/*
+ `splineway_tick`, and what has switched in that servo cycle, in `list`, which has room for `room`: 52 is enough for
+ all. `count` is how many there are, also beyond the room; `level` the power at the end of the cycle.
+ */
+splineway_result splineway_tick_outputs(splineway_core *core,
+                                        splineway_setpoint *setpoint,
+                                        splineway_switched *list,
+                                        uint32_t room,
+                                        uint32_t *count,
+                                        float *level);
+
+/*
+ Tells the level of an input, `fraction` of a servo cycle after the last `splineway_tick`: to be called from the interrupt of its
+ edges, from any context, and once at the start. `number` is the index of an axis for its home switch, -1 for the probe.
+ Where the fraction is read while a tick is due that has not come, it is one more; where one came after it was read, one less.
+ */
+splineway_result splineway_input(splineway_core *core,
+                                 int32_t number,
+                                 bool closed,
+                                 float fraction);
+
+/*
+ Probes: a straight move to `to` (nm) at a feed (mm/s) that ends early when an input closes, or opens. From rest with nothing to run;
+ `RUNNING`, `HELD` or `ABORTED` else, and `INPUT` if the input is as it would be at the end. `splineway_probed` says what came of it;
+ until then no block is taken.
+ */
+splineway_result splineway_probe(splineway_core *core,
+                                 const int64_t *to,
+                                 float feed,
+                                 int32_t number,
+                                 bool closes);
+
+/*
+ What came of the last probe, once: afterwards, and as long as it is not over, the outcome is `NONE`.
+ */
+splineway_result splineway_probed(splineway_core *core,
+                                  splineway_probe_result *result);
+
+/*
+ How far a probe in a direction (one number per axis, of any length) at a feed (mm/s) goes on after its edge at the worst, mm: where the
+ feed has been reached, and anywhere.
+ */
+splineway_result splineway_probe_overshoot(splineway_core *core,
+                                           float feed,
+                                           const float *direction,
+                                           float *at_feed,
+                                           float *most);
+
+/*
+ Homes axes, one `splineway_axis_home` per axis: each that has `wanted` goes to its switch, back, to it again slowly, and the
+ coordinate of its edge then is `at`. Refused as `splineway_probe` is. `splineway_homed` says what came of it.
+ */
+splineway_result splineway_home(splineway_core *core,
+                                const splineway_axis_home *axes);
+
+/*
+ What came of the last `splineway_home` or `splineway_set_position`, once: afterwards, and as long as it is not over, it is `NONE`.
+ */
+splineway_result splineway_homed(splineway_core *core,
+                                 splineway_home_result *result);
+
+/*
+ Sets the coordinates (nm) of where the machine stands, at rest with nothing to run. Setpoints are the new ones from the one with the
+ activity `SET` on, and `splineway_homed` says `DONE`.
+ */
+splineway_result splineway_set_position(splineway_core *core,
+                                        const int64_t *to);
 
 #ifdef __cplusplus
 }  // extern "C"

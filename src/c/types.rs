@@ -24,17 +24,20 @@ pub const SPLINEWAY_AXES: usize = setting(option_env!("SPLINEWAY_AXES"), 3);
 pub const SPLINEWAY_BLOCKS: usize = setting(option_env!("SPLINEWAY_BLOCKS"), crate::BLOCKS);
 /// Nodes of the planning window.
 pub const SPLINEWAY_NODES: usize = setting(option_env!("SPLINEWAY_NODES"), crate::NODES);
+/// 1 of a library with outputs (feature `outputs`), else 0.
+pub const SPLINEWAY_OUTPUTS: usize = cfg!(feature = "outputs") as usize;
 /// Bytes that a core takes at most; the build fails if it were more.
-pub const SPLINEWAY_STORAGE_BYTES: usize = 13_200
-    + 4_300 * SPLINEWAY_AXES
+pub const SPLINEWAY_STORAGE_BYTES: usize = 13_600
+    + 4_900 * SPLINEWAY_AXES
     + SPLINEWAY_NODES * (200 + 80 * SPLINEWAY_AXES)
-    + SPLINEWAY_BLOCKS * (136 + 20 * SPLINEWAY_AXES);
+    + SPLINEWAY_BLOCKS * (136 + 20 * SPLINEWAY_AXES)
+    + SPLINEWAY_OUTPUTS * 13_000;
 
 /// The same in words of 64 bits.
 pub const SPLINEWAY_STORAGE_WORDS: usize = SPLINEWAY_STORAGE_BYTES / 8 + 1;
 
 /// Version of the interface, which header and library must agree on.
-pub const SPLINEWAY_INTERFACE: u32 = 4;
+pub const SPLINEWAY_INTERFACE: u32 = 5;
 
 /// Storage of a core: opaque, and not to be moved once it is set up (it would no longer be ready).
 #[repr(C)]
@@ -82,6 +85,10 @@ pub enum splineway_result {
     RUNNING = 15,
     /// A jog back, but no program is held.
     NO_PROGRAM = 16,
+    /// A probe or homing: a hold, a stop or an override of 0 is in force, or a pause waits for its resume.
+    HELD = 17,
+    /// A probe: the input is already as it would be at the end, or there is no such input.
+    INPUT = 18,
 }
 
 impl splineway_result {
@@ -104,6 +111,8 @@ impl splineway_result {
             (Self::TRAVEL, c"the block or the jog leads out of the limits of travel"),
             (Self::RUNNING, c"a program runs: hold it before jogging"),
             (Self::NO_PROGRAM, c"no program is held that could be gone back to"),
+            (Self::HELD, c"the machine is held: resume it first"),
+            (Self::INPUT, c"the input is already as it would be at the end"),
             (Self::HEADER, c"header and library differ, or the configuration is not from splineway_config_init"),
         ];
         let known = all.into_iter().find(|(result, _)| *result as i32 == number);
@@ -123,6 +132,16 @@ pub struct splineway_axis {
     pub jerk: f32,
     /// Whether it turns: its feed does not count as way.
     pub rotary: bool,
+}
+
+/// Limits of an axis for stops that must be short.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct splineway_stop_limits {
+    /// mm/s2; less than that of the axis, as 0, says nothing.
+    pub acceleration: f32,
+    /// mm/s3; the same.
+    pub jerk: f32,
 }
 
 /// How far an axis may go.
@@ -146,6 +165,8 @@ pub struct splineway_config {
     pub axis_count: u32,
     /// Limits of the axes.
     pub axes: [splineway_axis; SPLINEWAY_AXES],
+    /// Limits for `splineway_quick_hold` and `splineway_quick_abort`; none of their own unless they are set.
+    pub stop: [splineway_stop_limits; SPLINEWAY_AXES],
     /// Limits of travel; none unless they are set.
     pub travel: [splineway_travel; SPLINEWAY_AXES],
     /// Servo cycle, s.
@@ -206,6 +227,85 @@ pub enum splineway_activity {
     EVENT = 3,
     /// In a jog.
     JOGGING = 4,
+    /// At rest, in other coordinates than before: what counts steps counts on from this position. For one servo cycle.
+    SET = 5,
+}
+
+/// How a probe ended.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum splineway_probe_outcome {
+    /// There is none, it is not over, or it has been said.
+    NONE = 0,
+    /// By its input.
+    TRIPPED = 1,
+    /// At its target, without it.
+    MISSED = 2,
+    /// By `splineway_jog_cancel` or an abort.
+    CANCELLED = 3,
+}
+
+/// What came of a probe.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct splineway_probe_result {
+    /// How it ended.
+    pub outcome: splineway_probe_outcome,
+    /// Where the axes were when the input changed, where they came to rest if it did not, nm.
+    pub position: [i64; SPLINEWAY_AXES],
+}
+
+/// How an axis is homed.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct splineway_axis_home {
+    /// Whether it is.
+    pub wanted: bool,
+    /// Axes of a lower number are homed before those of a higher one; those of the same at once.
+    pub order: u8,
+    /// Speed of the first approach and of the ways back, mm/s; its sign says on which side the switch is.
+    pub fast: f32,
+    /// Speed of the second approach, mm/s.
+    pub slow: f32,
+    /// How far away the switch may be, nm: without an edge the axis ends there.
+    pub reach: i64,
+    /// How far it goes back from the switch, nm: more than the switch needs to open.
+    pub back: i64,
+    /// The coordinate of the edge, nm.
+    pub at: i64,
+    /// Whether the axis goes somewhere in the end.
+    pub parks: bool,
+    /// Where to, in the new coordinates, nm.
+    pub park: i64,
+}
+
+/// What came of homing.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum splineway_homing {
+    /// There is none, it is not over, or it has been said.
+    NONE = 0,
+    /// All axes are homed, and the coordinates set.
+    DONE = 1,
+    /// A switch has not closed within the way it was given.
+    MISSING = 2,
+    /// A switch is still closed after the way back.
+    STUCK = 3,
+    /// By `splineway_jog_cancel` or an abort.
+    CANCELLED = 4,
+}
+
+/// What came of homing, and with which axis.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct splineway_home_result {
+    /// What came of it.
+    pub homing: splineway_homing,
+    /// The axis with which something has gone wrong.
+    pub axis: u32,
+    /// What it was doing: 0 done, 1 waiting for others, 2 leaving its switch, 3 seeking it, 4 backing off, 5 approaching it slowly,
+    /// 6 on its way from it.
+    pub phase: u32,
 }
 
 /// Where the axes should be at the end of a servo cycle.
@@ -240,6 +340,7 @@ impl From<Setpoint<f32, SPLINEWAY_AXES>> for splineway_setpoint {
                 Activity::Dwelling => splineway_activity::DWELLING,
                 Activity::Event => splineway_activity::EVENT,
                 Activity::Jogging => splineway_activity::JOGGING,
+                Activity::Set => splineway_activity::SET,
             },
         }
     }

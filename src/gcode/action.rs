@@ -1,7 +1,9 @@
 //! What comes out of a line.
 
-use super::{AXES, Event};
+use super::{AXES, Event, ProbeMove};
 use crate::block::Block;
+#[cfg(feature = "outputs")]
+use crate::block::{Power, Switch};
 use crate::number::Scalar;
 
 /// One thing to do.
@@ -14,6 +16,20 @@ pub enum Action {
     Move(Block<f64, AXES>),
     /// Something the machine does at rest, in order with the motion.
     Event(Event),
+    /// An output that switches in time with the path, for `Planner::push_switch` (feature `outputs`).
+    #[cfg(feature = "outputs")]
+    Switch(Switch<f64>),
+    /// The power of the moves to come, for `Planner::set_power`; `rest`: and of the dwell that follows, for
+    /// `Planner::push_power` (feature `outputs`).
+    #[cfg(feature = "outputs")]
+    Power {
+        /// Which.
+        power: Power<f64>,
+        /// Whether it is on at rest, too.
+        rest: bool,
+    },
+    /// A probe, when everything before it is done: see [`ProbeMove`].
+    Probe(ProbeMove),
     /// `O` and a number: here begins a program.
     Label(u32),
     /// M98: the program of this number is to be read so many times, then the line after this one.

@@ -90,6 +90,7 @@ impl Dialect {
             9 => Use::CoolantOff,
             48..=53 => Use::Override,
             62..=65 => Use::Output,
+            67 | 68 if cfg!(feature = "outputs") => Use::Output,
             98 => Use::Call,
             99 => Use::Return,
             66 => return Some(Err(no("waiting for an input"))),

@@ -10,7 +10,7 @@ use super::words::Words;
 pub enum Group {
     /// G4, G10, G28, G30, G52, G92 and theirs.
     Once,
-    /// G0 to G5.3, G73, G81 to G83.
+    /// G0 to G5.3, G31, G38.2 to G38.5, G73, G81 to G83.
     Motion,
     /// G80. (In LinuxCNC of the group above; in most others it may stand beside G0 to G3.)
     CycleEnd,
@@ -95,7 +95,7 @@ const fn mill(tenths: u16) -> Option<Result<Group, Refused>> {
         52 | 53 if !cfg!(feature = "nurbs") => {
             return Some(no("a NURBS block, for which the feature `nurbs` is needed"));
         }
-        0 | 10 | 20 | 30 | 50..=53 | 730 | 810 | 820 | 830 => Group::Motion,
+        0 | 10 | 20 | 30 | 50..=53 | 310 | 382..=385 | 730 | 810 | 820 | 830 => Group::Motion,
         800 => Group::CycleEnd,
         90 => Group::Stop,
         170 | 180 | 190 => Group::Plane,
@@ -118,7 +118,7 @@ const fn mill(tenths: u16) -> Option<Result<Group, Refused>> {
         110 | 120 | 130 | 150..=169 => return Some(no("polar coordinates or pockets")),
         171 | 181 | 191 => return Some(no("a plane of U, V and W")),
         220 | 230 | 260 | 270 | 290 => return Some(no("a procedure of the machine's own")),
-        310 | 380..=389 => return Some(no("probing")),
+        380..=389 => return Some(no("another kind of probing")),
         320..=339 => return Some(no("thread cutting, which needs a spindle encoder")),
         410..=429 => return Some(no("tool radius compensation")),
         432 | 440 | 450..=489 => return Some(no("another tool offset")),
@@ -315,6 +315,14 @@ impl Codes {
     pub fn other_than(&self, these: [Code; 2]) -> Option<Found> {
         let all = self.g.iter().chain(&self.m).flatten().copied();
         all.chain(self.alone.map(|(found, _)| found)).find(|(code, _)| !these.contains(code))
+    }
+
+    /// The first code of another group than these.
+    pub fn beside(&self, these: &[Group]) -> Option<Found> {
+        let own = |index: usize| these.iter().any(|group| group.index() == index);
+        let other = self.g.iter().enumerate().filter(|(index, _)| !own(*index));
+        let mut all = other.map(|(_, found)| found).chain(&self.m).flatten().copied();
+        all.next().or(self.alone.map(|(found, _)| found))
     }
 
     /// Whether there is an M code.

@@ -15,6 +15,8 @@ impl Reader {
         words: &mut Words,
     ) -> Result<(), Refusal> {
         let spindle = codes.m(Use::Spindle);
+        #[cfg(feature = "outputs")]
+        let spindle = if self.power(codes, words)? { None } else { spindle };
         if !(self.has_own_speed(codes, words) && spindle.is_none())
             && let Some(speed) = words.take_in('S', Code::SPEED, (0.0, 1.0e6), false)?
         {
@@ -52,6 +54,10 @@ impl Reader {
         }
         for what in [Use::Mist, Use::Flood, Use::CoolantOff] {
             if let Some((code, column)) = codes.m(what) {
+                #[cfg(feature = "outputs")]
+                if self.coolant((code, column))? {
+                    continue;
+                }
                 self.push_event(code, None, false, column)?;
             }
         }
@@ -61,6 +67,10 @@ impl Reader {
             self.push_event(code, value, false, column)?;
         }
         if let Some((code, column)) = codes.m(Use::Output) {
+            #[cfg(feature = "outputs")]
+            if self.switch((code, column), words)? {
+                return Ok(());
+            }
             let value = words.take_in('P', code, (0.0, 9999.0), true)?;
             let missing = Reason::Missing { code, what: "a P word, the number of the output" };
             let value = value.ok_or(Refusal::new(column, missing))?;

@@ -44,16 +44,19 @@
 //! | G43 G43.1 G49, G68 G69 | length of the tool along Z, rotation in the plane |
 //! | G28 G30, G28.1 G30.1 | reference points |
 //! | G73, G80-G83, G98 G99, L | drilling, with exact stops; a chip is broken by 0.254 mm, as in LinuxCNC |
+//! | G38.2-G38.5, G31 | probes, towards and away, with and without an error; the caller says where the machine then stands |
 //! | M98 P L, M99, O | subprograms; finding the line is up to the caller |
 //! | M0 M1 M60, M6 M61, M3-M5 M19, M7-M9, M48-M53, M62-M65, S, T | events, in order with the motion |
+//! | M62-M65 P, M67 M68 E Q | outputs in time with the path (feature `outputs`, [`Settings`] has them on): with the next motion, or at rest |
+//! | S, M3 M4 M5 | of a laser in [`Settings`], its power, without a stop |
 //! | M2, M30, % | the end |
 //! | G8 G15 G40 G50 G69 G97 | switch off what is not there |
 //!
-//! Everything else is refused by name: cutter compensation, scaling, polar coordinates, probing, threads, boring
+//! Everything else is refused by name: cutter compensation, scaling, polar coordinates, threads, boring
 //! cycles, parameters, expressions. What printers have besides is in [`Dialect::Marlin`].
 //!
 //! Cost: a pass over the bytes, some 30 multiplications in `f64` per line, a few hundred per block of a NURBS of order 3; a [`Reader`] has
-//! 6.9 kB, with NURBS 8.5. Positions are [`Coord`](crate::Coord)s,
+//! 7.1 kB, with NURBS 8.7. Positions are [`Coord`](crate::Coord)s,
 //! so relative programs do not drift.
 
 mod action;
@@ -68,11 +71,15 @@ mod lexer;
 mod machine;
 mod modal;
 mod motion;
-mod number;
+pub(crate) mod number;
 mod nurbs;
 mod offsets;
+mod probing;
 mod reader;
 mod shifts;
+mod state;
+#[cfg(feature = "outputs")]
+mod switches;
 #[cfg(test)]
 mod tests;
 mod words;
@@ -83,12 +90,18 @@ pub use error::{Note, Reason, Refusal};
 pub use event::{Code, Event};
 pub use nurbs::POINTS;
 pub use offsets::{OFFSETS, Place, Setup, TOOLS};
+pub use probing::ProbeMove;
 pub use reader::{Reader, Settings};
+pub use state::{JogLine, Modes, State};
+#[cfg(feature = "outputs")]
+pub use switches::{Coolant, Laser};
 
 /// Letters of the axes in the order of their indices.
 pub const LETTERS: [char; AXES] = ['X', 'Y', 'Z', 'A', 'B', 'C', 'U', 'V', 'W'];
 /// Most axes.
 pub const AXES: usize = 9;
+/// What a code misses that has none.
+pub(crate) const AXIS_WORDS: &str = "axis words";
 /// Most words of a line.
 const WORDS: usize = 48;
 

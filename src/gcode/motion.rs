@@ -5,9 +5,10 @@ use super::error::{Note, Reason, Refusal};
 use super::groups::{Codes, Found, Group};
 use super::modal::Mode;
 use super::offsets::{Place, Z, sum};
+use super::probing::is_probe;
 use super::reader::Reader;
 use super::words::{LONGEST_DWELL, Words};
-use super::{AXES, Code, LETTERS, is_rotary};
+use super::{AXES, AXIS_WORDS, Code, LETTERS, is_rotary};
 use crate::block::{Feed, Motion};
 use crate::number::Coord;
 
@@ -59,6 +60,8 @@ impl Reader {
         if seconds >= LONG_DWELL && !is_marlin {
             self.note(Note::LongDwell(seconds));
         }
+        #[cfg(feature = "outputs")]
+        self.pierce(column)?;
         self.push_move(Motion::Dwell { seconds }, Feed::Rapid, true, column)
     }
 
@@ -213,6 +216,11 @@ impl Reader {
     /// The motion of a line, if it asks for any.
     pub(super) fn motion(&mut self, codes: &Codes, words: &mut Words) -> Result<(), Refusal> {
         self.motion_modes(codes, words);
+        if let Some(found) = codes.g(Group::Motion)
+            && is_probe(found.0.tenths)
+        {
+            return self.probe(found, codes, words);
+        }
         if cfg!(feature = "nurbs")
             && let Some(found @ (Code { tenths: 52 | 53, .. }, _)) = codes.g(Group::Motion)
         {
@@ -226,7 +234,7 @@ impl Reader {
         let asks = words.has_axes() || mode.is_arc() && centre;
         if self.leaves_axes(codes, explicit, words) || !asks {
             if let (Some((code, column)), true) = (machine, !asks) {
-                return Err(Refusal::new(column, Reason::Missing { code, what: "axis words" }));
+                return Err(Refusal::new(column, Reason::Missing { code, what: AXIS_WORDS }));
             }
             return self.no_motion(codes, words);
         }
@@ -273,7 +281,7 @@ impl Reader {
         self.extruder(code, words);
         match self.modal.mode {
             Mode::None | Mode::Rapid | Mode::Feed => Ok(()),
-            _ => Err(Refusal::new(column, Reason::Missing { code, what: "axis words" })),
+            _ => Err(Refusal::new(column, Reason::Missing { code, what: AXIS_WORDS })),
         }
     }
 

@@ -58,6 +58,25 @@ impl Decimal {
     }
 }
 
+/// The number that a text begins with, without an exponent, and what is behind it.
+#[cfg(feature = "grbl")]
+pub fn parse(text: &[u8]) -> Option<(f64, &[u8])> {
+    let mut number = Decimal::default();
+    let mut rest = text;
+    if let [sign @ (b'+' | b'-'), behind @ ..] = text {
+        (number.negative, rest) = (*sign == b'-', behind);
+    }
+    while let [byte, behind @ ..] = rest {
+        match byte {
+            b'0'..=b'9' => number.digit(byte - b'0'),
+            b'.' if !number.point => number.point = true,
+            _ => break,
+        }
+        rest = behind;
+    }
+    number.digits.then(|| (number.value(), rest))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

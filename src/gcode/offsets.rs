@@ -157,6 +157,21 @@ impl Frame {
         known
     }
 
+    /// A work offset, if somebody has set it.
+    pub fn work_of(&self, number: usize) -> Option<Place> {
+        self.work.get(number).copied().flatten()
+    }
+
+    /// The shift in force.
+    pub const fn shift_in_force(&self) -> Place {
+        self.shift
+    }
+
+    /// Length of the tool in force.
+    pub const fn tool_length(&self) -> Coord {
+        self.tool
+    }
+
     fn work(&self, number: usize, axis: usize) -> Coord {
         let place = self.work.get(number).copied().flatten().unwrap_or_default();
         place.get(axis).copied().unwrap_or_default()

@@ -163,3 +163,145 @@ fn whatever_comes_is_read_or_refused() {
     }
     assert!(read > 1000, "{read}");
 }
+
+/// Outputs of M62 to M68, a laser's power, coolant with a lead.
+#[cfg(feature = "outputs")]
+mod outputs {
+    use super::super::{Action, Coolant, Laser, Reader, Reason, Settings};
+    use crate::block::{Offset, Output, Power, Switch, Trigger};
+    use std::vec::Vec;
+
+    fn read(settings: &Settings, lines: &[&str]) -> Vec<Action> {
+        let mut reader = Reader::new(settings);
+        let mut actions = Vec::new();
+        for (number, line) in lines.iter().enumerate() {
+            reader.line(number as u32, line.as_bytes()).unwrap();
+            while let Some(action) = reader.action() {
+                actions.push(action);
+            }
+        }
+        actions
+    }
+
+    #[test]
+    fn outputs_switch_with_the_next_motion_or_at_rest() {
+        let settings = Settings { switches: true, ..Settings::default() };
+        let actions = read(&settings, &["M62 P3 G1 X1 F60", "M65 P3", "M67 E2 Q-1.5", "M68 E0 Q3"]);
+        let switches: Vec<_> = actions
+            .iter()
+            .filter_map(
+                |action| if let Action::Switch(switch) = action { Some(*switch) } else { None },
+            )
+            .collect();
+        assert!(matches!(actions[1], Action::Move(_)), "the move comes behind its switch");
+        let wanted = [
+            Switch::digital(3, true), // in line 0
+            Switch { tag: 1, ..Switch::digital(3, false).at(Trigger::Rest) },
+            Switch { tag: 2, ..Switch::analogue(2, -1.5) },
+            Switch { tag: 3, ..Switch::analogue(0, 3.0).at(Trigger::Rest) },
+        ];
+        assert_eq!(switches, wanted);
+        for line in ["M62 P8", "M67 E0", "M67 Q1", "M62 P0.5"] {
+            assert!(Reader::new(&settings).line(1, line.as_bytes()).is_err(), "{line}");
+        }
+        let refusal = Reader::new(&Settings::default()).line(1, b"M67 E0 Q1").unwrap_err();
+        assert!(matches!(refusal.reason, Reason::Unsupported { .. }));
+    }
+
+    #[test]
+    fn a_laser_has_a_power_and_no_events() {
+        let laser = Some(Laser { least: 10.0, most: 1000.0 });
+        let settings = Settings { laser, ..Settings::default() };
+        let actions = read(
+            &settings,
+            &[
+                "M3 S500",
+                "G1 X1 F60",
+                "X2 S600",
+                "X3 S600",
+                "M4",
+                "G0 X0",
+                "M3",
+                "G1",
+                "G4 P0.1",
+                "M5 S2000",
+            ],
+        );
+        let powers: Vec<_> = actions
+            .iter()
+            .filter_map(|action| match action {
+                Action::Power { power, rest } => Some((*power, *rest)),
+                _ => None,
+            })
+            .collect();
+        let wanted = [
+            (Power::constant(500.0), false),
+            (Power::constant(600.0), false),
+            (Power::in_proportion(600.0, 10.0, 1000.0), false),
+            (Power::constant(600.0), false),
+            (Power::constant(600.0), true),
+            (Power::OFF, false),
+        ];
+        assert_eq!(powers, wanted);
+        assert!(!actions.iter().any(|action| matches!(action, Action::Event(_))));
+    }
+
+    #[test]
+    fn coolant_comes_before_the_motion() {
+        let coolant = Some(Coolant { mist: 1, flood: 2, lead: Offset::Time(-0.2) });
+        let settings = Settings { coolant, ..Settings::default() };
+        let actions = read(&settings, &["M8", "G1 X1 F60", "M9"]);
+        let on = Switch::digital(2, true).behind_s(-0.2);
+        assert_eq!(actions[0], Action::Switch(on));
+        let off = |output| Action::Switch(Switch::digital(output, false).at(Trigger::End));
+        assert_eq!(actions[2..], [off(1), off(2)]);
+        assert_eq!(on.output, Output::Digital(2));
+    }
+}
+
+/// A probe is given out by itself, and the line behind it begins where the machine is said to stand.
+#[test]
+fn a_probe_ends_where_the_caller_says() {
+    let z = |mm: f64| Coord::from_mm(mm).unwrap();
+    for (code, closes, required) in [
+        ("G38.2", true, true),
+        ("G38.3", true, false),
+        ("G38.4", false, true),
+        ("G38.5", false, false),
+        ("G31", true, false),
+    ] {
+        let mut reader = Reader::new(&Settings::default());
+        reader.line(1, b"G0 X3 Z5 G54").unwrap();
+        assert_eq!(actions(&mut reader).len(), 1);
+        let line = std::format!("{code} Z-10 F120");
+        reader.line(2, line.as_bytes()).unwrap();
+        let Some(Action::Probe(probe)) = reader.action() else { panic!("{code}") };
+        assert_eq!((probe.closes, probe.required, probe.tag), (closes, required, 2));
+        assert_eq!((probe.to[0], probe.to[2]), (z(3.0), z(-10.0)));
+        assert!((probe.feed - 2.0).abs() < 1.0e-12 && reader.action().is_none());
+        // Nobody knows where it ends but the machine.
+        assert_eq!(reader.line(3, b"G91 G1 X1").unwrap_err().reason, Reason::Busy);
+        let mut place = *reader.position();
+        place[2] = z(-2.5);
+        reader.set_position(&place);
+        reader.line(3, b"G91 G1 X1").unwrap();
+        let Some(Action::Move(Block { motion: Motion::Line { to }, .. })) = reader.action() else {
+            panic!("{code}")
+        };
+        assert_eq!((to[0], to[2]), (z(4.0), z(-2.5)));
+        // Axis words alone are no probe again.
+        reader.line(4, line.as_bytes()).unwrap();
+        assert!(matches!(reader.action(), Some(Action::Probe(_))));
+        reader.set_position(&place);
+        assert_eq!(reader.line(5, b"Z1").unwrap_err().reason, Reason::NoMotion);
+        for line in ["", "F-1 Z9", "G93 F1 Z9", "I1 Z9", "R1 Z9", "G28 Z9"] {
+            let line = std::format!("{code} G90 {line}");
+            assert!(reader.line(6, line.as_bytes()).is_err(), "{line}");
+        }
+    }
+    // Where the machine stands there is nothing to probe.
+    let mut reader = Reader::new(&Settings::default());
+    let refused = reader.line(1, b"G38.2 Z0 F100").unwrap_err();
+    assert!(matches!(refused.reason, Reason::Context { .. }));
+    assert!(reader.line(1, b"G38.6 Z-1").is_err() && reader.line(1, b"G38 Z-1").is_err());
+}

@@ -1,5 +1,7 @@
 //! What one axis does from a servo cycle on until it rests.
 
+#[cfg(feature = "probe")]
+use super::brake::Brake;
 use super::ramp::{Caps, Motion, Steps};
 use super::reach::{Reach, Times};
 use crate::number::{Coord, Scalar};
@@ -62,6 +64,13 @@ fn after(motion: &Motion<f64>, cycles: u32, until: f64) -> (f64, Motion<f64>) {
     let distance = (velocity + (acceleration + acceleration + until) * n / 6.0) * n;
     let velocity = velocity + (acceleration + until) * 0.5 * n;
     (distance, Motion { velocity, acceleration: until })
+}
+
+impl Room {
+    /// All coordinates.
+    #[cfg(feature = "home")]
+    pub const OPEN: Self =
+        Self { least: Coord::from_raw(i64::MIN), greatest: Coord::from_raw(i64::MAX) };
 }
 
 impl AxisMotion {
@@ -258,6 +267,23 @@ impl AxisMotion {
     pub fn to_rest_in_step(from: State, cycles: [u32; 3]) -> Self {
         let mut motion = Self::from(from);
         motion.push_steps(&Steps::between(&from.motion, 0.0, cycles));
+        motion.closed()
+    }
+
+    /// The shortest stop by itself; `None` if it would have to go back first.
+    #[cfg(feature = "home")]
+    pub fn halted(&self, caps: &Caps<f64>) -> Option<Self> {
+        let from = self.start;
+        Brake::new(&from.motion, caps).map(|brake| Self::braked(from, &brake, 1.0))
+    }
+
+    /// To rest in the phases of a stop, of which it has a share.
+    #[cfg(feature = "probe")]
+    pub fn braked(from: State, brake: &Brake, share: f64) -> Self {
+        let mut motion = Self::from(from);
+        for (cycles, until) in brake.phases() {
+            motion.push(*cycles, until * share);
+        }
         motion.closed()
     }
 

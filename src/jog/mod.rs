@@ -6,6 +6,8 @@
 //! - `reach`: the same to a place, at rest.
 //! - `axis`: what one axis does from a servo cycle on until it rests: phases of constant jerk.
 //! - `plan`: what all axes do, and the pieces that the interrupt runs.
+//! - `brake`: the shortest stop along a line, and `probe`: moves that end so on an input (feature `probe`, `docs/probe.md`).
+//! - `homing`: how an axis finds its switch (feature `home`, `docs/home.md`).
 //!
 //! Every phase lasts a whole number of servo cycles, so those of different axes never begin within a cycle at different times,
 //! and a motion can be left for another at any cycle with its exact state. Durations are found as real numbers and rounded up;
@@ -13,9 +15,19 @@
 //! public are mm and servo cycles.
 
 pub(crate) mod axis;
+#[cfg(feature = "probe")]
+mod brake;
 mod command;
+#[cfg(feature = "home")]
+pub(crate) mod homing;
 pub(crate) mod plan;
+#[cfg(feature = "probe")]
+pub(crate) mod probe;
 mod ramp;
 mod reach;
 
 pub use command::{Jog, JogError};
+#[cfg(feature = "home")]
+pub use homing::{AxisHome, HomeFailure, HomeFault, HomePhase};
+#[cfg(feature = "probe")]
+pub use probe::{Outcome, Overshoot, Probe, ProbeError, Probed};

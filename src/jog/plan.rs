@@ -1,11 +1,16 @@
 //! What all axes do, until they rest; and the pieces of it that the interrupt runs.
 
 use super::axis::{AxisMotion, Cursor, Goal, Room};
+#[cfg(feature = "home")]
+use super::homing::AxisAim;
 pub use super::ramp::MOST_CYCLES;
 use super::ramp::{Caps, Motion, Steps};
 use super::reach::Reach;
+#[cfg(feature = "probe")]
+use crate::machine::Limits;
 use crate::machine::{AxisLimits, Config};
 use crate::number::serial::NodeSerial;
+use crate::number::vector::norm;
 use crate::number::{ArcLength, Coord, Scalar};
 use crate::servo::piece::{Piece, Sequel};
 use core::array::from_fn;
@@ -22,14 +27,17 @@ pub enum Aim<const N: usize> {
     Place([Coord; N], f64),
     /// To rest.
     Stop,
+    /// Every axis by itself, wherever it may go.
+    #[cfg(feature = "home")]
+    Each([AxisAim; N]),
 }
 
 /// The motion of all axes.
 #[derive(Clone, Debug)]
 pub struct Plan<const N: usize> {
-    axes: [AxisMotion; N],
+    pub(super) axes: [AxisMotion; N],
     /// All axes move along one straight line, in the same phases.
-    straight: bool,
+    pub(super) straight: bool,
 }
 
 /// A plan, and whether it does what it was made for: if not, some axes go on as they did, until they can be asked again.
@@ -65,6 +73,12 @@ impl<const N: usize> Plan<N> {
     /// Servo cycles until all axes rest.
     pub fn total(&self) -> u32 {
         self.axes.iter().fold(0, |most, axis| most.max(axis.total()))
+    }
+
+    /// Whether an axis rests after so many servo cycles.
+    #[cfg(feature = "home")]
+    pub fn rests(&self, axis: usize, cycles: u32) -> bool {
+        self.axes.get(axis).is_none_or(|axis| axis.total() <= cycles)
     }
 
     /// What is left of it after so many servo cycles.
@@ -103,6 +117,17 @@ impl<const N: usize> Plan<N> {
                     AxisMotion::to_place::<S>(from, goal, &caps, room)
                 }
                 Aim::Stop => at_velocity::<S>(axis, 0.0, 0, &caps, room),
+                #[cfg(feature = "home")]
+                Aim::Each(aims) => match aims.get(i) {
+                    Some(AxisAim::Place(at, speed)) => {
+                        let goal = Goal { at: *at, speed: speed.min(caps.velocity) };
+                        AxisMotion::to_place::<S>(from, goal, &caps, Room::OPEN)
+                    }
+                    Some(AxisAim::Halt) => {
+                        stop_caps(config).get(i).and_then(|stop| axis.halted(stop))
+                    }
+                    _ => Some(*axis),
+                },
             };
             match turned {
                 Some(turned) => *axis = turned,
@@ -121,15 +146,12 @@ impl<const N: usize> Plan<N> {
     ) -> Planned<N> {
         let from = self.axes.each_ref().map(|axis| axis.start().at);
         let by: [f64; N] = from_fn(|i| to[i].minus(from[i]));
-        let length = norm(by.iter());
+        let length = norm(&by);
         if !(length > 0.0) {
             return Planned { plan: Self::rest(&from), whole: true };
         }
-        let caps = caps_along(&by.map(|by| by / length), config);
-        // As of a block: over the linear axes, if any of them moves.
-        let axes = config.limits.axes().iter().zip(&by);
-        let linear = norm(axes.filter(|(axis, _)| !axis.rotary).map(|(_, by)| by));
-        let feed = if linear > 0.0 { feed * length / linear } else { feed };
+        let caps = caps_along(&by.map(|by| by / length), &axis_caps(config));
+        let feed = feed_along(&by, feed, config);
         let Some(reach) = Reach::new::<S>(&Motion::REST, length, feed.min(caps.velocity), &caps)
         else {
             return Planned { plan: self.clone(), whole: false };
@@ -142,13 +164,13 @@ impl<const N: usize> Plan<N> {
     fn stopped_on_line<S: Scalar>(&self, config: &Config<S, N>) -> Planned<N> {
         let states = self.axes.each_ref().map(AxisMotion::start);
         let by: [f64; N] = from_fn(|i| self.axes[i].end().minus(states[i].at));
-        let length = norm(by.iter());
+        let length = norm(&by);
         let failed = || Planned { plan: self.clone(), whole: false };
         if !(length > 0.0) {
             return failed();
         }
         let unit = by.map(|by| by / length);
-        let caps = caps_along(&unit, config);
+        let caps = caps_along(&unit, &axis_caps(config));
         let over = |of: fn(&Motion<f64>) -> f64| -> f64 {
             states.iter().zip(&unit).map(|(state, unit)| of(&state.motion) * unit).sum()
         };
@@ -229,7 +251,8 @@ impl<const N: usize> Plan<N> {
 }
 
 impl<S: Scalar> Frame<S> {
-    fn piece<const N: usize>(&self, cycles: u32) -> Piece<S, N> {
+    /// A standstill in zero for so many servo cycles.
+    pub fn piece<const N: usize>(&self, cycles: u32) -> Piece<S, N> {
         Piece {
             serial: self.serial,
             tag: self.tag,
@@ -254,10 +277,6 @@ impl<S: Scalar> Frame<S> {
     }
 }
 
-fn norm<'a>(of: impl Iterator<Item = &'a f64>) -> f64 {
-    libm::sqrt(of.map(|x| x * x).sum())
-}
-
 /// Limits of an axis in servo cycles.
 fn caps<S: Scalar>(limits: &AxisLimits<S>, cycle: S) -> Caps<f64> {
     let cycle = cycle.to_f64();
@@ -268,12 +287,41 @@ fn caps<S: Scalar>(limits: &AxisLimits<S>, cycle: S) -> Caps<f64> {
     }
 }
 
+/// A feed as of a block, which counts over the linear axes if any of them moves, as a speed along the direction of `by`.
+pub(super) fn feed_along<S: Scalar, const N: usize>(
+    by: &[f64; N],
+    feed: f64,
+    config: &Config<S, N>,
+) -> f64 {
+    let axes = config.limits.axes();
+    let linear = norm::<f64, N>(&from_fn(|i| if axes[i].rotary { 0.0 } else { by[i] }));
+    if linear > 0.0 { feed * norm(by) / linear } else { feed }
+}
+
+/// Limits of the axes in servo cycles.
+pub(super) fn axis_caps<S: Scalar, const N: usize>(config: &Config<S, N>) -> [Caps<f64>; N] {
+    config.limits.axes().each_ref().map(|limits| caps(limits, config.cycle))
+}
+
+/// The same for stops that must be short.
+#[cfg(feature = "probe")]
+pub(super) fn stop_caps<S: Scalar, const N: usize>(config: &Config<S, N>) -> [Caps<f64>; N] {
+    let mut own = axis_caps(config);
+    let stop = config.stop_limits.as_ref().map(Limits::axes);
+    for (own, stop) in own.iter_mut().zip(stop.into_iter().flatten()) {
+        let stop = caps(stop, config.cycle);
+        own.acceleration = own.acceleration.max(stop.acceleration);
+        own.jerk = own.jerk.max(stop.jerk);
+    }
+    own
+}
+
 /// Limits along a unit direction.
-fn caps_along<S: Scalar, const N: usize>(unit: &[f64; N], config: &Config<S, N>) -> Caps<f64> {
+pub(super) fn caps_along<const N: usize>(unit: &[f64; N], axes: &[Caps<f64>; N]) -> Caps<f64> {
     let none = f64::MAX;
     let mut along = Caps { velocity: none, acceleration: none, jerk: none };
-    for (axis, share) in config.limits.axes().iter().zip(unit) {
-        let (caps, share) = (caps(axis, config.cycle), share.abs());
+    for (caps, share) in axes.iter().zip(unit) {
+        let share = share.abs();
         let least = |along: f64, cap: f64| if along * share > cap { cap / share } else { along };
         along = Caps {
             velocity: least(along.velocity, caps.velocity),

@@ -40,8 +40,11 @@ impl<S> CornerMode<S> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub struct Config<S, const N: usize> {
-    /// Limits of the axes.
+    /// Limits of the axes. [`Planner::set_limits`](crate::Planner::set_limits) changes them between blocks (feature `limits`).
     pub limits: Limits<S, N>,
+    /// Limits of acceleration and jerk for stops that must be short ([`Controls::quick_hold`](crate::Controls::quick_hold)):
+    /// of each, the greater of this and of what the block under way is run with. `None`: no more than that.
+    pub stop_limits: Option<Limits<S, N>>,
     /// How far the axes may go (feature `travel`). [`Planner::set_travel`](crate::Planner::set_travel) changes it.
     #[cfg(feature = "travel")]
     pub travel: Travel<N>,
@@ -72,6 +75,8 @@ impl<S: Scalar, const N: usize> Config<S, N> {
     /// The memory of one: all zeros, which [`Config::check`] refuses.
     pub(crate) const UNSET: Self = Self {
         limits: Limits::UNSET,
+        // `None` is not zero, as the flag of an axis leaves room for it.
+        stop_limits: Some(Limits::UNSET),
         #[cfg(feature = "travel")]
         travel: Travel::UNSET,
         cycle: S::ZERO,
@@ -87,6 +92,7 @@ impl<S: Scalar, const N: usize> Config<S, N> {
     pub fn new(limits: Limits<S, N>) -> Self {
         Self {
             limits,
+            stop_limits: None,
             #[cfg(feature = "travel")]
             travel: Travel::OPEN,
             cycle: S::of(defaults::CYCLE),

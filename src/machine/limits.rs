@@ -69,6 +69,41 @@ impl<S: Scalar, const N: usize> Limits<S, N> {
         &self.axes
     }
 
+    /// The greater of two limits of acceleration and of jerk, axis by axis.
+    #[must_use]
+    pub(crate) fn with_more(mut self, other: &Self) -> Self {
+        for (axis, other) in self.axes.iter_mut().zip(&other.axes) {
+            axis.acceleration = axis.acceleration.greatest(other.acceleration);
+            axis.jerk = axis.jerk.greatest(other.jerk);
+        }
+        self
+    }
+
+    /// The lesser of them.
+    #[must_use]
+    pub(crate) fn with_less(mut self, other: &Self) -> Self {
+        for (axis, other) in self.axes.iter_mut().zip(&other.axes) {
+            axis.acceleration = axis.acceleration.least(other.acceleration);
+            axis.jerk = axis.jerk.least(other.jerk);
+        }
+        self
+    }
+
+    /// Greatest acceleration and jerk along a direction, mm/s2 and mm/s3.
+    pub(crate) fn along(&self, direction: &[S; N]) -> [S; 2] {
+        let [mut acceleration, mut jerk] = [S::of(UNLIMITED); 2];
+        for (axis, share) in self.axes.iter().zip(direction) {
+            let share = share.abs();
+            if share * acceleration > axis.acceleration {
+                acceleration = axis.acceleration / share;
+            }
+            if share * jerk > axis.jerk {
+                jerk = axis.jerk / share;
+            }
+        }
+        [acceleration, jerk]
+    }
+
     /// Longest time any axis needs to build up its full acceleration, s: the time scale on which
     /// the machine's motion changes.
     pub(crate) fn time_scale(&self) -> S {

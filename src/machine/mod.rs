@@ -6,6 +6,7 @@ mod error;
 mod limits;
 mod quantity;
 mod ramp;
+mod sets;
 mod size;
 #[cfg(feature = "travel")]
 mod travel;
@@ -16,6 +17,9 @@ pub(crate) use limits::UNLIMITED;
 pub use limits::{AxisLimits, Limits};
 pub use quantity::Quantity;
 pub(crate) use ramp::Ramp;
+pub(crate) use sets::{LimitSets, OlderLimits, SetNumber};
+#[cfg(feature = "outputs")]
+pub use size::{ANALOGUE, DIGITAL, POWERS, SWITCHES};
 pub use size::{BLOCKS, NODES};
 #[cfg(feature = "travel")]
 pub use travel::{AxisTravel, Travel};

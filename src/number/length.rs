@@ -34,6 +34,12 @@ impl Length {
         Self(libm::round(mm * 1.0e12) as i64)
     }
 
+    /// In units of 1e-12 mm.
+    #[cfg(feature = "outputs")]
+    pub const fn raw(self) -> i64 {
+        self.0
+    }
+
     /// In mm.
     #[inline]
     pub fn to_mm<S: Scalar>(self) -> S {

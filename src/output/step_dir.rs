@@ -208,6 +208,14 @@ where
         left
     }
 
+    /// Takes other coordinates for the place of the last setpoint
+    /// ([`Activity::Set`](crate::Activity) of homing): no step is made for it, and none that is owed is lost.
+    pub fn rebase(&mut self, setpoint: Coord) {
+        let target = self.scale.steps(setpoint);
+        self.at = self.at.saturating_add(target.saturating_sub(self.target));
+        self.target = target;
+    }
+
     /// One tick of the step timer: at most one edge.
     ///
     /// Cost: some ten instructions without a step due, twice as many with.
@@ -366,5 +374,20 @@ mod tests {
         let timing = StepTiming::from_ns(100_000, 1000, drive);
         assert_eq!(timing, StepTiming { ticks: 100, pulse: 1, pause: 1, setup: 2, hold: 1 });
         assert_eq!(TIMING.most_steps(), 23);
+    }
+
+    #[test]
+    fn other_coordinates_are_no_steps() {
+        let mut axis = axis(20);
+        axis.begin(at(7));
+        assert_eq!(cycle(&mut axis).len(), 7);
+        axis.rebase(at(-500));
+        assert_eq!((axis.begin(at(-500)), cycle(&mut axis).len(), axis.at), (0, 0, -500));
+        axis.begin(at(-503));
+        assert_eq!((cycle(&mut axis).len(), axis.at), (3, -503));
+        // What is owed is made up for.
+        axis.begin(at(-500));
+        axis.rebase(at(100));
+        assert_eq!((axis.begin(at(100)), cycle(&mut axis).len(), axis.at), (3, 3, 100));
     }
 }

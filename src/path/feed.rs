@@ -54,9 +54,7 @@ pub fn path_speed<S: Scalar, const N: usize>(
     }
     let wanted = match feed {
         Feed::Rapid => return most,
-        Feed::Duration(seconds) => {
-            (whole.unwrap_or(segment.length) / seconds).greatest(S::of(LEAST_SPEED))
-        }
+        Feed::Duration(seconds) => by_duration(whole.unwrap_or(segment.length), seconds),
         Feed::PerSecond(feed) => {
             // G94: the feed is the speed over the linear axes if any of them moves.
             let mut share = norm(&linear);
@@ -68,3 +66,42 @@ pub fn path_speed<S: Scalar, const N: usize>(
     };
     wanted.least(most)
 }
+
+/// Speed of a length, mm, in a time, s, mm/s.
+fn by_duration<S: Scalar>(length: S, seconds: S) -> S {
+    (length / seconds).greatest(S::of(LEAST_SPEED))
+}
+
+/// Speed along the path that the feed word asks for, mm/s, whatever the axes allow; `None` of a rapid.
+#[cfg(feature = "outputs")]
+pub fn programmed_speed<S: Scalar, const N: usize>(
+    segment: &Segment<S, N>,
+    whole: Option<S>,
+    feed: Feed<S>,
+    limits: &Limits<S, N>,
+) -> Option<S> {
+    let feed = match feed {
+        Feed::Rapid => return None,
+        Feed::Duration(seconds) => {
+            return Some(by_duration(whole.unwrap_or(segment.length), seconds));
+        }
+        Feed::PerSecond(feed) => feed,
+    };
+    if limits.axes().iter().all(|axis| !axis.rotary) {
+        return Some(feed);
+    }
+    let mut linear = segment.start_frame().tangent;
+    for (share, axis) in linear.iter_mut().zip(limits.axes()) {
+        if axis.rotary {
+            *share = S::ZERO;
+        }
+    }
+    let share = norm(&linear);
+    // Where the linear axes hardly move, a speed over them is none of the path.
+    let least = S::of(LEAST_SHARE);
+    Some(if share > least { feed / share } else { feed })
+}
+
+/// A path whose linear axes have less of it than this is one of the rotary ones.
+#[cfg(feature = "outputs")]
+const LEAST_SHARE: f64 = 1.0e-6;

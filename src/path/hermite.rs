@@ -167,7 +167,7 @@ mod tests {
         let cell = Cell {
             length,
             tangent_offset: [radius * angle.sin() - length, radius * (1.0 - angle.cos())],
-            programmed: Programmed { feed: 1.0, rapid: false, tag: 0 },
+            programmed: Programmed::feed(1.0),
             dwell: 0.0,
             event: None,
             straight: false,

@@ -170,7 +170,9 @@ pub fn joint<S: Scalar, const N: usize>(
     let (frame_in, frame_out) = (a.end_frame(), b.start_frame());
     let corner = Corner::new(&frame_in.tangent, &frame_out.tangent);
     let shorter = a.length.least(b.length);
-    let lines = a.is_line() && b.is_line() && mode == CornerMode::Band;
+    // Where the limits change there is to be a node, which within a run there need not be.
+    let runs = before.limits == after.limits;
+    let lines = runs && a.is_line() && b.is_line() && mode == CornerMode::Band;
     let stops = || stop_is_shorter(before, after, &frame_in.tangent, config);
     // Of two lines that could be parts of a run.
     let run = || if stops() { Joint::Stop } else { Joint::Run };
@@ -198,7 +200,7 @@ pub fn joint<S: Scalar, const N: usize>(
             let slight = corner.cos_turn() > S::of(LONE_COSINE);
             let short = corner.full_band_length(tolerance, most) >= most;
             let back = corner.cos_turn() < S::of(BACK_COSINE) && !spike;
-            if !back && (slight || short) {
+            if runs && !back && (slight || short) {
                 return (run(), Length::ZERO);
             }
             let band = before.corner_band_with(after);

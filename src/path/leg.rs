@@ -19,6 +19,7 @@ impl<S: Scalar> Leg<S> {
     pub fn is_like(&self, other: &Self) -> bool {
         feed::alike(self.programmed.feed, other.programmed.feed, feed::BLURRED)
             && self.programmed.rapid == other.programmed.rapid
+            && self.programmed.limits == other.programmed.limits
             && self.tolerance == other.tolerance
     }
 

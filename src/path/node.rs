@@ -1,5 +1,6 @@
 //! Nodes of the path and the cells between them.
 
+use crate::machine::SetNumber;
 use crate::number::vector::{Vector, dot, sub};
 use crate::number::{Coord, Scalar};
 use core::array::from_fn;
@@ -80,8 +81,18 @@ pub struct Programmed<S> {
     pub feed: S,
     /// Whether it is run as a rapid: which override applies.
     pub rapid: bool,
+    /// Which limits bound it.
+    pub limits: SetNumber,
     /// Tag of the block.
     pub tag: u32,
+}
+
+#[cfg(test)]
+impl<S> Programmed<S> {
+    /// A feed, mm/s.
+    pub fn feed(feed: S) -> Self {
+        Self { feed, rapid: false, limits: SetNumber::FIRST, tag: 0 }
+    }
 }
 
 /// Tangent and curvature from the first two derivatives by any parameter.

@@ -10,7 +10,7 @@ use super::segment::Segment;
 use super::swing::CornerBand;
 use crate::block::range::{check_coordinate, check_coordinates, in_range};
 use crate::block::{Block, BlockError, Feed, Motion};
-use crate::machine::{Config, Quantity};
+use crate::machine::{Config, Quantity, SetNumber};
 use crate::number::{Coord, Length, Scalar};
 
 /// How two segments meet.
@@ -41,6 +41,8 @@ pub struct QueuedBlock<S, const N: usize> {
     pub event: Option<Event>,
     pub feed: S,
     pub rapid: bool,
+    /// Which limits bound it.
+    pub limits: SetNumber,
     /// Greatest distance of the motion from it, mm: as programmed, or what the limits of travel leave of that.
     pub tolerance: S,
     /// As programmed, mm: a corner keeps this on its inner side, which no limit of travel cuts off.
@@ -70,7 +72,7 @@ pub struct QueuedBlock<S, const N: usize> {
 impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
     /// What it asks of its cells.
     pub fn programmed(&self) -> Programmed<S> {
-        Programmed { feed: self.feed, rapid: self.rapid, tag: self.tag }
+        Programmed { feed: self.feed, rapid: self.rapid, limits: self.limits, tag: self.tag }
     }
 
     /// What it asks of a run that it is a part of.
@@ -82,6 +84,7 @@ impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
     pub fn runs_on(&self, next: &Self) -> bool {
         !self.stop_after
             && self.rapid == next.rapid
+            && self.limits == next.limits
             && self.chord == next.chord
             && self.tolerance == next.tolerance
             && self.inner() == next.inner()
@@ -131,6 +134,7 @@ impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
             event: None,
             feed: S::ONE,
             rapid: block.feed == Feed::Rapid,
+            limits: SetNumber::FIRST,
             tolerance,
             #[cfg(feature = "travel")]
             inner: tolerance,

@@ -36,9 +36,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             Cut::Working => return true,
             Cut::Nothing => return false,
         };
-        let pace = self.horizon.pace();
         self.counters.cells += 1;
         let before = self.last_node();
+        #[cfg(feature = "outputs")]
+        let (stands, begin) = (!(cut.cell.length > S::ZERO), last.arc_length);
         let lone = cut.rest && cut.cell.length > S::ZERO && self.may_rest_at(before);
         if let Some(last) = self.horizon.window.last_mut()
             && last.rest
@@ -48,11 +49,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if lone {
             // From rest to rest there must be a node between.
             let (first, middle, second) = hermite::split(&cut.from, &cut.cell, &cut.node);
-            self.horizon.window.append(first, middle, false, &pace);
-            self.horizon.window.append(second, cut.node, true, &pace);
+            self.horizon.append(first, middle, false);
+            self.horizon.append(second, cut.node, true);
         } else {
-            self.horizon.window.append(cut.cell, cut.node, cut.rest, &pace);
+            self.horizon.append(cut.cell, cut.node, cut.rest);
         }
+        #[cfg(feature = "outputs")]
+        self.note_cut(stands, begin);
         true
     }
 

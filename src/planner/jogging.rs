@@ -10,20 +10,28 @@
 //! | with nothing to run | the path begins anew from where it stands; no block is taken meanwhile |
 //! | in a program, held | it is held until it stands where it was held, and then until a resume |
 
+#[cfg(feature = "home")]
+use super::homing::Homing;
 use super::phase::{Phase, Rest};
+#[cfg(feature = "probe")]
+use super::probing::{Probing, Seeking};
 use super::{Planner, Progress};
+#[cfg(feature = "home")]
+use crate::jog::homing::AxisAim;
 use crate::jog::plan::{Aim, Frame, MOST_CYCLES, Plan, Planned, travel};
 use crate::jog::{Jog, JogError};
 use crate::machine::Quantity;
 use crate::number::serial::CycleSerial;
 use crate::number::{ArcLength, Coord, Range, Scalar};
-use crate::servo::control::Wish;
+use crate::servo::control::{Requests, Wish};
 use crate::servo::link::Branch;
 use core::array::from_fn;
 
 /// What is asked for.
+// With a number of its own: nothing asked for is all zeros then, as the memory of a core must be.
 #[derive(Clone, Copy, Debug)]
-enum Asked<const N: usize> {
+#[repr(u8)]
+pub(super) enum Asked<const N: usize> {
     Nothing,
     /// Per axis, mm per cycle, for so many cycles.
     Velocity([f64; N], u32),
@@ -32,11 +40,20 @@ enum Asked<const N: usize> {
     /// By a distance from where the axes would stop, at a speed.
     Step([Coord; N], f64),
     Stop,
+    /// To rest on the line of a probe, as short as can be.
+    #[cfg(feature = "probe")]
+    Halt,
+    /// Every axis by itself.
+    #[cfg(feature = "home")]
+    Each([AxisAim; N]),
+    /// Coordinates, at rest.
+    #[cfg(feature = "home")]
+    Set([Coord; N]),
 }
 
 /// Whether there is a jog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum On {
+pub(super) enum On {
     No,
     /// With nothing to run.
     Free,
@@ -51,25 +68,33 @@ pub struct Jogging<const N: usize> {
     /// Where the path rests.
     home: [Coord; N],
     /// What the interrupt runs, and from the end of which servo cycle on; at rest, where it stands.
-    agreed: Plan<N>,
-    began: CycleSerial,
-    moves: bool,
+    pub(super) agreed: Plan<N>,
+    pub(super) began: CycleSerial,
+    pub(super) moves: bool,
     /// Where it goes to, if it goes to a place.
     goal: Option<[Coord; N]>,
     /// What is on offer, and from when on.
-    offered: Plan<N>,
-    begins: CycleSerial,
+    pub(super) offered: Plan<N>,
+    pub(super) begins: CycleSerial,
     /// What it was made for.
-    offered_for: Asked<N>,
+    pub(super) offered_for: Asked<N>,
     /// What no plan has been made for.
-    asked: Asked<N>,
-    /// The last cancel that has been answered, and whether a hold was in force then.
-    cancels: u32,
+    pub(super) asked: Asked<N>,
+    /// The last cancel and the last hold that have been answered, and whether the motion was held then.
+    pub(super) cancels: u32,
+    holds: u32,
     held: bool,
     /// Whether an abort has been answered by a stop.
-    aborted: bool,
+    pub(super) aborted: bool,
     /// Servo cycles after which a plan branches off.
-    reaction: u32,
+    pub(super) reaction: u32,
+    /// What probes and homing have in common, and each of them.
+    #[cfg(feature = "probe")]
+    pub(super) seeking: Seeking<N>,
+    #[cfg(feature = "probe")]
+    pub(super) probing: Probing<N>,
+    #[cfg(feature = "home")]
+    pub(super) homing: Homing<N>,
 }
 
 impl<const N: usize> Jogging<N> {
@@ -86,14 +111,25 @@ impl<const N: usize> Jogging<N> {
         offered_for: Asked::Nothing,
         asked: Asked::Nothing,
         cancels: 0,
+        holds: 0,
         held: false,
         aborted: false,
         reaction: 0,
+        #[cfg(feature = "probe")]
+        seeking: Seeking::NONE,
+        #[cfg(feature = "probe")]
+        probing: Probing::NONE,
+        #[cfg(feature = "home")]
+        homing: Homing::NONE,
     };
 
     /// Forgets it.
     pub fn clear(&mut self) {
         (self.on, self.reaction) = (On::No, 0);
+        #[cfg(feature = "probe")]
+        self.probing.clear();
+        #[cfg(feature = "home")]
+        self.homing.clear();
     }
 
     /// Whether there is one.
@@ -107,12 +143,13 @@ impl<const N: usize> Jogging<N> {
     }
 
     /// Begins, with the path at rest at a place.
-    fn begin(&mut self, on: On, home: [Coord; N], wish: &Wish, cancels: u32) {
+    pub(super) fn begin(&mut self, on: On, home: [Coord; N], requests: &Requests) {
         (self.on, self.home) = (on, home);
         self.agreed = Plan::rest(&home);
         (self.asked, self.offered_for) = (Asked::Nothing, Asked::Nothing);
         (self.moves, self.aborted, self.goal) = (false, false, None);
-        (self.cancels, self.held) = (cancels, wish.holds());
+        (self.cancels, self.holds) = (requests.cancels(), requests.holds());
+        self.held = requests.read().holds();
     }
 
     /// The place from which a step counts, if it is known.
@@ -151,6 +188,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.is_aborted() {
             return Err(JogError::Aborted);
         }
+        #[cfg(feature = "probe")]
+        if self.is_seeking() {
+            return Err(JogError::Running);
+        }
         let begins = if self.jogging.is_on() { None } else { Some(self.may_jog()?) };
         let cycle = self.horizon.config.cycle.to_f64();
         let home = match begins {
@@ -186,19 +227,20 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             }
         };
         if let Some((on, home)) = begins {
-            self.jogging.begin(on, home, &self.requests.read(), self.requests.cancels());
+            self.jogging.begin(on, home, self.requests);
             if on == On::Held {
                 self.phase = Phase::Resting(Rest::AwaitsResume);
             }
         }
-        // The newest counts: a cancel from before is not meant for it. A hold is.
+        // The newest counts: a cancel from before is not meant for it. A hold is: what an operator's device sends again
+        // and again must not outrun the hand that stops the machine.
         self.jogging.cancels = self.requests.cancels();
         self.jogging.asked = asked;
         Ok(())
     }
 
     /// Whether a jog may begin now: what of, and where.
-    fn may_jog(&self) -> Result<(On, [Coord; N]), JogError> {
+    pub(super) fn may_jog(&self) -> Result<(On, [Coord; N]), JogError> {
         let Phase::Resting(rest) = self.phase else { return Err(JogError::Running) };
         let Some(here) = self.horizon.window.get(self.horizon.end_index()) else {
             return Err(JogError::Running);
@@ -218,7 +260,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// Whether a point lies inside the limits of travel.
-    fn inside(&self, to: &[Coord; N]) -> Result<(), JogError> {
+    pub(super) fn inside(&self, to: &[Coord; N]) -> Result<(), JogError> {
         for (axis, at) in to.iter().enumerate() {
             let (least, greatest) = travel(&self.horizon.config, axis);
             if *at < least || *at > greatest {
@@ -230,7 +272,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// Whether the way to a place takes no longer than can be counted in servo cycles.
-    fn lasts(&self, to: &[Coord; N], feed: S) -> Result<(), JogError> {
+    pub(super) fn lasts(&self, to: &[Coord; N], feed: S) -> Result<(), JogError> {
         let way = to.iter().zip(self.stands()).fold(0.0, |most: f64, (to, at)| {
             let way: f64 = to.minus(at);
             most.max(way.abs())
@@ -284,15 +326,21 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return Some(Progress::Waiting);
         }
         self.note_stops(&wish);
-        if self.jogging.moves
-            && self.side.timeline().is_some_and(|now| now.serial == self.horizon.end())
-        {
+        let rests = self.jogging.moves
+            && self.side.timeline().is_some_and(|now| now.serial == self.horizon.end());
+        #[cfg(feature = "probe")]
+        self.note_edge(&wish, rests);
+        if rests {
             let end = self.jogging.agreed.end();
             self.jogging.agreed = Plan::rest(&end);
             self.jogging.moves = false;
         }
         if !self.jogging.moves && matches!(self.jogging.asked, Asked::Stop) {
             self.jogging.asked = Asked::Nothing;
+        }
+        #[cfg(feature = "probe")]
+        if let Some(progress) = self.seek_waits(&wish) {
+            return Some(progress);
         }
         if !matches!(self.jogging.asked, Asked::Nothing) {
             return Some(self.plan_jog());
@@ -303,6 +351,14 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// The interrupt's word on what is on offer. Whether it has been said.
     fn hear_of_jog(&mut self) -> bool {
         let Some(taken) = self.side.verdict() else { return false };
+        #[cfg(feature = "probe")]
+        if taken {
+            self.leave_plan();
+        }
+        #[cfg(feature = "home")]
+        if taken {
+            self.note_home_plan();
+        }
         let jogging = &mut *self.jogging;
         let offered_for = core::mem::replace(&mut jogging.offered_for, Asked::Nothing);
         if taken {
@@ -324,10 +380,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// A cancel, a new hold or an abort ends what is under way.
     fn note_stops(&mut self, wish: &Wish) {
-        let cancels = self.requests.cancels();
+        #[cfg(feature = "probe")]
+        if self.is_seeking() {
+            return self.note_stops_of_seek(wish);
+        }
+        let (cancels, holds) = (self.requests.cancels(), self.requests.holds());
         let jogging = &mut *self.jogging;
-        let stops = cancels != jogging.cancels || (wish.holds() && !jogging.held);
-        (jogging.cancels, jogging.held) = (cancels, wish.holds());
+        let pressed = cancels != jogging.cancels || holds != jogging.holds;
+        let stops = pressed || (wish.holds() && !jogging.held);
+        (jogging.cancels, jogging.holds, jogging.held) = (cancels, holds, wish.holds());
         let aborts = wish.aborts != self.answered.aborts && !jogging.aborted;
         jogging.aborted |= aborts;
         if stops || aborts {
@@ -352,15 +413,28 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             }
             asked => asked,
         };
+        #[cfg(feature = "home")]
+        if let Asked::Set(to) = asked {
+            return self.plan_set(&to);
+        }
         let aim = match asked {
             Asked::Velocity(velocity, hold) => Aim::Velocity(velocity, hold),
             Asked::Place(to, feed) => Aim::Place(to, feed),
+            #[cfg(feature = "home")]
+            Asked::Each(aims) => Aim::Each(aims),
             _ => Aim::Stop,
         };
-        let mut planned = from.turned(&aim, &self.horizon.config);
+        let mut planned = match asked {
+            #[cfg(feature = "probe")]
+            Asked::Halt => self.halted(&from),
+            _ => from.turned(&aim, &self.horizon.config),
+        };
         if !planned.plan.fits(NODES) {
             // Of many axes in motion, each by itself: from rest it fits.
-            planned = from.turned(&Aim::Stop, &self.horizon.config);
+            let stop = Aim::Stop;
+            #[cfg(feature = "home")]
+            let stop = if self.is_homing() { Aim::Each([AxisAim::Halt; N]) } else { stop };
+            planned = from.turned(&stop, &self.horizon.config);
             planned.whole = false;
         }
         let Planned { plan, whole } = planned;
@@ -372,23 +446,32 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             }
             return if jogging.moves { Progress::Waiting } else { Progress::Planning };
         }
+        #[cfg(feature = "home")]
+        jogging.homing.set_whole(whole);
         if !whole {
             jogging.asked = asked;
         }
-        let here = self.horizon.window.get(self.horizon.end_index());
-        let frame = Frame {
-            serial: self.horizon.end().previous(),
-            tag: here.map_or(0, |here| here.cell.programmed.tag),
-            arc_length: here.map_or(ArcLength::ZERO, |here| here.arc_length),
-            cycle: self.horizon.config.cycle,
-        };
+        let frame = self.jog_frame();
         plan.pieces(&frame, NODES, |piece| self.side.write(piece));
+        #[cfg(feature = "outputs")]
+        self.time_switches(Branch::Cycle(when));
         self.side.offer(Branch::Cycle(when));
         self.jogging.offered = plan;
         self.jogging.begins = when;
         self.jogging.offered_for = asked;
         self.counters.plans += 1;
         Progress::Planned
+    }
+
+    /// What the pieces of a jog have in common.
+    pub(super) fn jog_frame(&self) -> Frame<S> {
+        let here = self.horizon.window.get(self.horizon.end_index());
+        Frame {
+            serial: self.horizon.end().previous(),
+            tag: here.map_or(0, |here| here.cell.programmed.tag),
+            arc_length: here.map_or(ArcLength::ZERO, |here| here.arc_length),
+            cycle: self.horizon.config.cycle,
+        }
     }
 
     /// At rest, and nothing is asked for.

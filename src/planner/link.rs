@@ -10,7 +10,7 @@ use super::phase::{Phase, Rest};
 use super::{Counters, Planner};
 use crate::block::BlockError;
 use crate::block::range::check_coordinates;
-use crate::machine::{Config, ConfigError};
+use crate::machine::{Config, ConfigError, SetNumber};
 use crate::number::vector::zero;
 use crate::number::{Coord, Scalar};
 use crate::path::builder::Builder;
@@ -89,6 +89,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Link<S,
         self.jogging.clear();
         let (side, servo, requests) = channel.ends(origin);
         builder.restart(start);
+        builder.set_limits(SetNumber::FIRST);
         horizon.begin(&config, Node { at: start, tangent: zero(), curvature: zero() }, origin.node);
         Ok((
             Planner {
@@ -108,6 +109,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Link<S,
                 pushed: origin.cycle,
                 reaction: 0,
                 counters: Counters::default(),
+                #[cfg(feature = "outputs")]
+                switches: super::switches::Switches::NONE,
             },
             Interpolator::new(servo, (origin.node, start), config.cycle),
         ))

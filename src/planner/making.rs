@@ -142,7 +142,7 @@ impl<S: Scalar> Making<S> {
                 } else if let Some(new) = *guessed {
                     // From the plan as it stands, and slow speeds behind it.
                     horizon.take_agreed(stretch.first..new);
-                    Stage::Seeding(Seeding::new(&horizon.config.limits, stretch, new))
+                    Stage::Seeding(horizon.begin_seeding(stretch, new))
                 } else {
                     return ControlFlow::Break(Failure::Stuck);
                 }

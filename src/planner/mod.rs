@@ -5,14 +5,18 @@
 //! - [`horizon`]: the path ahead, the plan agreed on it, and the draft of the next.
 //! - [`ahead`]: blocks cut into cells, and when a plan goes on as far as is known.
 //! - [`command`]: answers to an operator's commands.
-//! - `jogging`: motion off the path, while that rests.
+//! - `jogging`: motion off the path, while that rests; `probing`: such that ends on an input.
 //! - [`making`]: a plan in the making, slice by slice.
 //! - [`effort`]: what that takes, in servo cycles.
+//! - `settings`: what may be changed at rest.
 //! - [`offer`]: plans handed over, and the interrupt's word on them.
+//! - `switches`: outputs in time with the path.
 
 mod ahead;
 mod command;
 mod effort;
+#[cfg(feature = "home")]
+mod homing;
 mod horizon;
 #[cfg(feature = "jog")]
 mod jogging;
@@ -20,6 +24,11 @@ mod link;
 mod making;
 mod offer;
 mod phase;
+#[cfg(feature = "probe")]
+mod probing;
+mod settings;
+#[cfg(feature = "outputs")]
+mod switches;
 #[cfg(test)]
 mod tests;
 
@@ -32,6 +41,7 @@ use self::making::{Making, Vain};
 use self::phase::{Phase, Rest};
 
 use crate::block::{Block, PushError};
+use crate::machine::Limits;
 #[cfg(feature = "travel")]
 use crate::machine::Travel;
 use crate::number::serial::{CycleSerial, NodeSerial};
@@ -121,6 +131,8 @@ pub struct Planner<
     /// Servo cycles after which an answer to a command takes effect: more after one that came too late.
     reaction: u32,
     counters: Counters,
+    #[cfg(feature = "outputs")]
+    switches: switches::Switches<S>,
 }
 
 impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
@@ -142,10 +154,21 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.jogging.is_free() {
             return Err(PushError::Full);
         }
+        #[cfg(feature = "outputs")]
+        if !self.has_room_for_power() {
+            return Err(PushError::Full);
+        }
+        self.take(block)
+    }
+
+    /// Takes a block for which there is room, if the builder has any.
+    fn take(&mut self, block: &Block<S, N>) -> Result<(), PushError> {
         self.builder.set_single(self.requests.is_single());
         self.builder.push(block, &self.horizon.config)?;
         self.finished = false;
         self.pushed = self.side.cycles();
+        #[cfg(feature = "outputs")]
+        self.note_taken(block);
         Ok(())
     }
 
@@ -160,6 +183,40 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     #[cfg(feature = "travel")]
     pub fn travel(&self) -> &Travel<N> {
         &self.horizon.config.travel
+    }
+
+    /// Changes the limits of the axes (feature `limits`): they bound every block that is pushed from now on, and jogs. What has
+    /// been taken is run as it was meant: a block keeps the limits it was taken with, on either side of the place where they
+    /// change the motion keeps both, and the change is planned ahead. For a tool or a load that bears less, or a part of
+    /// a program that is to be calm.
+    ///
+    /// Cost: a copy of the limits.
+    ///
+    /// # Errors
+    /// [`PushError::Full`] if there is no room now: limits have changed four times, with blocks, between the motion and the last block, a
+    /// curve is still being taken, or a jog is on. Poll, and set them again. Nothing has changed.
+    #[cfg(feature = "limits")]
+    pub fn set_limits(&mut self, limits: Limits<S, N>) -> Result<(), PushError> {
+        #[cfg(feature = "jog")]
+        if self.jogging.is_on() {
+            return Err(PushError::Full);
+        }
+        if self.builder.takes_curve() {
+            return Err(PushError::Full);
+        }
+        if !self.builder.uses_limits() {
+            self.horizon.config.limits = limits;
+        } else if self.horizon.set_limits(limits) {
+            self.builder.set_limits(self.horizon.older.newest());
+        } else {
+            return Err(PushError::Full);
+        }
+        Ok(())
+    }
+
+    /// The limits of the blocks to come.
+    pub fn limits(&self) -> &Limits<S, N> {
+        &self.horizon.config.limits
     }
 
     /// Says that no more blocks come for now: the path ends where the last one ends. Without it

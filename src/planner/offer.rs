@@ -30,6 +30,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             }
         };
         self.horizon.mark_offered();
+        #[cfg(feature = "outputs")]
+        self.time_switches(branch);
         self.side.offer(branch);
         let window = &self.horizon.window;
         let (first, end) = (window.serial(stretch.first), window.serial(stretch.last));

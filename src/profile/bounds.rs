@@ -1,6 +1,6 @@
 //! What bounds the motion over a cell besides its shape: speed, and on a straight acceleration and jerk.
 
-use crate::machine::{Limits, UNLIMITED};
+use crate::machine::{LimitSets, UNLIMITED};
 use crate::number::Scalar;
 use crate::path::node::{Cell, Node};
 
@@ -17,8 +17,8 @@ pub const LEAST_CYCLE_SHARE: f64 = 0.25;
 
 /// How fast the machine may go, and is asked to.
 #[derive(Clone, Copy, Debug)]
-pub struct Pace<S, const N: usize> {
-    pub limits: Limits<S, N>,
+pub struct Pace<'a, S, const N: usize> {
+    pub limits: LimitSets<'a, S, N>,
     /// Servo cycle, s.
     pub cycle: S,
     /// Override of feeds, as a factor.
@@ -47,7 +47,7 @@ impl<S: Scalar> Bounds<S> {
         from: &Node<S, N>,
         cell: &Cell<S, N>,
         to: &Node<S, N>,
-        Pace { limits, cycle, feed, rapid }: &Pace<S, N>,
+        Pace { limits, cycle, feed, rapid }: &Pace<'_, S, N>,
     ) -> Self {
         let feed = cell.programmed.feed * if cell.programmed.rapid { *rapid } else { *feed };
         let mut bounds = Self {
@@ -58,7 +58,7 @@ impl<S: Scalar> Bounds<S> {
         };
         let (quarter, per) = (cell.length * S::of(0.25), S::of(5.0) / cell.length);
         let four = S::of(4.0);
-        for (i, axis) in limits.axes().iter().enumerate() {
+        for (i, axis) in limits.of(cell.programmed.limits).axes().iter().enumerate() {
             // The axis's velocity at steady speed is a quartic, between its Bernstein coefficients; at any
             // other speed below the bound it was never seen beyond them by more than the share above leaves.
             let (t0, t1) = (from.tangent[i], to.tangent[i]);

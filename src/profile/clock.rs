@@ -57,9 +57,8 @@ impl<S: Scalar> Clock<S> {
     /// When exactly it shows `last` if it shows `first` now, `time` seconds from now or a rounding away. In `f64`: at the speed of
     /// the motion a fraction of a nanosecond is a way that would be felt as jerk.
     pub fn exactly(self, [first, last]: [S; 2], time: S, bend: S) -> S {
-        let (rate, slope, u) = (self.rate.to_f64(), self.slope.to_f64(), bend.to_f64());
-        let t = time.to_f64();
-        let shown = (rate + (slope * 0.5 + u * t * (1.0 / 6.0)) * t) * t;
+        let clock = Clock { rate: self.rate.to_f64(), slope: self.slope.to_f64() };
+        let shown = clock.shown(time.to_f64(), bend.to_f64());
         let now = self.after(time, bend).rate;
         let later = S::of(last.to_f64() - first.to_f64() - shown) / now;
         // Where the clock hardly goes, no time would make up for it.
@@ -96,9 +95,7 @@ impl<S: Scalar> Clock<S> {
         let first = ((half + bend * self.rate).sqrt() - slows) / bend;
         (first >= S::ZERO).then(|| [first, first + slows / bend])
     }
-}
 
-impl<S: Scalar> Clock<S> {
     /// The one bend, 1/s2, that stops a clock which slows down, and how long that takes, s; `None` if it does not slow down.
     pub fn end(self) -> Option<(S, S)> {
         let Self { rate, slope } = self;

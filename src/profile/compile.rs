@@ -132,7 +132,7 @@ mod tests {
                 let transition = Transition::new([Coord::ZERO; 2], (&a, &b), &corner, half);
                 for index in 0..transition.cells() {
                     let (from, to) = (transition.node(index), transition.node(index + 1));
-                    let programmed = Programmed { feed: 1.0, rapid: false, tag: 0 };
+                    let programmed = Programmed::feed(1.0);
                     let cell = transition.cell(index, &from, programmed);
                     let view = View::unbound([&from, &to], &cell, &limits);
                     see_motions(&view, |p| {
@@ -182,7 +182,7 @@ mod tests {
             };
             for index in 0..blend::CELLS {
                 let (from, to) = (blend.node(index), blend.node(index + 1));
-                let programmed = Programmed { feed: 1.0, rapid: false, tag: 0 };
+                let programmed = Programmed::feed(1.0);
                 let cell = blend.cell(index, &from, programmed);
                 let view = View::unbound([&from, &to], &cell, &limits);
                 see_motions(&view, |at| {
@@ -216,7 +216,7 @@ mod tests {
             let frame_out = next.start_frame();
             let lengths = BentLengths::new(line.length, next.length);
             let node = mean_node(joint, &frame_in, &frame_out, lengths);
-            let programmed = Programmed { feed: 1.0, rapid: false, tag: 0 };
+            let programmed = Programmed::feed(1.0);
             for (segment, from, to, direction) in [
                 (&line, line.node(Length::ZERO), node, [1.0, 0.0]),
                 (&next, node, next.node(next.exact_length), out),

@@ -6,7 +6,7 @@ use super::compile::{Placement, piece};
 use super::law::{Law, PathState};
 use super::rows::View;
 use crate::block::{Block, FINEST_BAND, Feed, Motion, Turn};
-use crate::machine::{AxisLimits, Config, Limits};
+use crate::machine::{AxisLimits, Config, LimitSets, Limits};
 use crate::number::serial::NodeSerial;
 use crate::number::{ArcLength, Coord, Interval, Length, Scalar};
 use crate::path::builder::Builder;
@@ -150,11 +150,20 @@ fn search<S: Scalar>(rounds: u32) {
         let limits = config.limits;
         cells(&mut draws, &config, |draws, cut| {
             let (one, cycle) = (S::ONE, S::of(1e-9));
-            let pace = Pace { limits, cycle, feed: one, rapid: one };
+            let pace = Pace { limits: LimitSets::only(&limits), cycle, feed: one, rapid: one };
             let (from, cell, to) = (&cut.from, &cut.cell, &cut.node);
             let bounds = Bounds::new(from, cell, to, &pace);
             let limits = &limits;
-            let view = View { from, cell, to, bounds, limits, share: one, penalty: S::ZERO };
+            let view = View {
+                from,
+                cell,
+                to,
+                bounds,
+                limits,
+                leaves: false,
+                share: one,
+                penalty: S::ZERO,
+            };
             // Steadily, and in any other way, half of it at the bound.
             for n in 0..4 {
                 let speeds = from_fn(|_| {
@@ -219,7 +228,7 @@ fn no_motion_over_a_cell_of_an_arc_leaves_the_band() {
         let arc = arc.unwrap();
         let length = arc.longest_cell(band);
         let end = Length::from_mm(length);
-        let programmed = Programmed { feed: 1.0, rapid: false, tag: 0 };
+        let programmed = Programmed::feed(1.0);
         let (from, cell, to) = (
             arc.node(Length::ZERO),
             arc.cell(Interval { from: Length::ZERO, to: end }, programmed),

@@ -12,7 +12,7 @@ use super::relaxation::Relaxation;
 use super::rows::{View, rows, time_gradient};
 use super::tridiagonal::BlockRow;
 use super::window::{Station, Window};
-use crate::machine::{Limits, UNLIMITED};
+use crate::machine::{LimitSets, UNLIMITED};
 use crate::number::Scalar;
 use crate::number::list::{part_mut, some_mut};
 use core::ops::Range;
@@ -61,7 +61,7 @@ pub struct Task<S> {
 pub struct Problem<'a, S, const N: usize, const NODES: usize> {
     pub(super) rows: &'a mut [BlockRow<S>; NODES],
     pub(super) window: &'a mut Window<S, N, NODES>,
-    pub(super) limits: &'a Limits<S, N>,
+    pub(super) limits: LimitSets<'a, S, N>,
     pub(super) task: Task<S>,
 }
 

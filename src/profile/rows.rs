@@ -76,6 +76,8 @@ pub struct View<'a, S, const N: usize> {
     pub to: &'a Node<S, N>,
     pub bounds: Bounds<S>,
     pub limits: &'a Limits<S, N>,
+    /// Whether other limits bound the next cell: what is asked at its start says nothing of this one's end then.
+    pub leaves: bool,
     /// Share of acceleration and jerk limits that may be used.
     pub share: S,
     /// Penalty on speed above the goal, s for as much again; 0 if there is none.
@@ -90,7 +92,16 @@ impl<'a, S: Scalar, const N: usize> View<'a, S, N> {
         cell: &'a Cell<S, N>,
         limits: &'a Limits<S, N>,
     ) -> Self {
-        Self { from, cell, to, bounds: Bounds::default(), limits, share: S::ONE, penalty: S::ZERO }
+        Self {
+            from,
+            cell,
+            to,
+            bounds: Bounds::default(),
+            limits,
+            leaves: false,
+            share: S::ONE,
+            penalty: S::ZERO,
+        }
     }
 }
 
@@ -319,6 +330,7 @@ fn straight_rows<S: Scalar, const N: usize, K: Sink<S>>(
     sink.two_sided([j0 * per, j2 * per], [per; 2], || [g0, g2]);
     let ends = Ends {
         per: one / view.bounds.acceleration,
+        leaves: view.leaves,
         acceleration: [law.a0, law.a1],
         gradients: [[zero, one]; 2],
         jerk: [Term { value: j0, gradient: g0 }, Term { value: j2, gradient: g2 }],
@@ -357,6 +369,7 @@ fn axis_rows<S: Scalar, const N: usize, K: Sink<S>>(
     });
     let ends = Ends {
         per: S::ONE / (limits.acceleration * view.share),
+        leaves: view.leaves,
         acceleration: [axis.e0 + axis.tangent * law.a0, axis.e1 + axis.tangent * law.a1],
         gradients: [
             [two * axis.k0 * law.v0, axis.tangent],
@@ -404,6 +417,8 @@ struct Term<S> {
 struct Ends<S> {
     /// 1 / limit of the acceleration.
     per: S,
+    /// Whether that of the next cell is another.
+    leaves: bool,
     acceleration: [S; 2],
     /// Gradients of the acceleration by speed and acceleration along the path at the same end.
     gradients: [[S; 2]; 2],
@@ -411,7 +426,8 @@ struct Ends<S> {
 }
 
 /// Bernstein coefficients A0, A0 + Q0 T / 3, A1 - Q2 T / 3. The fourth, A1, is A0 of the next cell, or 0
-/// at a rest: the path's second derivative is continuous everywhere else.
+/// at a rest: the path's second derivative is continuous everywhere else. It has a row of its own only where other limits
+/// bound the next cell.
 #[inline]
 fn acceleration_rows<S: Scalar, K: Sink<S>>(
     law: &Law<S>,
@@ -427,6 +443,9 @@ fn acceleration_rows<S: Scalar, K: Sink<S>>(
     let inner =
         |jerk: &Gradient<S>, reach: S, per_time: S| mixed((jerk, reach), (&slopes.time, per_time));
     sink.two_sided_at(End::Start, a0 * per, per, ends.gradients[0]);
+    if ends.leaves {
+        sink.two_sided_at(End::Finish, a1 * per, per, ends.gradients[1]);
+    }
     let early = a0 + q0.value * reach;
     let late = a1 - q2.value * reach;
     sink.two_sided([early * per, late * per], [per; 2], || {
@@ -444,7 +463,7 @@ fn acceleration_rows<S: Scalar, K: Sink<S>>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machine::AxisLimits;
+    use crate::machine::{AxisLimits, LimitSets};
     use crate::number::Coord;
     use crate::path::node::Programmed;
     use crate::profile::bounds::Pace;
@@ -518,13 +537,17 @@ mod tests {
         let cell = Cell {
             length: h,
             tangent_offset: [-0.07 * k, 0.09 * k],
-            programmed: Programmed { feed: 100.0, rapid: false, tag: 0 },
+            programmed: Programmed::feed(100.0),
             dwell: 0.0,
             event: None,
             straight,
         };
-        let bounds =
-            Bounds::new(&from, &cell, &to, &Pace { limits, cycle: 1e-3, feed: 1.0, rapid: 1.0 });
+        let bounds = Bounds::new(
+            &from,
+            &cell,
+            &to,
+            &Pace { limits: LimitSets::only(&limits), cycle: 1e-3, feed: 1.0, rapid: 1.0 },
+        );
         let law = Law::new(
             h,
             PathState { b: x[0] * x[0], a: x[1] },
@@ -539,6 +562,7 @@ mod tests {
                 to: &to,
                 bounds,
                 limits: &limits,
+                leaves: true,
                 share: 1.0,
                 penalty: 1.0,
             },

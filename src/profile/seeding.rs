@@ -2,7 +2,7 @@
 
 use super::law::PathState;
 use super::problem::{Problem, Stretch};
-use crate::machine::Limits;
+use crate::machine::LimitSets;
 use crate::number::Scalar;
 
 /// Most halvings of the speeds: down to 1e-12 of what the machine does in its time scale.
@@ -34,7 +34,7 @@ pub struct Seeding<S> {
 
 impl<S: Scalar> Seeding<S> {
     /// For the free stations of a stretch from index `new` on; those before keep their states.
-    pub fn new<const N: usize>(limits: &Limits<S, N>, stretch: Stretch, new: usize) -> Self {
+    pub fn new<const N: usize>(limits: LimitSets<'_, S, N>, stretch: Stretch, new: usize) -> Self {
         let rate = S::ONE / (limits.time_scale() * S::of(TIME));
         Self { new: new.max(stretch.first + 1), rate, tries: 0, entry: 0 }
     }

@@ -11,7 +11,7 @@ use super::problem::{Objective, Problem, Task};
 use super::relaxation::Relaxation;
 use super::tridiagonal::BlockRow;
 use super::window::Window;
-use crate::machine::Limits;
+use crate::machine::LimitSets;
 use crate::number::Scalar;
 
 /// What states are wanted for.
@@ -43,7 +43,7 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
     pub fn on<'a, const N: usize>(
         &'a mut self,
         window: &'a mut Window<S, N, NODES>,
-        limits: &'a Limits<S, N>,
+        limits: LimitSets<'a, S, N>,
         stretch: Stretch,
     ) -> Problem<'a, S, N, NODES> {
         debug_assert!(stretch.first <= stretch.last && stretch.last < window.len());
@@ -61,7 +61,7 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
     pub(super) fn take_up<'a, const N: usize>(
         &'a mut self,
         window: &'a mut Window<S, N, NODES>,
-        limits: &'a Limits<S, N>,
+        limits: LimitSets<'a, S, N>,
         task: Task<S>,
     ) -> Problem<'a, S, N, NODES> {
         Problem { rows: &mut self.rows, window, limits, task }

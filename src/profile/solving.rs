@@ -5,7 +5,7 @@ use super::problem::{Objective, Problem, Task};
 use super::relaxation::Relaxation;
 use super::solver::{Aim, Solver};
 use super::window::Window;
-use crate::machine::Limits;
+use crate::machine::LimitSets;
 use crate::number::Scalar;
 
 /// mu at the end of a halt, as a share of the first: by then the creep that the barrier leaves is
@@ -74,7 +74,7 @@ impl<S: Scalar> Solving<S> {
         &mut self,
         solver: &mut Solver<S, NODES>,
         window: &mut Window<S, N, NODES>,
-        limits: &Limits<S, N>,
+        limits: LimitSets<'_, S, N>,
         steps: &mut u32,
     ) -> bool {
         if self.left == 0 {

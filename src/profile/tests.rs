@@ -7,7 +7,7 @@ use super::seeding::Seeding;
 use super::solver::{Aim, Solver, Stretch};
 use super::solving::Solving;
 use super::window::Window;
-use crate::machine::{AxisLimits, Limits};
+use crate::machine::{AxisLimits, LimitSets, Limits};
 use crate::number::serial::NodeSerial;
 use crate::number::{Coord, Scalar};
 use crate::path::node::{Cell, Node, Programmed};
@@ -23,8 +23,8 @@ fn limits<S: Scalar>() -> Limits<S, 2> {
     Limits::new([AxisLimits::linear(S::of(V), S::of(A), S::of(J)); 2]).unwrap()
 }
 
-fn pace<S: Scalar>() -> Pace<S, 2> {
-    Pace { limits: limits(), cycle: S::of(1e-3), feed: S::ONE, rapid: S::ONE }
+fn pace<S: Scalar>(limits: &Limits<S, 2>) -> Pace<'_, S, 2> {
+    Pace { limits: LimitSets::only(limits), cycle: S::of(1e-3), feed: S::ONE, rapid: S::ONE }
 }
 
 /// A straight along the first axis, cut into cells of these lengths.
@@ -42,12 +42,12 @@ fn straight<S: Scalar>(lengths: &[f64], first: NodeSerial) -> Window<S, 2, NODES
         let cell = Cell {
             length: S::of(*length),
             tangent_offset: [S::ZERO; 2],
-            programmed: Programmed { feed: S::of(V), rapid: false, tag: i as u32 },
+            programmed: Programmed { tag: i as u32, ..Programmed::feed(S::of(V)) },
             dwell: S::ZERO,
             event: None,
             straight: true,
         };
-        window.append(cell, node(x), i + 1 == lengths.len(), &pace());
+        window.append(cell, node(x), i + 1 == lengths.len(), &pace(&limits()));
     }
     window
 }
@@ -117,12 +117,12 @@ fn a_short_straight_takes_hardly_longer_than_jerk_alone_asks_for() {
     let mut solver = Solver::new();
     let limits = limits();
     let stretch = Stretch { first: 0, last: lengths.len(), open: false };
-    solver.on(&mut window, &limits, stretch).guess(1);
-    let solving = solver.on(&mut window, &limits, stretch).find(40);
+    solver.on(&mut window, LimitSets::only(&limits), stretch).guess(1);
+    let solving = solver.on(&mut window, LimitSets::only(&limits), stretch).find(40);
     let steps = solve(&mut solver, &mut window, solving);
-    let holds = solver.on(&mut window, &limits, stretch).holds();
+    let holds = solver.on(&mut window, LimitSets::only(&limits), stretch).holds();
     assert!(holds && steps < 40, "{steps}");
-    let time = solver.on(&mut window, &limits, stretch).time().unwrap();
+    let time = solver.on(&mut window, LimitSets::only(&limits), stretch).time().unwrap();
     let least = by_jerk(length);
     assert!(time >= least && time < 1.03 * least, "{time} {least}");
 }
@@ -134,7 +134,7 @@ fn solve(
     mut solving: Solving<f64>,
 ) -> u32 {
     let mut steps = 0;
-    while solving.go_on(solver, window, &limits(), &mut steps) {}
+    while solving.go_on(solver, window, LimitSets::only(&limits()), &mut steps) {}
     steps
 }
 
@@ -145,9 +145,10 @@ fn seed(
     stretch: Stretch,
 ) -> bool {
     let limits = limits();
-    let mut seeding = Seeding::new(&limits, stretch, 1);
+    let mut seeding = Seeding::new(LimitSets::only(&limits), stretch, 1);
     loop {
-        if let Some(found) = solver.on(window, &limits, stretch).seed(&mut seeding) {
+        if let Some(found) = solver.on(window, LimitSets::only(&limits), stretch).seed(&mut seeding)
+        {
             return found;
         }
     }
@@ -168,10 +169,12 @@ fn an_improvement_keeps_the_limits_after_any_number_of_steps() {
     for iterations in 0..25 {
         let (mut window, stretch) = uneven();
         assert!(seed(&mut solver, &mut window, stretch));
-        let solving = solver.on(&mut window, &limits, stretch).improve(iterations, Aim::Time);
+        let solving = solver
+            .on(&mut window, LimitSets::only(&limits), stretch)
+            .improve(iterations, Aim::Time);
         let steps = solve(&mut solver, &mut window, solving);
         assert!(steps <= u32::from(iterations));
-        let mut problem = solver.on(&mut window, &limits, stretch);
+        let mut problem = solver.on(&mut window, LimitSets::only(&limits), stretch);
         assert!(problem.holds(), "after {iterations}");
         let time = problem.time().unwrap();
         assert!(time < 1.02 * last, "{iterations}: {time} after {last}");
@@ -189,19 +192,19 @@ fn an_improvement_keeps_the_limits_after_any_number_of_steps() {
 fn a_halt_leaves_little_speed() {
     let (limits, mut solver) = (limits(), Solver::new());
     let (mut window, stretch) = uneven();
-    solver.on(&mut window, &limits, stretch).guess(1);
-    let solving = solver.on(&mut window, &limits, stretch).find(40);
+    solver.on(&mut window, LimitSets::only(&limits), stretch).guess(1);
+    let solving = solver.on(&mut window, LimitSets::only(&limits), stretch).find(40);
     solve(&mut solver, &mut window, solving);
-    assert!(solver.on(&mut window, &limits, stretch).holds());
+    assert!(solver.on(&mut window, LimitSets::only(&limits), stretch).holds());
     // From where it is fastest on.
     let speed = |window: &Window<f64, 2, NODES>, i: usize| window.get(i).unwrap().state.b.sqrt();
     let first =
         (0..stretch.last).max_by(|a, b| speed(&window, *a).total_cmp(&speed(&window, *b))).unwrap();
     let rest = Stretch { first, ..stretch };
     let before = speed(&window, stretch.last - 1);
-    let solving = solver.on(&mut window, &limits, rest).improve(40, Aim::Halt);
+    let solving = solver.on(&mut window, LimitSets::only(&limits), rest).improve(40, Aim::Halt);
     solve(&mut solver, &mut window, solving);
-    assert!(solver.on(&mut window, &limits, rest).holds());
+    assert!(solver.on(&mut window, LimitSets::only(&limits), rest).holds());
     assert!(speed(&window, stretch.last - 1) < before);
 }
 
@@ -214,14 +217,14 @@ fn a_problem_that_is_interrupted_comes_out_the_same() {
     let (limits, mut solver) = (limits::<f64>(), Solver::new());
     let mut solved = |every: usize| {
         let mut window = straight(&lengths, NodeSerial::ZERO);
-        solver.on(&mut window, &limits, stretch).guess(1);
-        let mut solving = solver.on(&mut window, &limits, stretch).find(40);
+        solver.on(&mut window, LimitSets::only(&limits), stretch).guess(1);
+        let mut solving = solver.on(&mut window, LimitSets::only(&limits), stretch).find(40);
         let (mut steps, mut parts) = (0, 0);
-        while solving.go_on(&mut solver, &mut window, &limits, &mut steps) {
+        while solving.go_on(&mut solver, &mut window, LimitSets::only(&limits), &mut steps) {
             parts += 1;
             if parts % every == 0 {
                 // A use of the workspace that leaves the states alone.
-                solver.on(&mut window, &limits, stretch).holds();
+                solver.on(&mut window, LimitSets::only(&limits), stretch).holds();
             }
         }
         let states: Vec<_> = (0..window.len()).map(|i| window.get(i).unwrap().state).collect();
@@ -245,7 +248,7 @@ fn the_model_has_the_slope_of_the_value() {
         let (mut window, stretch) = uneven();
         let mut solver = Solver::new();
         assert!(seed(&mut solver, &mut window, stretch));
-        let mut problem = solver.on(&mut window, &limits, stretch);
+        let mut problem = solver.on(&mut window, LimitSets::only(&limits), stretch);
         problem.task.objective = objective;
         let mu = 1.0e-5;
         let weights = Weights { mu, mu_curvature: mu, damping: 0.0 };
@@ -282,8 +285,8 @@ fn the_model_has_the_slope_of_the_value() {
 fn states_without_a_motion_do_not_hold() {
     let (limits, mut solver) = (limits(), Solver::new());
     let (mut window, stretch) = uneven();
-    assert!(!solver.on(&mut window, &limits, stretch).holds(), "rest everywhere");
+    assert!(!solver.on(&mut window, LimitSets::only(&limits), stretch).holds(), "rest everywhere");
     window.set_state(1, PathState { b: 1.0, a: 1.0e9 });
-    assert!(!solver.on(&mut window, &limits, stretch).holds());
+    assert!(!solver.on(&mut window, LimitSets::only(&limits), stretch).holds());
     assert!(Law::new(0.1, PathState::REST, PathState { b: 1.0, a: 1.0e9 }).is_none());
 }

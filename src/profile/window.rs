@@ -3,7 +3,7 @@
 use super::bounds::{Bounds, Pace};
 use super::law::{Law, PathState};
 use super::rows::View;
-use crate::machine::Limits;
+use crate::machine::{LimitSets, SetNumber};
 use crate::number::serial::NodeSerial;
 use crate::number::vector::dot;
 use crate::number::{ArcLength, Coord, Scalar};
@@ -54,7 +54,12 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
         let cell = Cell {
             length: S::ZERO,
             tangent_offset: [S::ZERO; N],
-            programmed: Programmed { feed: S::ZERO, rapid: false, tag: 0 },
+            programmed: Programmed {
+                feed: S::ZERO,
+                rapid: false,
+                limits: SetNumber::FIRST,
+                tag: 0,
+            },
             dwell: S::ZERO,
             event: None,
             straight: true,
@@ -124,7 +129,13 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
 
     /// Adds a cell behind the last station; the new last station rests.
     #[inline(never)]
-    pub fn append(&mut self, cell: Cell<S, N>, node: Node<S, N>, rest: bool, pace: &Pace<S, N>) {
+    pub fn append(
+        &mut self,
+        cell: Cell<S, N>,
+        node: Node<S, N>,
+        rest: bool,
+        pace: &Pace<'_, S, N>,
+    ) {
         debug_assert!(cell.length >= S::ZERO && cell.dwell >= S::ZERO);
         debug_assert!(cell.length > S::ZERO || rest, "a dwell ends at rest");
         let mut arc_length = ArcLength::ZERO;
@@ -199,7 +210,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
     }
 
     /// Bounds of the cell that leaves a station, anew.
-    pub fn bound(&mut self, index: usize, pace: &Pace<S, N>) {
+    pub fn bound(&mut self, index: usize, pace: &Pace<'_, S, N>) {
         let Some((from, to)) = self.pair(index) else { return };
         let bounds = Bounds::new(&from.node, &from.cell, &to.node, pace);
         if let Some(station) = self.stations.get_mut(index) {
@@ -228,13 +239,15 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
 
 impl<S: Scalar, const N: usize> Station<S, N> {
     /// The cell from this station to the next one, for its limits.
-    pub fn view<'a>(&'a self, next: &'a Self, limits: &'a Limits<S, N>) -> View<'a, S, N> {
+    pub fn view<'a>(&'a self, next: &'a Self, sets: LimitSets<'a, S, N>) -> View<'a, S, N> {
+        let set = self.cell.programmed.limits;
         View {
             from: &self.node,
             cell: &self.cell,
             to: &next.node,
             bounds: self.bounds,
-            limits,
+            limits: sets.of(set),
+            leaves: set.differs(next.cell.programmed.limits),
             share: S::ONE,
             penalty: S::ZERO,
         }

@@ -32,12 +32,17 @@ pub struct Requests {
     /// the order in which they were pressed.
     pressed: AtomicU32,
     single: AtomicBool,
+    /// Holds and aborts for which the stop limits were asked.
+    quick: AtomicU32,
     /// Overrides, as what they differ from 100 per cent by: untouched requests are all zeros.
     feed: AtomicU32,
     rapid: AtomicU32,
     /// Jogs that have been called off.
     #[cfg(feature = "jog")]
     cancels: AtomicU32,
+    /// Holds that have been pressed, the same one again too.
+    #[cfg(feature = "jog")]
+    holds: AtomicU32,
 }
 
 /// Overrides, per cent.
@@ -61,6 +66,8 @@ pub struct Wish {
     pub stop: bool,
     pub single: bool,
     pub overrides: Overrides,
+    /// Number of the last hold or abort by the stop limits.
+    pub quick: u32,
     /// Numbers of the last resume and of the last abort.
     pub resumes: u32,
     pub aborts: u32,
@@ -86,10 +93,13 @@ impl Requests {
         Self {
             pressed: AtomicU32::new(0),
             single: AtomicBool::new(false),
+            quick: AtomicU32::new(0),
             feed: AtomicU32::new(0),
             rapid: AtomicU32::new(0),
             #[cfg(feature = "jog")]
             cancels: AtomicU32::new(0),
+            #[cfg(feature = "jog")]
+            holds: AtomicU32::new(0),
         }
     }
 
@@ -99,12 +109,19 @@ impl Requests {
         self.cancels.load(Relaxed)
     }
 
+    /// Number of the last hold.
+    #[cfg(feature = "jog")]
+    pub fn holds(&self) -> u32 {
+        self.holds.load(Relaxed)
+    }
+
     pub fn read(&self) -> Wish {
         let pressed = self.pressed.load(Acquire);
         Wish {
             hold: pressed & HOLD != 0,
             stop: pressed & STOP != 0,
             single: self.is_single(),
+            quick: self.quick.load(Relaxed),
             overrides: Overrides { feed: per_cent(&self.feed), rapid: per_cent(&self.rapid) },
             resumes: pressed & RESUMES,
             aborts: pressed / ABORT,
@@ -145,9 +162,11 @@ impl Requests {
 /// | command | what it does | ended by |
 /// |---|---|---|
 /// | [`hold`](Self::hold) | brakes at once, rests on the path | a resume or an abort pressed after it |
+/// | [`quick_hold`](Self::quick_hold) | the same by the stop limits | as a hold |
 /// | [`stop`](Self::stop) | rests at the end of the block | a resume or an abort pressed after it |
 /// | [`resume`](Self::resume) | ends a hold, a stop, the rest at a pause or in single block mode | - (it is a moment) |
 /// | [`abort`](Self::abort) | brakes at once, drops everything; nothing is taken any more | [`Planner::acknowledge_abort`](crate::Planner::acknowledge_abort), once it is complete |
+/// | [`quick_abort`](Self::quick_abort) | the same by the stop limits | as an abort |
 /// | [`feed_override`](Self::feed_override), [`rapid_override`](Self::rapid_override) | change the speed; 0 is a hold | the next of its kind |
 /// | [`single_block`](Self::single_block) | rests at the end of every block | `single_block(false)` |
 /// | `cancel_jog` (feature `jog`) | ends a jog: as a hold and an abort do | the next jog |
@@ -175,7 +194,15 @@ impl<'a> Controls<'a> {
     pub fn hold(self) {
         self.requests.pressed.fetch_or(HOLD, Release);
         #[cfg(feature = "jog")]
-        self.cancel_jog();
+        self.requests.holds.fetch_add(1, Relaxed);
+    }
+
+    /// The same by the stop limits ([`Config::stop_limits`](crate::Config)): for a limit switch, a probe, a door. If the
+    /// motion brakes already, it goes on as it does.
+    pub fn quick_hold(self) {
+        // Before the hold itself, whose release makes it seen.
+        self.requests.quick.fetch_add(1, Relaxed);
+        self.hold();
     }
 
     /// Ends a jog: every axis brakes as hard as its limits allow. Without a jog it does nothing.
@@ -205,6 +232,12 @@ impl<'a> Controls<'a> {
     /// [`Planner::push`](crate::Planner::push) takes no block.
     pub fn abort(self) {
         self.requests.press(|pressed| (pressed & !(HOLD | STOP)).wrapping_add(ABORT));
+    }
+
+    /// The same by the stop limits ([`Config::stop_limits`](crate::Config)).
+    pub fn quick_abort(self) {
+        self.requests.quick.fetch_add(1, Relaxed);
+        self.abort();
     }
 
     /// Feed override, 0 to 200 per cent of the programmed feed (more counts as 200), never beyond

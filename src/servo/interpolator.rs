@@ -3,6 +3,8 @@
 use super::link::{ServoSide, Timeline};
 use super::piece::Slot;
 use super::setpoint::{Place, Setpoint};
+#[cfg(feature = "outputs")]
+use super::switcher::{Switched, Switcher};
 use crate::number::serial::{CycleSerial, NodeSerial};
 use crate::number::{Coord, Scalar};
 
@@ -26,6 +28,8 @@ pub struct Interpolator<'a, S: Scalar, const N: usize> {
     serial: NodeSerial,
     /// Where the motion rests if nothing follows.
     rest: Place<S, N>,
+    #[cfg(feature = "outputs")]
+    switcher: Switcher<'a, S>,
 }
 
 /// Pieces of a plan that may begin within one servo cycle: each lasts a quarter of one, but for its rounding.
@@ -50,6 +54,8 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
         cycle: S,
     ) -> Self {
         Self {
+            #[cfg(feature = "outputs")]
+            switcher: Switcher::new(side.board),
             side,
             cycle,
             piece: None,
@@ -76,6 +82,16 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
             // The time of a plan that branches off where the last cycle ended, and of a start from rest, counts from there.
             _ => self.start(last),
         }
+    }
+
+    /// Outputs in time with the path (feature `outputs`): to be called once after every tick, with its setpoint. Tells `sink` what
+    /// has switched within the servo cycle, of each output in order, at most four times; returns the power at its end.
+    ///
+    /// Work: without anything to come, a comparison; else one comparison per output, and what switches takes a
+    /// root and a division. `docs/target.md` has the number of instructions.
+    #[cfg(feature = "outputs")]
+    pub fn switch(&mut self, at: &Setpoint<S, N>, mut sink: impl FnMut(Switched<S>)) -> S {
+        self.switcher.tick(at, (self.side.active(), self.cycle), &mut sink)
     }
 
     // All that follow end with the setpoint, so that none is copied.

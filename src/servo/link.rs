@@ -33,8 +33,12 @@
 //! tests of `models.rs` try every interleaving of at most three preemptions, and fail if any one of these orderings is weakened.
 
 use super::control::Requests;
+#[cfg(feature = "probe")]
+use super::input::{Inputs, Lines};
 use super::interleave::{Fault, is_planted, point};
 use super::piece::{Piece, Slot};
+#[cfg(feature = "outputs")]
+use super::switching::Board;
 use crate::number::Scalar;
 use crate::number::atomic::{AtomicU32, fence};
 use crate::number::serial::{CycleSerial, NodeSerial};
@@ -129,6 +133,10 @@ pub struct Channel<S: Scalar, const N: usize, const NODES: usize> {
     plans: [[Slot<S, N>; NODES]; 2],
     flags: Flags<S>,
     requests: Requests,
+    #[cfg(feature = "probe")]
+    lines: Lines,
+    #[cfg(feature = "outputs")]
+    board: Board<S>,
 }
 
 impl<S: Scalar, const N: usize, const NODES: usize> Channel<S, N, NODES> {
@@ -138,6 +146,10 @@ impl<S: Scalar, const N: usize, const NODES: usize> Channel<S, N, NODES> {
             plans: [const { [const { Slot::EMPTY }; NODES] }; 2],
             flags: Flags::new(Origin::ZERO),
             requests: Requests::new(),
+            #[cfg(feature = "probe")]
+            lines: Lines::new(),
+            #[cfg(feature = "outputs")]
+            board: Board::new(),
         }
     }
 
@@ -146,11 +158,36 @@ impl<S: Scalar, const N: usize, const NODES: usize> Channel<S, N, NODES> {
         // What is left in the plan buffers is never read: their lengths are 0.
         self.flags = Flags::new(origin);
         self.requests = Requests::new();
+        #[cfg(feature = "probe")]
+        {
+            self.lines = Lines::new();
+        }
+        #[cfg(feature = "outputs")]
+        self.board.clear();
         let plans = [&self.plans[0][..], &self.plans[1][..]];
         let (flags, plan) = (&self.flags, origin.plan);
         (
-            PlanSide { plans, shared: flags, offered: plan, taken: plan, spare: 1, written: 0 },
-            ServoSide { plans, flags, plan, active: 0, next: 0 },
+            PlanSide {
+                plans,
+                shared: flags,
+                #[cfg(feature = "probe")]
+                lines: &self.lines,
+                offered: plan,
+                taken: plan,
+                spare: 1,
+                written: 0,
+                #[cfg(feature = "outputs")]
+                board: &self.board,
+            },
+            ServoSide {
+                plans,
+                flags,
+                plan,
+                active: 0,
+                next: 0,
+                #[cfg(feature = "outputs")]
+                board: &self.board,
+            },
             &self.requests,
         )
     }
@@ -172,17 +209,35 @@ pub struct PlanSide<'a, S: Scalar, const N: usize> {
     plans: [&'a [Slot<S, N>]; 2],
     /// Through [`PlanSide::flags`] only.
     shared: &'a Flags<S>,
+    #[cfg(feature = "probe")]
+    lines: &'a Lines,
     /// Number of the last offer, and of the last one that was taken.
     offered: u32,
     taken: u32,
     /// The buffer that is not being executed.
     spare: usize,
     written: usize,
+    /// Outputs that are to switch.
+    #[cfg(feature = "outputs")]
+    pub board: &'a Board<S>,
 }
 
 /// Attempts at a consistent look at the timeline; under the model checker one, for each multiplies what it has to
 /// try.
 const LOOKS: usize = if cfg!(all(test, loom)) { 1 } else { 8 };
+
+#[cfg(feature = "probe")]
+impl<'a, S: Scalar, const N: usize> PlanSide<'a, S, N> {
+    /// The inputs.
+    pub fn lines(&self) -> &'a Lines {
+        self.lines
+    }
+
+    /// The handle of what sees them.
+    pub fn inputs(&self) -> Inputs<'a> {
+        Inputs::new(self.lines, &self.shared.cycles)
+    }
+}
 
 impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
     /// What is shared; before every access another context may come in.
@@ -270,6 +325,37 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
         self.flags().offer.store(self.offered << 2 | OPEN, Release);
     }
 
+    /// The buffer that is being executed, and the other one.
+    #[cfg(feature = "outputs")]
+    pub fn buffers(&self) -> (usize, usize) {
+        (1 - self.spare, self.spare)
+    }
+
+    /// Pieces written for the next offer.
+    #[cfg(feature = "outputs")]
+    pub fn written(&self) -> usize {
+        self.written
+    }
+
+    /// Pieces of the plan that is being executed.
+    #[cfg(feature = "outputs")]
+    pub fn agreed(&self) -> usize {
+        self.flags().lengths[(1 - self.spare) & 1].load(Relaxed) as usize
+    }
+
+    /// Pieces of the plan on offer.
+    #[cfg(feature = "outputs")]
+    pub fn offered(&self) -> usize {
+        self.flags().lengths[self.spare & 1].load(Relaxed) as usize
+    }
+
+    /// The first pieces of a plan buffer.
+    #[cfg(feature = "outputs")]
+    pub fn pieces(&self, plan: usize, count: usize) -> &[Slot<S, N>] {
+        let plan = self.plans[plan & 1];
+        plan.get(..count).unwrap_or(plan)
+    }
+
     /// Node from which the piece under way starts, or at which the motion rests.
     pub fn progress(&self) -> NodeSerial {
         NodeSerial::from_raw(self.flags().progress.load(Acquire))
@@ -330,6 +416,9 @@ pub struct ServoSide<'a, S: Scalar, const N: usize> {
     active: usize,
     /// Index of the next piece in it.
     next: usize,
+    /// Outputs that are to switch.
+    #[cfg(feature = "outputs")]
+    pub board: &'a Board<S>,
 }
 
 impl<'a, S: Scalar, const N: usize> ServoSide<'a, S, N> {
@@ -428,6 +517,12 @@ impl<'a, S: Scalar, const N: usize> ServoSide<'a, S, N> {
         self.flags.lag.store(timeline.lag);
         self.flags.progress.store(timeline.serial.raw(), Relaxed);
         self.flags.version.store(version.wrapping_add(2), Release);
+    }
+
+    /// The buffer that is being executed.
+    #[cfg(feature = "outputs")]
+    pub fn active(&self) -> usize {
+        self.active
     }
 
     /// Number of the last servo cycle.

@@ -5,6 +5,10 @@
 //! at rest, so that the interrupt can always come to a stop with what it has.
 
 pub(crate) mod control;
+#[cfg(any(feature = "wire", feature = "grbl"))]
+pub(crate) mod events;
+#[cfg(feature = "probe")]
+pub(crate) mod input;
 #[cfg(not(feature = "interleave"))]
 pub(crate) mod interleave;
 #[cfg(feature = "interleave")]
@@ -16,7 +20,15 @@ pub(crate) mod link;
 mod models;
 pub(crate) mod piece;
 mod setpoint;
+#[cfg(feature = "outputs")]
+mod switcher;
+#[cfg(feature = "outputs")]
+pub(crate) mod switching;
 
 pub use control::Controls;
+#[cfg(feature = "probe")]
+pub use input::{Input, Inputs};
 pub use interpolator::Interpolator;
 pub use setpoint::{Activity, Setpoint};
+#[cfg(feature = "outputs")]
+pub use switcher::Switched;

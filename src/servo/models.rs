@@ -1,7 +1,7 @@
 //! What contexts share, under every interleaving of at most three preemptions and every value that the memory model
 //! lets a load see; a look at the timeline is tried once, not eight times.
 //!
-//! `RUSTFLAGS="--cfg loom" cargo test --release --lib --features wire models`. Every model must hold as the code stands;
+//! `RUSTFLAGS="--cfg loom" cargo test --release --lib --features wire,probe models`. Every model must hold as the code stands;
 //! each ordering that is stronger than relaxed is then weakened by itself, half by half, and each known bug of the
 //! protocol planted: a model must fail, or the place is listed with the reason why it may.
 
@@ -295,6 +295,33 @@ fn events() {
     interrupt.join().unwrap();
 }
 
+/// An edge is latched whole, and once, whoever tells it.
+#[cfg(feature = "probe")]
+fn edges() {
+    use crate::number::atomic::AtomicU32;
+    use crate::servo::input::{EdgeTime, Input, Inputs, Lines};
+    let lines: &'static Lines = Box::leak(Box::new(Lines::new()));
+    let inputs = [7, 9].map(|cycle| {
+        let cycles: &'static AtomicU32 = Box::leak(Box::new(AtomicU32::new(cycle)));
+        Inputs::new(lines, cycles)
+    });
+    inputs[0].tell(Input::Probe, false, 0.0);
+    assert!(lines.arm(Input::Probe, true));
+    let [one, other] = inputs;
+    let interrupt = spawn(move || one.tell(Input::Probe, true, 0.25));
+    other.tell(Input::Probe, true, 0.5);
+    let is_whole = |edge: EdgeTime| {
+        let EdgeTime { cycle, fraction } = edge;
+        [(7, 0.25), (9, 0.5)].contains(&(cycle.raw(), fraction))
+    };
+    let early = lines.latched(Input::Probe);
+    assert!(early.is_none_or(is_whole), "{early:?}");
+    interrupt.join().unwrap();
+    let edge = lines.latched(Input::Probe);
+    assert!(edge.is_some_and(is_whole), "{edge:?}");
+    assert!(early.is_none() || early == edge);
+}
+
 const MODELS: &[(&str, fn())] = &[
     ("plans at nodes", plans_at_nodes),
     ("plans at cycles", plans_at_cycles),
@@ -305,6 +332,8 @@ const MODELS: &[(&str, fn())] = &[
     ("commands before a hold", commands_before_a_hold),
     #[cfg(feature = "wire")]
     ("events", events),
+    #[cfg(feature = "probe")]
+    ("edges", edges),
     ("timelines", timelines),
 ];
 
@@ -352,10 +381,15 @@ fn every_bug_of_the_protocol_is_found() {
 }
 
 /// Halves that no model can miss, with the reason.
-const EXCEPTIONS: [(&str, bool, &str); 2] = [
+const EXCEPTIONS: [(&str, bool, &str); 4] = [
     ("self.out.store(out, Release);", false, LATER),
+    (EDGE, true, LATER),
+    (EDGE, false, LATER),
     ("let waiting = self.put.load(Relaxed).wrapping_sub(self.out.load(Acquire));", true, LATER),
 ];
+/// The time of an edge is read before the next is waited for, and that before its time is written.
+const EDGE: &str =
+    "while let Err(now) = self.state.compare_exchange(state, change(state), order, Relaxed) {";
 const LATER: &str =
     "keeps a load from seeing what is stored after it, which the model checker does not try";
 

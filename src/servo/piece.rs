@@ -48,6 +48,10 @@ pub struct Piece<S, const N: usize> {
     pub event: bool,
 }
 
+/// Halvings of a piece's time that find a place in it to less than rounding.
+#[cfg(feature = "outputs")]
+const HALVINGS: u32 = 40;
+
 /// In a slot, added to the sequel of a piece with an event.
 const EVENT: u32 = 4;
 
@@ -138,6 +142,50 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
         self.time.load()
     }
 
+    /// Arc length at its start.
+    #[cfg(feature = "outputs")]
+    pub fn arc_length(&self) -> ArcLength {
+        self.arc_length.load()
+    }
+
+    /// Arc length `t` seconds after its start.
+    #[cfg(feature = "outputs")]
+    pub fn arc_length_at(&self, t: S) -> ArcLength {
+        self.arc_length().plus(self.distance(t))
+    }
+
+    /// Whether it stands still.
+    #[cfg(feature = "outputs")]
+    pub fn stands(&self) -> bool {
+        self.path.iter().all(|c| c.load() == S::ZERO)
+    }
+
+    /// How far it has gone after `t` seconds, mm.
+    #[cfg(feature = "outputs")]
+    fn distance(&self, t: S) -> S {
+        self.path.iter().rev().fold(S::ZERO, |sum, c| (sum + c.load()) * t)
+    }
+
+    /// When it gets to a place, s from its start; its end if it does not.
+    #[cfg(feature = "outputs")]
+    pub fn time_at(&self, place: ArcLength) -> S {
+        let units = place.raw().wrapping_sub(self.arc_length().raw());
+        let distance = S::from_i64(units) * S::of(1.0e-7);
+        let (mut from, mut to) = (S::ZERO, self.time());
+        if !(self.distance(to) > distance) {
+            return to;
+        }
+        for _ in 0..HALVINGS {
+            let middle = (from + to) * S::of(0.5);
+            if self.distance(middle) < distance {
+                from = middle;
+            } else {
+                to = middle;
+            }
+        }
+        to
+    }
+
     /// Whether its first servo cycle reports an event.
     #[inline]
     pub fn has_event(&self) -> bool {
@@ -188,6 +236,13 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
         #[cfg(feature = "jog")]
         let still =
             if self.sequel.load(Relaxed) == Sequel::Jog as u32 { Activity::Jogging } else { still };
+        #[cfg(not(feature = "home"))]
+        let what_event = || Activity::Event;
+        #[cfg(feature = "home")]
+        let what_event = || match self.sequel.load(Relaxed) {
+            sequel if sequel == Sequel::Jog as u32 | EVENT => Activity::Set,
+            _ => Activity::Event,
+        };
         Setpoint {
             origin: self.origin.each_ref().map(Shared::load),
             offset: axes.map(|[offset, ..]| offset),
@@ -198,7 +253,7 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
             path_speed: speed,
             tag: self.tag.load(Relaxed),
             activity: if event {
-                Activity::Event
+                what_event()
             } else if dwells {
                 still
             } else {

@@ -17,6 +17,9 @@ pub enum Activity {
     /// At rest at an event of the program ([`Motion::Event`](crate::Motion::Event)), whose tag the
     /// setpoint has: now is the time to do what it stands for. For one servo cycle.
     Event,
+    /// At rest, in other coordinates than before (feature `home`): the machine has not moved, and what counts steps counts on from this
+    /// position. For one servo cycle.
+    Set,
     /// In a jog (feature `jog`): off the path, whose arc length and speed do not change.
     Jogging,
 }

@@ -46,7 +46,7 @@ fn check(cases: &[(Request, &str)]) {
 
 #[test]
 fn version_of_these_bytes() {
-    assert_eq!(VERSION, 4);
+    assert_eq!(VERSION, 5);
 }
 
 #[test]
@@ -74,6 +74,8 @@ fn commands() {
         (command(Command::RapidOverride(50)), "0b02ac02070532668ee99b00"),
         (command(Command::SingleBlock(true)), "0b02ac02070601ba9cbd8c00"),
         (command(Command::CancelJog), "0a02ac0207084be5688200"),
+        (command(Command::QuickHold), "0a02ac0207094866037000"),
+        (command(Command::QuickAbort), "0a02ac02070abc95536300"),
     ]);
 }
 

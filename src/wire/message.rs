@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 /// Version of the protocol. [`Request::Hello`] and [`Reply::Hello`] are the same in every version, so
 /// that two ends of different versions can say so.
-pub const VERSION: u8 = 4;
+pub const VERSION: u8 = 5;
 
 /// Silence after which a controller counts a sender as lost, if the sender does not ask for another
 /// time, ms.
@@ -54,6 +54,10 @@ pub enum Command {
     Jog(JogMove),
     /// End a jog.
     CancelJog,
+    /// Feed hold by the stop limits.
+    QuickHold,
+    /// Brake by the stop limits and drop everything.
+    QuickAbort,
 }
 
 impl Command {
@@ -64,6 +68,8 @@ impl Command {
             Self::Resume => controls.resume(),
             Self::Stop => controls.stop(),
             Self::Abort => controls.abort(),
+            Self::QuickHold => controls.quick_hold(),
+            Self::QuickAbort => controls.quick_abort(),
             Self::FeedOverride(percent) => controls.feed_override(percent),
             Self::RapidOverride(percent) => controls.rapid_override(percent),
             Self::SingleBlock(on) => controls.single_block(on),

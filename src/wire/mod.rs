@@ -63,7 +63,6 @@
 //! [`Station`] is the controller's end and [`Sender`] the host's. Neither knows a port or a clock; bytes
 //! and times go in, bytes come out.
 
-mod events;
 mod frame;
 #[cfg(test)]
 mod golden;
@@ -77,7 +76,6 @@ mod moves;
 mod sender;
 mod station;
 
-pub use events::{Event, Events};
 pub use frame::{FRAME, Inlet, encode};
 pub use jog::{JogMove, JogRefusal};
 pub use message::{
@@ -87,3 +85,5 @@ pub use message::{
 pub use moves::{Axes, Move, MoveError, Path, Speed, Target};
 pub use sender::{Sender, Step};
 pub use station::Station;
+
+pub use crate::servo::events::{Event, Events};

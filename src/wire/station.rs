@@ -1,6 +1,5 @@
 //! The controller's end.
 
-use super::events::{Event, Events};
 use super::frame::{FRAME, Inlet, encode};
 use super::jog::{JogMove, JogRefusal};
 use super::message::{
@@ -11,6 +10,7 @@ use super::moves::{Move, Path};
 use crate::block::{Block, Motion, PushError};
 use crate::number::{Coord, Scalar};
 use crate::planner::{Planner, Progress};
+use crate::servo::events::{Event, Events};
 use crate::servo::{Activity, Setpoint};
 use heapless::Deque;
 
@@ -176,10 +176,10 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
             return None;
         }
         match command {
-            Command::Abort => self.close(Refusal::Aborted),
+            Command::Abort | Command::QuickAbort => self.close(Refusal::Aborted),
             Command::Resume => self.lost = false,
             Command::Jog(jog) => self.jog = Some(jog),
-            Command::Hold | Command::CancelJog => self.jog = None,
+            Command::Hold | Command::QuickHold | Command::CancelJog => self.jog = None,
             _ => {}
         }
         Some(command)
@@ -537,11 +537,5 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
             _ => return 0,
         };
         encode(&reply, out).unwrap_or(0)
-    }
-}
-
-impl Event {
-    fn block<S: Scalar, const N: usize>(&self) -> Block<S, N> {
-        if self.pause { Block::pause(self.tag) } else { Block::event(self.tag) }
     }
 }

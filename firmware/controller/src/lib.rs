@@ -5,7 +5,8 @@
 //! A board gives a [`Port`] - a line, a clock, the last setpoint, its alarms - and calls [`Background::round`]
 //! again and again in the context of the lowest priority; its servo interrupt calls
 //! [`Interpolator::tick`](splineway::Interpolator::tick) and takes [`Events`](splineway::wire::Events). The
-//! image for the STM32F407, the emulator and the host's `splineway controller` run this loop.
+//! image for the STM32F407, the emulator and the host's `splineway controller` run this loop. With the feature `grbl` there is the
+//! same for senders that speak the protocol of grbl.
 //!
 //! What does not belong here: pins, timers, a chip's registers, a log (those are a board's), the rules of the
 //! line ([`splineway::wire`]), and motion ([`splineway`]).
@@ -16,6 +17,8 @@ extern crate std;
 
 mod background;
 mod clock;
+#[cfg(feature = "grbl")]
+pub mod grbl;
 
 pub use background::{Background, Port};
 pub use clock::Clock;

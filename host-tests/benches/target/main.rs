@@ -39,10 +39,11 @@ use std::path::{Path, PathBuf};
 /// Goals, as the README states them.
 const TICK: [(u8, u64); 2] = [(3, 600), (6, 1100)];
 /// Stack at most, bytes, of what the name of an entry contains; of every other the last.
-const STACKS: [(&str, u32); 9] = [
-    // The library for C has jogs in it, whose plans are made in one poll.
-    ("splineway_poll", 7 * 1024 + 256),
-    ("splineway_settle", 7 * 1024 + 256),
+const STACKS: [(&str, u32); 10] = [
+    // The library for C has jogs, probes and homing in it, whose plans are made in one poll.
+    ("splineway_poll", 8 * 1024 + 256),
+    ("splineway_settle", 8 * 1024 + 256),
+    ("home", 1024 + 128),
     ("tick", 1024),
     ("split", 1024),
     ("init", 2048),

@@ -21,6 +21,16 @@ pub struct Axis {
     pub jerk: f64,
 }
 
+/// Limits of one axis for stops that must be short.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct StopLimits {
+    /// mm/s2.
+    pub acceleration: f64,
+    /// mm/s3.
+    pub jerk: f64,
+}
+
 /// How far an axis may go, mm or degrees.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields, default)]
@@ -62,6 +72,8 @@ pub struct Machine {
     pub sweeps: u16,
     /// Limits by axis letter; "default" stands for those that are not named.
     pub axes: BTreeMap<String, Axis>,
+    /// Limits for quick stops by axis letter, or "default"; of an axis that is not named, its usual ones.
+    pub stop: BTreeMap<String, StopLimits>,
     /// Limits of travel by axis letter; an axis that is not named has none.
     pub travel: BTreeMap<String, Ends>,
     /// Work offsets by code (G54 to G59.3), mm or degrees by axis letter.
@@ -85,6 +97,7 @@ impl Default for Machine {
             lead: defaults::LEAD,
             sweeps: defaults::SWEEPS,
             axes: BTreeMap::from([("default".to_owned(), axis)]),
+            stop: BTreeMap::new(),
             travel: BTreeMap::new(),
             work: BTreeMap::new(),
             reference: BTreeMap::new(),
@@ -127,6 +140,13 @@ impl Machine {
         for (key, axis) in &self.axes {
             let limits = AxisLimits::linear(axis.velocity, axis.acceleration, axis.jerk);
             Limits::new([limits]).map_err(|error| anyhow!("axes.{key}: {error}"))?;
+        }
+        for (key, stop) in &self.stop {
+            if key != "default" && axis_index(key).is_none() {
+                bail!("stop.{key}: no such axis; axes are X Y Z A B C U V W and default");
+            }
+            let limits = AxisLimits::linear(1.0, stop.acceleration, stop.jerk);
+            Limits::new([limits]).map_err(|error| anyhow!("stop.{key}: {error}"))?;
         }
         for (key, ends) in &self.travel {
             if axis_index(key).is_none() {
@@ -203,24 +223,41 @@ impl Machine {
         })
     }
 
+    /// Limits of an axis in a quick stop: the greater of those for it and of the usual ones.
+    ///
+    /// # Errors
+    /// As [`Machine::axis`].
+    pub fn stop_axis(&self, index: usize) -> Result<Axis> {
+        let axis = self.axis(index)?;
+        let named = self.stop.iter().find(|(key, _)| axis_index(key) == Some(index));
+        let stop = named.map(|(_, stop)| stop).or_else(|| self.stop.get("default"));
+        Ok(stop.map_or(axis, |stop| Axis {
+            acceleration: axis.acceleration.max(stop.acceleration),
+            jerk: axis.jerk.max(stop.jerk),
+            ..axis
+        }))
+    }
+
     /// The core's configuration for the first `N` of `axes`.
     ///
     /// # Errors
     /// What the core does not accept.
     pub fn config<S: Scalar, const N: usize>(&self, axes: &[usize]) -> Result<Config<S, N>> {
         let mut limits = [AxisLimits::linear(S::ONE, S::ONE, S::ONE); N];
+        let mut stops = limits;
         let mut travel = [AxisTravel::default(); N];
-        for ((slot, ends), &index) in limits.iter_mut().zip(&mut travel).zip(axes) {
-            *ends = self.travel(index)?;
-            let axis = self.axis(index)?;
-            *slot = AxisLimits {
+        for (n, &index) in axes.iter().enumerate().take(N) {
+            let of = |axis: Axis| AxisLimits {
                 velocity: S::of(axis.velocity),
                 acceleration: S::of(axis.acceleration),
                 jerk: S::of(axis.jerk),
                 rotary: is_rotary(index),
             };
+            travel[n] = self.travel(index)?;
+            (limits[n], stops[n]) = (of(self.axis(index)?), of(self.stop_axis(index)?));
         }
         let mut config = Config::new(Limits::new(limits)?);
+        config.stop_limits = (!self.stop.is_empty()).then_some(Limits::new(stops)?);
         config.travel = Travel::new(travel)?;
         config.tolerance = S::of(self.tolerance);
         config.cycle = S::of(self.cycle);
@@ -232,6 +269,14 @@ impl Machine {
         };
         config.check()?;
         Ok(config)
+    }
+
+    /// Limits of the axes a program uses in quick stops, in its order.
+    ///
+    /// # Errors
+    /// If the machine lacks one of them.
+    pub fn stop_axes_of(&self, program: &Program) -> Result<Vec<Axis>> {
+        program.axes().into_iter().map(|index| self.stop_axis(index)).collect()
     }
 
     /// Limits of the axes a program uses, in its order.

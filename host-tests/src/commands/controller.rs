@@ -1,20 +1,41 @@
-//! `splineway controller`: a controller without a machine, for `splineway stream`.
+//! `splineway controller`: a controller without a machine, for `splineway stream` and for senders of grbl.
 
 use crate::stream::{
-    Controller, Faults, Happening, describe_event, describe_place, describe_state,
+    Controller, Doing, Faults, Grbl, Happening, Kept, Line, describe_event, describe_place,
+    describe_state,
 };
 use anyhow::{Result, ensure};
+use splineway::grbl::{Accessories, Spindle};
 use splineway_simulator::machine::Machine;
 use splineway_simulator::program::LETTERS;
 use std::io::Write;
 use std::path::PathBuf;
 
-/// Runs the core as firmware does, on a pseudo-terminal, with the same protocol and no machine.
+/// What a controller speaks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Protocol {
+    /// That of `splineway stream`.
+    #[default]
+    Wire,
+    /// That of grbl 1.1, for senders that people have.
+    Grbl,
+}
+
+/// Runs the core as firmware does, on a pseudo-terminal or a TCP port, with the same protocols and no machine.
 #[derive(Clone, Debug, clap::Args)]
 pub struct ControllerCommand {
     /// Axes: 3, 6 or 9.
     #[arg(long, default_value_t = 3)]
     pub axes: usize,
+    /// What it speaks.
+    #[arg(long, value_enum, default_value_t)]
+    pub protocol: Protocol,
+    /// Listen on this TCP port of this computer instead of a pseudo-terminal; 0 takes a free one.
+    #[arg(long, value_name = "PORT")]
+    pub tcp: Option<u16>,
+    /// Keep the settings of grbl in this file.
+    #[arg(long, value_name = "FILE")]
+    pub settings: Option<PathBuf>,
     /// Machine description (TOML); a small milling machine if left out.
     #[arg(long, value_name = "TOML")]
     pub machine: Option<PathBuf>,
@@ -42,9 +63,29 @@ impl ControllerCommand {
             self.faults
         );
         let machine = self.machine.as_deref().map(Machine::read).transpose()?.unwrap_or_default();
-        let controller = Controller::open()?;
-        println!("port: {}", controller.name());
+        let is_grbl = self.protocol == Protocol::Grbl;
+        ensure!(is_grbl || self.settings.is_none(), "settings are kept with --protocol grbl only");
+        ensure!(
+            !is_grbl || self.faults <= 0.0,
+            "faults are for the protocol of splineway stream only"
+        );
+        ensure!(
+            !is_grbl || !self.once,
+            "--once ends after a program, and grbl knows no end of one"
+        );
+        let line = self.tcp.map_or_else(Line::terminal, Line::network)?;
+        println!("port: {}", line.name());
         std::io::stdout().flush()?;
+        if is_grbl {
+            let kept = Kept::new(self.axes, self.settings.as_deref())?;
+            return Grbl::new(line, kept).run(&machine, self.axes, self.speed, |doing| {
+                // Nobody may be reading: the machine runs on without.
+                let mut out = std::io::stdout();
+                let _ = writeln!(out, "{}", describe(doing)).and_then(|()| out.flush());
+                false
+            });
+        }
+        let controller = Controller::new(line);
         let faults = Faults { share: self.faults };
         // Nobody may be reading: the machine runs on without.
         let mut out = std::io::stdout();
@@ -69,5 +110,29 @@ impl ControllerCommand {
                 self.once
             }
         })
+    }
+}
+
+/// What a controller does, in words.
+fn describe(doing: &Doing) -> String {
+    match doing {
+        Doing::State { state, position } => {
+            format!("{}, at {}", state.name(), describe_place(position))
+        }
+        Doing::Switch(Accessories { spindle, speed, flood, mist }) => {
+            let spindle = match spindle {
+                Spindle::Off => "off".to_owned(),
+                Spindle::Clockwise => format!("clockwise at {speed} rpm"),
+                Spindle::CounterClockwise => format!("counterclockwise at {speed} rpm"),
+            };
+            let coolant = match (flood, mist) {
+                (false, false) => "off",
+                (true, false) => "flood",
+                (false, true) => "mist",
+                (true, true) => "flood and mist",
+            };
+            format!("spindle {spindle}, coolant {coolant}")
+        }
+        Doing::Event(event) => format!("line {}: {}", event.tag, describe_event(event)),
     }
 }

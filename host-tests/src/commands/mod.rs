@@ -6,6 +6,7 @@ pub mod check;
 pub mod controller;
 pub mod corners;
 pub mod files;
+pub mod limit;
 pub mod paper;
 pub mod reading;
 pub mod simulate;

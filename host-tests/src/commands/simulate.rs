@@ -149,7 +149,8 @@ impl Simulate {
         let limits = machine.axes_of(&program)?;
         let letters: Vec<char> = program.axes().into_iter().map(|axis| LETTERS[axis]).collect();
         let track = Track::new(&program);
-        let judge = Judge::new(&track, &limits, machine.cycle, machine.tolerance);
+        let judge = Judge::new(&track, &limits, machine.cycle, machine.tolerance)
+            .stopping(&machine.stop_axes_of(&program)?);
         let stops = Stops::new(&program, &machine)?;
         let mut judge = judge.timed(&stops, 0.0);
         let mut happenings = Happenings::new(&program);
@@ -208,6 +209,9 @@ impl Simulate {
             println!("{}", serde_json::to_string_pretty(&report)?);
         } else if !self.quiet {
             print_summary(&report);
+            for words in &stats.sought {
+                println!("{words}");
+            }
             if stats.aborted {
                 println!("aborted         the rest of the program was dropped");
             }

@@ -1,16 +1,12 @@
-//! A controller without a machine: the background of the firmware ([`splineway_controller`]), on a
-//! pseudo-terminal.
+//! A controller without a machine: the background of the firmware ([`splineway_controller`]), on a line.
 
-use anyhow::{Context, Result, bail};
-use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+use super::line::Line;
+use anyhow::{Result, bail};
 use splineway::wire::{Event, Events, State};
 use splineway::{Activity, BLOCKS, Coord, Link, NODES, Planner, Progress, Setpoint};
 use splineway_controller::{Background, Port};
 use splineway_simulator::machine::Machine;
 use std::collections::VecDeque;
-use std::fs::File;
-use std::io::{Read, Write};
-use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
 /// Items that wait for the planner.
@@ -103,47 +99,36 @@ pub enum Happening {
     Run(Vec<i64>),
 }
 
-/// A controller on a pseudo-terminal.
+/// A controller without a machine, at its end of a line.
 #[derive(Debug)]
 pub struct Controller {
-    terminal: File,
-    /// Kept open, so that reading does not fail while nobody else has it.
-    _other_end: File,
-    name: String,
+    line: Line,
 }
 
 impl Controller {
-    /// Opens a pseudo-terminal.
+    /// At the end of a line.
+    pub const fn new(line: Line) -> Self {
+        Self { line }
+    }
+
+    /// On a pseudo-terminal.
     ///
     /// # Errors
     /// The system has none left.
     pub fn open() -> Result<Self> {
-        let flags = OpenptFlags::RDWR | OpenptFlags::NOCTTY;
-        // Nobody else's: a child process that has it too would keep it from hanging up.
-        #[cfg(target_os = "linux")]
-        let flags = flags | OpenptFlags::CLOEXEC;
-        let terminal = openpt(flags)?;
-        grantpt(&terminal)?;
-        unlockpt(&terminal)?;
-        let name = ptsname(&terminal, Vec::new())?.into_string().context("name of the terminal")?;
-        let other_end = File::options().read(true).write(true).open(&name)?;
-        // Bytes as they are: no echo, no line ends.
-        let mut settings = rustix::termios::tcgetattr(&other_end)?;
-        settings.make_raw();
-        rustix::termios::tcsetattr(&other_end, rustix::termios::OptionalActions::Now, &settings)?;
-        Ok(Self { terminal: File::from(terminal), _other_end: other_end, name })
+        Line::terminal().map(Self::new)
     }
 
     /// Name of the port that a host opens.
     pub fn name(&self) -> &str {
-        &self.name
+        self.line.name()
     }
 
     /// Runs what comes, `speed` times as fast as the clock, and tells what happens, until `tell` says that
     /// this is enough.
     ///
     /// # Errors
-    /// The machine cannot be used; the terminal fails.
+    /// The machine cannot be used.
     pub fn run(
         self,
         machine: &Machine,
@@ -160,23 +145,8 @@ impl Controller {
         }
     }
 
-    /// A thread that listens, so that the controller never waits.
-    fn listen(&self) -> Result<Receiver<Vec<u8>>> {
-        let mut terminal = self.terminal.try_clone()?;
-        let (sender, receiver) = channel();
-        std::thread::spawn(move || {
-            let mut bytes = [0; 4096];
-            while let Ok(count) = terminal.read(&mut bytes) {
-                if sender.send(bytes[..count].to_vec()).is_err() {
-                    return;
-                }
-            }
-        });
-        Ok(receiver)
-    }
-
     fn run_axes<const N: usize>(
-        mut self,
+        self,
         machine: &Machine,
         speed: f64,
         faults: Faults,
@@ -190,7 +160,6 @@ impl Controller {
         let events = Events::<EVENTS>::new();
         let mut background =
             Background::<_, N, BLOCKS, NODES, QUEUE, EVENTS>::new(&mut planner, &events);
-        let bytes = self.listen()?;
         let (began, mut cycles) = (Instant::now(), 0);
         let mut outside = Outside {
             faults,
@@ -205,8 +174,8 @@ impl Controller {
             // A short wait stands for the time the processor has nothing to do. A byte ends it.
             let rests = state == State::Idle && heard.elapsed() > SILENCE;
             let wait = if rests { IDLE } else { BUSY };
-            let first = bytes.recv_timeout(wait).unwrap_or_default();
-            for chunk in std::iter::once(first).chain(bytes.try_iter()) {
+            let first = self.line.bytes().recv_timeout(wait).unwrap_or_default();
+            for chunk in std::iter::once(first).chain(self.line.bytes().try_iter()) {
                 if !chunk.is_empty() {
                     heard = Instant::now();
                 }
@@ -229,7 +198,7 @@ impl Controller {
                 while background.round(&mut outside) == Progress::Planning {}
             }
             cycles = target;
-            self.terminal.write_all(&outside.outgoing)?;
+            self.line.write(&outside.outgoing);
             outside.outgoing.clear();
             let setpoint = outside.setpoint;
             let before = std::mem::replace(&mut state, background.state(&setpoint));

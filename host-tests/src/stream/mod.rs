@@ -3,6 +3,10 @@
 #[cfg(unix)]
 mod controller;
 mod convert;
+#[cfg(unix)]
+mod grbl;
+#[cfg(unix)]
+mod line;
 mod order;
 mod place;
 mod send;
@@ -11,6 +15,10 @@ mod talk;
 #[cfg(unix)]
 pub use controller::{Controller, Faults, Happening};
 pub use convert::{check, items};
+#[cfg(unix)]
+pub use grbl::{Doing, Grbl, Kept};
+#[cfg(unix)]
+pub use line::Line;
 pub use order::{Command, Order, parse_command};
 pub use place::{describe_event, describe_place, describe_state, open_port, placed};
 pub use send::{Settings, Summary, send};

@@ -192,11 +192,15 @@ fn run(
             let (taken, items) = (talk.sender.taken(), talk.items.len() as u32);
             watch(News::Status { taken, items, situation });
             if situation.state != before {
+                let held = [before, situation.state].contains(&State::Held);
                 before = situation.state;
                 if let Some(notice) = notice(before, paused) {
                     watch(News::Notice(&notice));
                 }
-                paused = None;
+                // The pause may have been told before the controller shows that it rests there.
+                if held {
+                    paused = None;
+                }
             }
         }
         let refused = talk.situation().and_then(|situation| situation.jog);

@@ -208,13 +208,7 @@ mod tests {
         let mut to = [0.0; 9];
         for n in 0..20 {
             to[n % 2] += 10.0;
-            program.moves.push(Move {
-                path: Course::Line { to },
-                speed: Speed::PerSecond(200.0),
-                tolerance: None,
-                exact_stop: false,
-                line: 0,
-            });
+            program.moves.push(Move::new(Course::Line { to }, Speed::PerSecond(200.0), 0));
         }
         program
     }

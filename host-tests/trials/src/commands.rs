@@ -11,13 +11,15 @@ pub fn events(commands: &[Press], time: f64) -> Events {
         .iter()
         .map(|&(when, kind, percent)| {
             let action = match kind {
-                0..=3 => Action::Command(Command::Hold),
+                0..=2 => Action::Command(Command::Hold),
+                3 => Action::Command(Command::QuickHold),
                 4..=6 => Action::Command(Command::Resume),
                 7 => Action::Command(Command::Stop),
                 8 => Action::Command(Command::SingleBlock(true)),
                 9 => Action::Command(Command::SingleBlock(false)),
                 10 => Action::Command(Command::RapidOverride(percent.min(100))),
                 11 => Action::Starve(f64::from(percent) * 1.0e-3),
+                12 if percent < 20 => Action::Command(Command::QuickAbort),
                 12 if percent < 40 => Action::Command(Command::Abort),
                 _ => Action::Command(Command::FeedOverride(percent)),
             };

@@ -98,13 +98,8 @@ pub fn poly_line(points: &[([f64; 3], f64)]) -> Program {
     for (n, (point, feed)) in points.iter().enumerate() {
         let mut to: Point = [0.0; 9];
         to[..3].copy_from_slice(point);
-        program.moves.push(Move {
-            path: Course::Line { to },
-            speed: Speed::PerSecond(*feed),
-            tolerance: None,
-            exact_stop: false,
-            line: n as u32 + 1,
-        });
+        let path = Course::Line { to };
+        program.moves.push(Move::new(path, Speed::PerSecond(*feed), n as u32 + 1));
     }
     program
 }

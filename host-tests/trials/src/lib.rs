@@ -12,7 +12,7 @@ pub use commands::{Press, events};
 pub use dense::{Stretch, dense, poly_line};
 pub use moves::{Draw, program};
 
-use splineway_simulator::machine::{Axis, Machine};
+use splineway_simulator::machine::{Axis, Machine, StopLimits};
 use std::collections::BTreeMap;
 
 /// A machine whose axes differ; `scale` is for its acceleration and, on top, for its jerk.
@@ -29,5 +29,7 @@ pub fn machine(tolerance: f64, scale: (f64, f64), axes: usize) -> Machine {
             ((*letter).to_owned(), axis)
         })
         .collect();
-    Machine { tolerance, axes, lookahead: 16, ..Machine::default() }
+    let quick = StopLimits { acceleration: 5000.0 * scale.0, jerk: 4.0e5 * scale.0 * scale.1 };
+    let stop = BTreeMap::from([("default".to_owned(), quick)]);
+    Machine { tolerance, axes, stop, lookahead: 16, ..Machine::default() }
 }

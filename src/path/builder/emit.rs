@@ -21,6 +21,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             return Cut::Working;
         }
         let cut = self.cut(last, config).unwrap_or(Cut::Nothing);
+        #[cfg(feature = "outputs")]
+        if matches!(cut, Cut::Cell(_)) {
+            self.in_run = matches!(self.stage, Stage::Run { .. });
+        }
         debug_assert!(!matches!(&cut, Cut::Cell(cell) if !cell.holds()), "a broken cell");
         cut
     }
@@ -45,6 +49,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                 Stage::Run { until } => {
                     match self.run.next(last, self.rested, config.sweeps) {
                         Cut::Cell(cell) => {
+                            #[cfg(feature = "outputs")]
+                            match until {
+                                Some(s) if self.run.is_done() => self.meter.cut_to(s),
+                                _ => self.meter.cut_run(self.run.handed_to()),
+                            }
                             self.rested = cell.rest;
                             return Some(Cut::Cell(cell));
                         }
@@ -96,6 +105,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let cell = transition.cell(index, &from, programmed);
         let next = self.queue.get(1).and_then(|next| next.segment)?;
         let node = transition.node(index + 1);
+        #[cfg(feature = "outputs")]
+        self.meter_joint(front, index + 1, (cells, middle));
         if index + 1 == cells && self.given >= next.exact_length {
             self.rested = true;
             return Some(Emitted { from, cell, node: Node { at: next.end, ..node }, rest: true });
@@ -115,9 +126,27 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         self.stage = Stage::Blend { blend: *blend, index: index + 1 };
         let programmed =
             self.programmed_beside(index, (blend::CELLS, blend::CELLS / 2), front.segment.length)?;
+        #[cfg(feature = "outputs")]
+        self.meter_joint(front, index + 1, (blend::CELLS, blend::CELLS / 2));
         let from = if self.rested { blend.node(index) } else { *last };
         let cell = blend.cell(index, &from, programmed);
         Some(self.moving(from, cell, blend.node(index + 1)))
+    }
+
+    /// The joint behind the front segment is cut up to node `index` of it, of `cells` in all, of which the first `middle`
+    /// belong to the front.
+    #[cfg(feature = "outputs")]
+    fn meter_joint(&mut self, front: &Front<S, N>, index: u8, (cells, middle): (u8, u8)) {
+        let whole = front.segment.exact_length;
+        let part = |all: Length, of: u8, count: u8| all / i64::from(of.max(1)) * i64::from(count);
+        if index < middle {
+            let left = part(self.kept, middle, middle - index);
+            self.meter.cut_to(whole - left);
+        } else if index < cells {
+            self.meter.cut_beyond(whole, part(self.given, cells - middle, index - middle));
+        } else {
+            self.meter.cut_beyond(whole, self.given);
+        }
     }
 
     /// A cell that is passed.
@@ -137,7 +166,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let dwell = dwell_part(block.dwell, config.cycle);
         match self.queue.front_mut() {
             Some(front) if dwell < block.dwell => front.dwell = block.dwell - dwell,
-            _ => drop(self.queue.pop_front()),
+            _ => {
+                let _ = self.queue.pop_front();
+                #[cfg(feature = "outputs")]
+                self.meter.cut_stand();
+            }
         }
         self.rested = true;
         standstill(last, &QueuedBlock { dwell, ..block })
@@ -161,6 +194,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         };
         let (next, goal) = self.to_mark(front, body.left(), goal, config);
         self.stage = Stage::Body(Body { s: next, next: goal, ..body });
+        #[cfg(feature = "outputs")]
+        self.meter.cut_to(next);
         let entry = Node { at: last.at, ..front.segment.node(body.s) };
         let from = if self.rested { entry } else { *last };
         let piece = Interval { from: body.s, to: next };
@@ -224,6 +259,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// Drops the front block; the next one starts where its joint ended.
     pub(super) fn next_block(&mut self) {
         let done = self.queue.pop_front();
+        #[cfg(feature = "outputs")]
+        if let Some(segment) = done.as_ref().and_then(|done| done.segment.as_ref()) {
+            self.meter.pass(segment.exact_length);
+        }
         self.marks.drop_front(done.as_ref().map_or(0, |done| usize::from(done.marks)));
         if let (Some(done), Some(next)) = (done, self.queue.front_mut()) {
             next.taken = self.given;

@@ -106,6 +106,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let beside = beside(block.entered, block.taken, segment);
         self.run.begin(Start { at: segment.node(s).at, tie, ramp, beside }, block.leg());
         self.run_from = s;
+        #[cfg(feature = "outputs")]
+        self.meter.begin_run(s);
         self.stage = Stage::Run { until: None };
     }
 
@@ -121,6 +123,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         self.mark_run(taken);
         if joint == Joint::Run {
             self.run.push(segment.end, block.leg());
+            #[cfg(feature = "outputs")]
+            self.meter.add_vertex(self.run.reach(), segment.exact_length);
             self.run_from = Length::ZERO;
             self.next_block();
             self.stage = Stage::Run { until: None };
@@ -135,6 +139,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let mut leg = block.leg();
         leg.programmed.tag = self.tag_at(0, until.to_mm());
         self.run.finish(segment.node(until).at, leg, tie, beside);
+        #[cfg(feature = "outputs")]
+        self.meter.add_vertex(self.run.reach(), until);
         self.stage = Stage::Run { until: Some(until) };
         true
     }

@@ -8,6 +8,8 @@ use crate::number::Scalar;
 use crate::number::vector::{norm, sub};
 use crate::path::budget::Straightened;
 use crate::path::chords::Chords;
+#[cfg(feature = "outputs")]
+use crate::path::feed;
 use crate::path::joint::joint;
 use crate::path::queued::{Joint, QueuedBlock};
 use crate::path::segment::Segment;
@@ -34,6 +36,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         if self.is_full() {
             return Err(PushError::Full);
         }
+        #[cfg(feature = "outputs")]
+        self.meter.begin();
         if matches!(block.motion, Motion::Cubic { .. }) {
             return self.take_curve(block, config);
         }
@@ -79,7 +83,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         config: &Config<S, N>,
     ) -> Result<(), PushError> {
         let reject = |reason| PushError::Rejected { tag: block.tag, reason };
-        let Some(item) = QueuedBlock::new(self.end, block, whole, config).map_err(reject)? else {
+        let Some(mut item) = QueuedBlock::new(self.end, block, whole, config).map_err(reject)?
+        else {
             // Zero length: nothing to do but to honour an exact stop.
             if block.exact_stop
                 && let Some(last) = self.queue.back_mut()
@@ -88,12 +93,26 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             }
             return Ok(());
         };
+        item.limits = self.limits;
+        #[cfg(feature = "limits")]
+        {
+            self.limits_used = true;
+        }
         self.closed = false;
+        #[cfg(feature = "outputs")]
+        if let Some(segment) = &item.segment {
+            self.asked = feed::programmed_speed(segment, whole, block.feed, &config.limits);
+        }
         if let Some(segment) = &item.segment {
             self.end = segment.end;
         }
         if self.take_as_part(&item, config) {
             return Ok(());
+        }
+        #[cfg(feature = "outputs")]
+        match &item.segment {
+            Some(segment) => self.meter.take(segment.exact_length),
+            None => self.meter.take_stand(),
         }
         self.sleeve.set(None);
         // The joint behind a block that is being cut has been decided, unless a run goes on.
@@ -137,6 +156,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         }
         self.sleeve.set(Some(sleeve));
         if let Some(last) = self.queue.back_mut() {
+            #[cfg(feature = "outputs")]
+            if let (Some(before), Some(after)) = (&last.segment, &longer.segment) {
+                self.meter.lengthen(before.exact_length, after.exact_length);
+            }
             *last = longer;
         }
         // The joint behind a block that is being cut has been decided, unless a run goes on.

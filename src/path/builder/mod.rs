@@ -4,11 +4,13 @@
 //! wants of it: so a block is held until two more have come, or until the path is closed.
 //!
 //! [`intake`] takes blocks in; [`front`] decides how the first of them joins the next; [`emit`] cuts it into cells, which
-//! show the [`tags`] of its lines.
+//! show the [`tags`] of its lines. A `meter` tells outputs where blocks end.
 
 mod emit;
 mod front;
 mod intake;
+#[cfg(feature = "outputs")]
+pub(crate) mod meter;
 mod tags;
 #[cfg(test)]
 mod tests;
@@ -22,6 +24,7 @@ use super::run::Run;
 use super::segment::Segment;
 use super::straight::{Marks, Sleeve};
 use super::transition::Transition;
+use crate::machine::SetNumber;
 use crate::number::optional::Optional;
 use crate::number::{Coord, Interval, Length, Scalar};
 use heapless::Deque;
@@ -86,6 +89,11 @@ pub struct Builder<S, const N: usize, const BLOCKS: usize> {
     closed: bool,
     /// Whether the motion is to rest exactly where a block ends (single block mode): as far as joints are decided from now on.
     single: bool,
+    /// Which limits bound the blocks that are taken from now on.
+    limits: SetNumber,
+    /// Whether they bound one yet.
+    #[cfg(feature = "limits")]
+    limits_used: bool,
     stage: Stage<S, N>,
     /// Length kept free of the front segment's end by its joint to the next.
     kept: Length,
@@ -99,6 +107,14 @@ pub struct Builder<S, const N: usize, const BLOCKS: usize> {
     run_from: Length,
     /// Whether the last cell ended at rest, so that the direction may change.
     rested: bool,
+    #[cfg(feature = "outputs")]
+    meter: meter::Meter,
+    /// Whether the last cell is one of the run.
+    #[cfg(feature = "outputs")]
+    in_run: bool,
+    /// Speed along the path that the last block asks for, whatever the axes allow, mm/s; `None` of a rapid.
+    #[cfg(feature = "outputs")]
+    asked: Option<S>,
 }
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
@@ -111,6 +127,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         end: [Coord::ZERO; N],
         closed: false,
         single: false,
+        limits: SetNumber::FIRST,
+        #[cfg(feature = "limits")]
+        limits_used: false,
         stage: Stage::Waiting,
         kept: Length::ZERO,
         given: Length::ZERO,
@@ -118,6 +137,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         run: Run::new(),
         run_from: Length::ZERO,
         rested: false,
+        #[cfg(feature = "outputs")]
+        meter: meter::Meter::new(),
+        #[cfg(feature = "outputs")]
+        in_run: false,
+        #[cfg(feature = "outputs")]
+        asked: None,
     };
 
     /// Forgets everything and starts anew at a point. (In place: a new one would take its size of stack.)
@@ -135,6 +160,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         self.half = None;
         self.run.clear();
         self.rested = true;
+        #[cfg(feature = "outputs")]
+        self.meter.clear();
     }
 
     /// End point of the last accepted block.
@@ -163,10 +190,55 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         self.single = single;
     }
 
+    /// Which limits bound the blocks that are taken from now on, the whole of each.
+    pub fn set_limits(&mut self, limits: SetNumber) {
+        self.limits = limits;
+        #[cfg(feature = "limits")]
+        {
+            self.limits_used = false;
+        }
+    }
+
+    /// Whether a block has been taken with the limits that are set.
+    #[cfg(feature = "limits")]
+    pub fn uses_limits(&self) -> bool {
+        self.limits_used
+    }
+
+    /// Whether a curve that has been taken is still being cut into blocks.
+    #[cfg(feature = "limits")]
+    pub fn takes_curve(&self) -> bool {
+        self.chords.is_some()
+    }
+
     /// Whether the motion rests between two blocks because single block mode asks for it. A block is all that has one tag:
     /// the chords of a curve, the moves of a cycle.
     fn parts(&self, before: &QueuedBlock<S, N>, after: &QueuedBlock<S, N>) -> bool {
         self.single && before.tag != after.tag
+    }
+
+    /// How far blocks go, and have been cut.
+    #[cfg(feature = "outputs")]
+    pub fn meter(&self) -> &meter::Meter {
+        &self.meter
+    }
+
+    /// Share of the length of the last cell that lies before a share of the programmed path that it is made from.
+    #[cfg(feature = "outputs")]
+    pub fn share_before(&self, share: S) -> S {
+        if self.in_run { self.run.share_before(share) } else { share }
+    }
+
+    /// Speed along the path that the block taken last asks for, whatever the axes allow, mm/s; `None` of a rapid.
+    #[cfg(feature = "outputs")]
+    pub fn asked(&self) -> Option<S> {
+        self.asked
+    }
+
+    /// Whether the end of the last block is known: of a curve not before all of it has been taken.
+    #[cfg(feature = "outputs")]
+    pub fn knows_end(&self) -> bool {
+        !self.chords.is_some()
     }
 
     /// Whether the joint behind the front block has not been decided.

@@ -21,6 +21,8 @@ use self::knots::KnotState;
 use self::pieces::Pieces;
 use self::polyline::{Polyline, VertexSerial};
 use self::sliding::SlidingSpline;
+#[cfg(feature = "outputs")]
+use self::span::SpanCurve;
 use super::cut::{Cut, Emitted};
 use super::leg::Leg;
 use super::node::Node;
@@ -74,6 +76,11 @@ pub struct Run<S, const N: usize> {
     ready: usize,
     /// Cells of the next one that have been handed on.
     part: u32,
+    /// Arc length at the end of the last cell, and its curve and part of it.
+    #[cfg(feature = "outputs")]
+    handed_to: Length,
+    #[cfg(feature = "outputs")]
+    shape: Optional<(SpanCurve<S, N>, u32)>,
     /// Pieces of lines that have tags of their own.
     pieces: Pieces<S>,
 }
@@ -95,6 +102,10 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             handed: 0,
             ready: 0,
             part: 0,
+            #[cfg(feature = "outputs")]
+            handed_to: Length::ZERO,
+            #[cfg(feature = "outputs")]
+            shape: Optional::NONE,
             pieces: Pieces::new(),
         }
     }
@@ -143,6 +154,18 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     /// Arc length at the end of the last line taken.
     pub fn reach(&self) -> Length {
         self.polyline.reach()
+    }
+
+    /// Arc length at the end of the last cell that was handed on.
+    #[cfg(feature = "outputs")]
+    pub fn handed_to(&self) -> Length {
+        self.handed_to
+    }
+
+    /// Share of the length of the last cell that lies before a share of its parameter.
+    #[cfg(feature = "outputs")]
+    pub fn share_before(&self, share: S) -> S {
+        self.shape.as_ref().map_or(share, |(curve, part)| curve.share_before(*part, share))
     }
 
     /// Takes note of a piece of the next line and its tag. Where there is no room
@@ -272,6 +295,13 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         let programmed = self.spline.legs.get(span)?.programmed;
         let cell = curve.cell(part, &from, &node, programmed);
         self.part += 1;
+        #[cfg(feature = "outputs")]
+        {
+            let Interval { from, to } = self.spline.interval(span);
+            let parts = i64::from(curve.parts().max(1));
+            self.shape.set(Some((curve, part)));
+            self.handed_to = to - (to - from) / parts * (parts - i64::from(self.part));
+        }
         if self.part == curve.parts() {
             self.part = 0;
             self.handed += 1;

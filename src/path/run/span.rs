@@ -74,6 +74,14 @@ impl<S: Scalar, const N: usize> SpanCurve<S, N> {
         integral(from, to, |u| norm(&self.first(u))) * self.step
     }
 
+    /// Share of a part's length that lies before a share of its parameter.
+    #[cfg(feature = "outputs")]
+    pub fn share_before(&self, part: u32, share: S) -> S {
+        let (from, to) = (self.place(part), self.place(part + 1));
+        let whole = self.length(from, to);
+        if whole > S::ZERO { self.length(from, from + (to - from) * share) / whole } else { share }
+    }
+
     /// Direction and bend before a part.
     pub fn frame(&self, part: u32) -> Frame<S, N> {
         let u = self.place(part);

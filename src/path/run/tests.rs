@@ -27,7 +27,7 @@ fn cells_within(
     band: impl Fn(usize) -> f64,
 ) -> Vec<Emitted<f64, 2>> {
     let at = |p: &[f64; 2]| p.map(|x| Coord::from_mm(x).unwrap());
-    let programmed = Programmed { feed: 100.0, rapid: false, tag: 0 };
+    let programmed = Programmed::feed(100.0);
     let leg = |line| Leg { programmed, tolerance: band(line), error: 0.0 };
     let mut line = 0;
     let mut run = std::boxed::Box::new(Run::new());

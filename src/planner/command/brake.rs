@@ -16,8 +16,8 @@ const CELLS: usize = 10;
 impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     Planner<'_, S, N, BLOCKS, NODES>
 {
-    /// A plan that comes to rest as soon as the limits allow. Whether there is one.
-    pub(super) fn brake(&mut self, at: NodeSerial) -> bool {
+    /// A plan that comes to rest as soon as the limits allow, or the stop limits. Whether there is one.
+    pub(super) fn brake(&mut self, at: NodeSerial, quick: bool) -> bool {
         let stands = self.horizon.stands(at);
         if stands {
             let moment = self.moment();
@@ -43,7 +43,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         let needed = self.effort.stop.cycles(1);
         let needed = if needed > S::ZERO { needed } else { self.effort.plan.cycles(CELLS) };
-        match self.horizon.begin_slowing(self.moment_after(needed), self.pressing.attempts) {
+        match self.horizon.begin_slowing(self.moment_after(needed), self.pressing.attempts, quick) {
             Begun::Attempt(begun) => self.make((Purpose::Hold, at), Some(begun)),
             // The rest that the plan comes to anyway may be nearer than any other.
             Begun::Soon => self.rest_as_agreed(),

@@ -65,6 +65,8 @@ pub struct Answered {
     pub resumes: u32,
     /// The last abort that has been acknowledged.
     pub aborts: u32,
+    /// The last stop by the stop limits that is over.
+    pub quick: u32,
 }
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
@@ -85,7 +87,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return self.obey_at_rest(wish, resumed);
         }
         if !brakes {
-            self.pressing.attempts = 0;
+            (self.pressing.attempts, self.answered.quick) = (0, wish.quick);
         }
         if wish.overrides == self.horizon.overrides() {
             (self.pressing.retunes, self.pressing.refused) = (0, None);
@@ -96,7 +98,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             if self.phase.halt() == Some(Halt::Hold) {
                 return Some(Progress::Waiting);
             }
-            let planned = self.revoke() && self.brake(at);
+            let quick = wish.quick != self.answered.quick;
+            let planned = self.revoke() && self.brake(at, quick);
             // If it could not be done at once: the plan is not taken further, and ends at rest.
             return Some(if planned { Progress::Planning } else { Progress::Waiting });
         }
@@ -155,6 +158,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// At rest: whether to go on.
     fn obey_at_rest(&mut self, wish: &Wish, resumed: bool) -> Option<Progress> {
+        self.answered.quick = wish.quick;
         let end = self.horizon.end_index();
         let (mut rest, ended) = match self.phase {
             // A plan may end with a block by itself, where no more was known in time.
@@ -198,6 +202,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if let Some(station) = self.horizon.window.last() {
             self.builder.restart(station.node.at);
         }
+        #[cfg(feature = "outputs")]
+        self.drop_switches();
         self.finished = false;
     }
 }

@@ -111,7 +111,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
                 return None;
             }
             let end = draft.end_index();
-            draft.window.bound(first, &draft.pace());
+            draft.bound(first);
             let speed = draft.window.get(first).map_or(S::ZERO, |station| station.state.b.sqrt());
             let distance = draft.ramp(first, speed).greatest(draft.braking_distance(first));
             let by_cycle = branch.is_by_cycle();

@@ -11,7 +11,7 @@
 //! than one to a cell ([`Sequel::Within`]): no plan branches off from within them ([`Horizon::is_slowed`]).
 
 use super::Flow;
-use crate::machine::Limits;
+use crate::machine::{LimitSets, Limits};
 use crate::number::Scalar;
 use crate::planner::horizon::{Horizon, Moment, Proposal};
 use crate::planner::making::Stage;
@@ -85,6 +85,8 @@ pub struct Slowing<S> {
     step: S,
     /// Share of the limits.
     share: S,
+    /// Whether by the stop limits.
+    quick: bool,
     /// Pieces handed over.
     pieces: usize,
 }
@@ -135,14 +137,19 @@ struct Stepped<S> {
 
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// Begins a stop. There is a draft afterwards only if there is an attempt.
-    pub(super) fn begin_slowing(&mut self, moment: Option<Moment<S>>, attempt: u8) -> Begun<S> {
+    pub(super) fn begin_slowing(
+        &mut self,
+        moment: Option<Moment<S>>,
+        attempt: u8,
+        quick: bool,
+    ) -> Begun<S> {
         let mut soon = false;
         let begun = self.draft(|draft| {
             let (share, longer) = *SHARES.get(usize::from(attempt) % SHARES.len())?;
             let (first, branch) = draft.cut_in(moment?)?;
             draft.window.measure(first);
             let stretch = draft.stretch_from(first);
-            let least = draft.stop_time(first);
+            let least = draft.stop_time(first, &draft.limits_over(first, quick));
             soon = draft.rests_soon(stretch, least);
             if soon {
                 return None;
@@ -151,7 +158,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
                 (least * S::of(1.0 / STEPS)).greatest(draft.config.cycle * S::of(LEAST_CYCLES));
             let place = Place { cell: first, shown: S::ZERO, clock: Clock::NORMAL };
             let step = step * S::of(longer);
-            let slowing = Slowing { place, step, share: S::of(share), pieces: 0 };
+            let slowing = Slowing { place, step, share: S::of(share), quick, pieces: 0 };
             let proposal = Proposal { stretch, branch, halt: Some(Halt::Hold) };
             Some((proposal, Stage::Slowing(slowing)))
         });
@@ -190,6 +197,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
                 return Flow::Nothing;
             }
             let Some(agreed) = self.agreed_piece(slowing.place.cell) else { return Flow::Nothing };
+            if ahead.shapes.is_empty() && ahead.shapes.push(Shape::of(&agreed)).is_err() {
+                return Flow::Nothing;
+            }
             let stepped = self.step(slowing, &agreed, stretch, &mut ahead).or_else(|| {
                 let shorter = Slowing { step: slowing.step * S::of(SHORTER), ..*slowing };
                 self.step(&shorter, &agreed, stretch, &mut ahead)
@@ -262,12 +272,12 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         stretch: Stretch,
         ahead: &mut Ahead<S, N>,
     ) -> Option<Stepped<S>> {
-        let Slowing { place, step: longest, share, .. } = *slowing;
-        let limits = &self.config.limits;
+        let Slowing { place, step: longest, share, quick, .. } = *slowing;
+        let limits = &self.limits_over(place.cell, quick);
         let shape = Shape::of(piece);
         let step = Stride::new(&shape, place, longest);
         let [least, most] = step.bends(limits, share)?;
-        if let Some(stops) = self.stop(piece, place, ([least, most], longest)) {
+        if let Some(stops) = self.stop(piece, place, ([least, most], longest), limits) {
             return Some(stops);
         }
         let next = slowing.next::<NODES>();
@@ -275,7 +285,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             let (leg, to) = step.take(bend)?;
             let runs = to.clock.rate <= S::ONE
                 && keeps(&leg.piece(piece), limits)
-                && self.evens_out(to, (next, share), stretch, ahead);
+                && self.evens_out(to, (next, share, quick), stretch, ahead);
             runs.then_some(Stepped { legs: [Some(leg), None], to })
         };
         if let Some(hardest) = good(least) {
@@ -302,11 +312,12 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         piece: &Piece<S, N>,
         place: Place<S>,
         ([least, most], longest): ([S; 2], S),
+        limits: &Limits<S, N>,
     ) -> Option<Stepped<S>> {
         let times = [self.config.cycle * S::of(SHORTEST), longest];
         let runs = |stops: &Stepped<S>| {
             let mut legs = stops.legs.iter().flatten();
-            legs.all(|leg| keeps(&leg.piece(piece), &self.config.limits))
+            legs.all(|leg| keeps(&leg.piece(piece), limits))
         };
         stop_at_once(piece, place, (most, times)).filter(runs).or_else(|| {
             let bend = most.least(-least);
@@ -316,12 +327,28 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         })
     }
 
+    /// What bounds the motion over the cell of station `i`. Where other limits come into effect behind it, neither is exceeded:
+    /// what comes then goes on from there.
+    fn limits_over(&self, i: usize, quick: bool) -> Limits<S, N> {
+        let sets = LimitSets::new(&self.config.limits, &self.older);
+        let number = |i| self.window.get(i).map(|station| station.cell.programmed.limits);
+        let (here, behind) = (number(i).unwrap_or_default(), number(i + 1));
+        let mut limits = *sets.of(here);
+        if let Some(behind) = behind.filter(|behind| *behind != here) {
+            limits = limits.with_less(sets.of(behind));
+        }
+        match &self.config.stop_limits {
+            Some(stop) if quick => limits.with_more(stop),
+            _ => limits,
+        }
+    }
+
     /// Whether the clock can go evenly again from a place on, within the limits, or be stopped at once.
     #[inline(never)]
     fn evens_out(
         &self,
         mut place: Place<S>,
-        (longest, share): (S, S),
+        (longest, share, quick): (S, S, bool),
         stretch: Stretch,
         ahead: &mut Ahead<S, N>,
     ) -> bool {
@@ -334,7 +361,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             }
             let Some(shape) = self.ahead(place.cell, ahead) else { return false };
             let step = Stride::new(shape, place, longest);
-            let Some(bends) = step.bends(&self.config.limits, share * S::of(RELEASED)) else {
+            let limits = self.limits_over(place.cell, quick);
+            let Some(bends) = step.bends(&limits, share * S::of(RELEASED)) else {
                 return false;
             };
             if step.may_stop(bends, longest) {

@@ -110,7 +110,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let station = self.station_within(i, t)?;
         self.keep(self.window.serial(i), original);
         *self.window.get_mut(i)? = station;
-        self.window.bound(i, &self.pace());
+        self.bound(i);
         // The jerk of a curved cell is bounded by that of its halves (see the rows): a part that reaches over
         // its middle may seem to break a limit that the whole keeps.
         let half = time * S::of(0.5) - t;

@@ -1,6 +1,7 @@
 //! Times and distances in the horizon: what the agreed plan takes, and what a change of speed would.
 
 use super::Horizon;
+use crate::machine::Limits;
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::path::node::Cell;
@@ -178,17 +179,18 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
 
     /// The least time, s, in which the motion could come to rest if the path were straight from station `i` on: the acceleration
     /// is built up to its depth, held, and released together with the speed.
-    pub fn stop_time(&self, i: usize) -> S {
+    pub fn stop_time(&self, i: usize, limits: &Limits<S, N>) -> S {
         let Some(station) = self.window.get(i) else { return S::ZERO };
         let (speed, slows) = (station.state.b.sqrt(), -station.state.a);
-        let (jerk, two) = (station.bounds.jerk, S::of(2.0));
+        let [acceleration, jerk] = limits.along(&station.node.tangent);
+        let two = S::of(2.0);
         // All of it is speed that is left when the acceleration is built up and released at once.
         let free = (jerk * speed + slows * slows / two).sqrt();
         if !(slows < free) {
             // It stops sooner than jerk allows.
             return two * speed / slows.greatest(S::of(1.0e-6));
         }
-        let depth = free.least(station.bounds.acceleration.greatest(slows));
+        let depth = free.least(acceleration.greatest(slows));
         let built_up = speed + (slows * slows - depth * depth) / (two * jerk);
         let released = depth * depth / (two * jerk);
         (two * depth - slows) / jerk + (built_up - released).greatest(S::ZERO) / depth

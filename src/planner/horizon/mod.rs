@@ -20,11 +20,13 @@ pub use self::draft::ADDED;
 use self::draft::Draft;
 
 use super::phase::Halt;
-use crate::machine::Config;
+use crate::machine::{Config, LimitSets, OlderLimits};
+#[cfg(feature = "limits")]
+use crate::machine::{Limits, SetNumber};
 use crate::number::Scalar;
 use crate::number::optional::Optional;
 use crate::number::serial::{CycleSerial, NodeSerial};
-use crate::path::node::Node;
+use crate::path::node::{Cell, Node};
 use crate::profile::bounds::Pace;
 use crate::profile::compile::{self, Placement};
 use crate::profile::law::{Law, PathState};
@@ -61,6 +63,8 @@ pub struct Proposal {
 /// behind it rests.
 pub struct Horizon<S: Scalar, const N: usize, const NODES: usize> {
     pub config: Config<S, N>,
+    /// The limits of blocks that were taken before those of `config` came into effect.
+    pub older: OlderLimits<S, N>,
     pub window: Window<S, N, NODES>,
     solver: Solver<S, NODES>,
     /// Node at which the agreed plan ends.
@@ -78,6 +82,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// The memory of one: all zeros.
     pub const EMPTY: Self = Self {
         config: Config::UNSET,
+        older: OlderLimits::NONE,
         window: Window::EMPTY,
         solver: Solver::new(),
         end: NodeSerial::ZERO,
@@ -90,6 +95,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// Forgets everything, and rests at a node, whose running number is `first`.
     pub fn begin(&mut self, config: &Config<S, N>, node: Node<S, N>, first: NodeSerial) {
         self.config = *config;
+        self.older = OlderLimits::NONE;
         self.window.begin(node, first);
         self.end = first;
         self.slowed = None;
@@ -132,20 +138,32 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         self.overrides = overrides;
     }
 
-    /// How fast the machine may go, and is asked to.
-    pub fn pace(&self) -> Pace<S, N> {
-        let factor = |percent: u16| S::from_u32(u32::from(percent.max(1))) * S::of(0.01);
-        Pace {
-            limits: self.config.limits,
-            cycle: self.config.cycle,
-            feed: factor(self.overrides.feed),
-            rapid: factor(self.overrides.rapid),
+    /// Other limits for the blocks to come. Whether there was room for those in effect now.
+    #[cfg(feature = "limits")]
+    pub fn set_limits(&mut self, limits: Limits<S, N>) -> bool {
+        let first = self.window.get(0).map_or(SetNumber::FIRST, |from| from.cell.programmed.limits);
+        let kept = self.older.keep(&self.config.limits, first);
+        if kept {
+            self.config.limits = limits;
         }
+        kept
     }
 
-    /// Bounds of all cells from station `first` on anew, at the pace that is set.
+    /// Adds a cell behind the last station; the new last station rests.
+    pub fn append(&mut self, cell: Cell<S, N>, node: Node<S, N>, rest: bool) {
+        let pace = pace(&self.config, &self.older, self.overrides);
+        self.window.append(cell, node, rest, &pace);
+    }
+
+    /// Bounds of the cell of station `i` anew, at the pace that is set.
+    pub fn bound(&mut self, i: usize) {
+        let pace = pace(&self.config, &self.older, self.overrides);
+        self.window.bound(i, &pace);
+    }
+
+    /// The same of all cells from station `first` on.
     pub fn bound_from(&mut self, first: usize) {
-        let pace = self.pace();
+        let pace = pace(&self.config, &self.older, self.overrides);
         for i in first..self.window.len() {
             self.window.bound(i, &pace);
         }
@@ -205,7 +223,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         sequel: Sequel,
     ) -> Option<Piece<S, N>> {
         let (station, after) = self.window.pair(i)?;
-        let view = station.view(after, &self.config.limits);
+        let sets = LimitSets::new(&self.config.limits, &self.older);
+        let view = station.view(after, sets);
         let placement =
             Placement { serial: self.window.serial(i), arc_length: station.arc_length, sequel };
         if !(station.cell.length > S::ZERO) {
@@ -213,5 +232,20 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         }
         let law = Law::new(station.cell.length, from, to)?;
         Some(compile::piece(&view, &law, placement))
+    }
+}
+
+/// How fast the machine may go, and is asked to.
+fn pace<'a, S: Scalar, const N: usize>(
+    config: &'a Config<S, N>,
+    older: &'a OlderLimits<S, N>,
+    overrides: Overrides,
+) -> Pace<'a, S, N> {
+    let factor = |percent: u16| S::from_u32(u32::from(percent.max(1))) * S::of(0.01);
+    Pace {
+        limits: LimitSets::new(&config.limits, older),
+        cycle: config.cycle,
+        feed: factor(overrides.feed),
+        rapid: factor(overrides.rapid),
     }
 }

@@ -80,9 +80,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
 
     /// Bounds the cell of station `i` and the next anew.
     pub(super) fn bound_halves(&mut self, i: usize) {
-        let pace = self.pace();
-        self.window.bound(i, &pace);
-        self.window.bound(i + 1, &pace);
+        self.bound(i);
+        self.bound(i + 1);
     }
 
     /// Splits the cell of station `i` at a share of its length; nothing is known of the motion there.
@@ -159,7 +158,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         }
         self.window.remove(i);
         self.end = self.end.previous();
-        self.window.bound(before, &self.pace());
+        self.bound(before);
     }
 
     /// Stations that one answer may still add.

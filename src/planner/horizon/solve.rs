@@ -1,7 +1,7 @@
 //! States for a stretch of the horizon.
 
 use super::Horizon;
-use crate::machine::Config;
+use crate::machine::LimitSets;
 use crate::number::Scalar;
 use crate::profile::law::Law;
 use crate::profile::seeding::Seeding;
@@ -16,24 +16,35 @@ const EXCESS: f64 = 1.0001;
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// Whether the states of a stretch keep all limits, with a rest at its end.
     pub fn holds(&mut self, stretch: Stretch) -> bool {
-        self.solver.on(&mut self.window, &self.config.limits, stretch).holds()
+        self.solver
+            .on(&mut self.window, LimitSets::new(&self.config.limits, &self.older), stretch)
+            .holds()
     }
 
     /// The same up to station `until`.
     pub fn holds_until(&mut self, stretch: Stretch, until: usize) -> bool {
-        self.solver.on(&mut self.window, &self.config.limits, stretch).until(until).holds()
+        self.solver
+            .on(&mut self.window, LimitSets::new(&self.config.limits, &self.older), stretch)
+            .until(until)
+            .holds()
     }
 
     /// To improve the states of a stretch for an aim.
     pub fn begin_improving(&mut self, stretch: Stretch, aim: Aim) -> Solving<S> {
-        let Config { limits, iterations, .. } = self.config;
-        self.solver.on(&mut self.window, &limits, stretch).improve(iterations, aim)
+        let iterations = self.config.iterations;
+        self.solver
+            .on(&mut self.window, LimitSets::new(&self.config.limits, &self.older), stretch)
+            .improve(iterations, aim)
     }
 
     /// To find states for a stretch, from a guess at the stations from index `new` on, which need not lead to a motion.
     pub fn begin_finding(&mut self, stretch: Stretch, new: usize) -> Solving<S> {
-        let Config { limits, iterations, .. } = self.config;
-        let mut problem = self.solver.on(&mut self.window, &limits, stretch);
+        let iterations = self.config.iterations;
+        let mut problem = self.solver.on(
+            &mut self.window,
+            LimitSets::new(&self.config.limits, &self.older),
+            stretch,
+        );
         problem.guess(new);
         problem.find(iterations)
     }
@@ -46,15 +57,22 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         until: usize,
         (steps, aim): (u16, Aim),
     ) -> Solving<S> {
-        let limits = self.config.limits;
-        self.solver.on(&mut self.window, &limits, stretch).until(until).improve(steps, aim)
+        self.solver
+            .on(&mut self.window, LimitSets::new(&self.config.limits, &self.older), stretch)
+            .until(until)
+            .improve(steps, aim)
     }
 
     /// A part of a Newton step. Whether there is more to do.
     // Once in the image, however often it is called.
     #[inline(never)]
     pub fn go_on(&mut self, solving: &mut Solving<S>) -> bool {
-        solving.go_on(&mut self.solver, &mut self.window, &self.config.limits, &mut self.steps)
+        solving.go_on(
+            &mut self.solver,
+            &mut self.window,
+            LimitSets::new(&self.config.limits, &self.older),
+            &mut self.steps,
+        )
     }
 
     /// All parts of all steps of a problem.
@@ -71,9 +89,16 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         self.solve(solving);
     }
 
+    /// To look for slow states of a stretch from index `new` on.
+    pub fn begin_seeding(&self, stretch: Stretch, new: usize) -> Seeding<S> {
+        Seeding::new(LimitSets::new(&self.config.limits, &self.older), stretch, new)
+    }
+
     /// A try for slow states; see [`crate::profile::seeding`].
     pub fn seed(&mut self, stretch: Stretch, seeding: &mut Seeding<S>) -> Option<bool> {
-        self.solver.on(&mut self.window, &self.config.limits, stretch).seed(seeding)
+        self.solver
+            .on(&mut self.window, LimitSets::new(&self.config.limits, &self.older), stretch)
+            .seed(seeding)
     }
 
     /// Gives stations the states of the plan that is being executed.

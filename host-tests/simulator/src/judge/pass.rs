@@ -78,7 +78,8 @@ pub fn judged(
 ) -> Result<(Verdict, Stats)> {
     let limits = machine.axes_of(program)?;
     let track = Track::new(program);
-    let mut judge = Judge::new(&track, &limits, machine.cycle, machine.tolerance);
+    let mut judge = Judge::new(&track, &limits, machine.cycle, machine.tolerance)
+        .stopping(&machine.stop_axes_of(program)?);
     let observers: &mut [&mut dyn Observer] = &mut [&mut judge, &mut Patience];
     let stats = run_with(program, machine, precision, events, observers)?;
     Ok((judge.verdict(), stats))

@@ -82,6 +82,13 @@ impl<'a> Judge<'a> {
         }
     }
 
+    /// The limits of stops by the stop limits, of the same axes.
+    #[must_use]
+    pub fn stopping(mut self, stops: &[Axis]) -> Self {
+        self.witness = self.witness.stopping(stops);
+        self
+    }
+
     /// Holds the run against the time with stops, too; `slack` (s) is what late planning may add to
     /// every command.
     #[must_use]
@@ -119,7 +126,7 @@ impl Observer for Judge<'_> {
         self.verdict.cycles += 1;
         let step = if self.before.is_empty() { 0.0 } else { distance(&self.before, x) };
         match sample.activity {
-            Activity::Jogging => self.jogged = true,
+            Activity::Jogging | Activity::Set => self.jogged = true,
             Activity::Idle => {}
             _ => self.jogged = false,
         }

@@ -62,6 +62,18 @@ impl Peaks {
         }
     }
 
+    /// What is seen of a stop by its own limits, as it would be of a motion by the others.
+    #[must_use]
+    fn of_stop(self, limit: &Axis, stop: &Axis) -> Self {
+        let (acceleration, jerk) = (limit.acceleration / stop.acceleration, limit.jerk / stop.jerk);
+        Self {
+            acceleration: self.acceleration * acceleration,
+            jerk: self.jerk * jerk,
+            jerk4: self.jerk4 * jerk,
+            ..self
+        }
+    }
+
     /// The greater of each.
     #[must_use]
     pub fn greater(self, other: Self) -> Self {
@@ -117,6 +129,10 @@ struct Record {
 #[derive(Clone, Debug)]
 pub struct Witness {
     limits: Vec<Axis>,
+    /// Those of stops by the stop limits.
+    stops: Vec<Axis>,
+    /// Servo cycles since the last one in which such a stop was under way.
+    since_stop: usize,
     cycle: f64,
     longest: usize,
     mask: usize,
@@ -132,7 +148,24 @@ impl Witness {
             longest *= 2;
         }
         let size = (3 * longest + 1).next_power_of_two();
-        Self { limits: limits.to_vec(), cycle, longest, mask: size - 1, head: 0, axes: Vec::new() }
+        let (limits, stops) = (limits.to_vec(), limits.to_vec());
+        Self {
+            limits,
+            stops,
+            since_stop: usize::MAX,
+            cycle,
+            longest,
+            mask: size - 1,
+            head: 0,
+            axes: Vec::new(),
+        }
+    }
+
+    /// The limits of stops by the stop limits. What is seen of these is scaled to the others.
+    #[must_use]
+    pub fn stopping(mut self, stops: &[Axis]) -> Self {
+        self.stops = stops.to_vec();
+        self
     }
 
     /// By differences: mm and s, less what rounding may amount to.
@@ -158,7 +191,8 @@ impl Witness {
     pub fn see(&mut self, sample: &Sample<'_>) {
         let first = self.axes.is_empty();
         self.head = self.head.wrapping_add(1) & self.mask;
-        for (n, limit) in self.limits.iter().enumerate() {
+        self.since_stop = if sample.pace.quick { 0 } else { self.since_stop.saturating_add(1) };
+        for (n, (limit, stop)) in self.limits.iter().zip(&self.stops).enumerate() {
             let mut now = State {
                 position: sample.position[n],
                 velocity: sample.velocity[n],
@@ -190,7 +224,10 @@ impl Witness {
                 axis.pieces = [Reach { from: now.position, ..Reach::default() }; 2];
             }
             axis.pieces[0].see(&now);
-            now.rounding = rounding(&axis.pieces, &now, limit, sample);
+            // As long as the longest stride and the piece under way may reach back.
+            let recent = self.since_stop <= 4 * self.longest;
+            let jerk = if recent { stop.jerk } else { limit.jerk };
+            now.rounding = rounding(&axis.pieces, &now, jerk, sample);
             let h = self.cycle;
             now.sums = [
                 before.sums[0] + (before.velocity + now.velocity) * h / 2.0,
@@ -200,14 +237,19 @@ impl Witness {
             let mut stride = 1;
             while stride <= self.longest {
                 let back = |k: usize| &axis.ring[self.head.wrapping_sub(k * stride) & self.mask];
+                let share = |seen: Peaks, back: usize| {
+                    let stops = self.since_stop <= back * stride;
+                    if stops { seen.of_stop(limit, stop) } else { seen }
+                };
                 let seen = differences([back(0), back(1), back(2), back(3)], stride as f64 * h);
+                let seen = (share(seen.0, 3), share(Peaks { jerk4: seen.1, ..seen.0 }, 3).jerk4);
                 axis.differences = axis.differences.greater(seen.0);
                 if stride == 4 {
                     axis.differences.jerk4 = axis.differences.jerk4.max(seen.1);
                 }
-                axis.reported =
-                    axis.reported.greater(reported(back(0), back(1), stride as f64 * h));
-                let off = mismatch(back(0), back(1), stride as f64, h, limit.jerk);
+                let said = share(reported(back(0), back(1), stride as f64 * h), 1);
+                axis.reported = axis.reported.greater(said);
+                let off = mismatch(back(0), back(1), stride as f64, h, jerk);
                 axis.mismatch = axis.mismatch.max(off);
                 stride *= 2;
             }
@@ -216,11 +258,11 @@ impl Witness {
 }
 
 /// Bounds of rounding of an axis's position, velocity and acceleration: see the module.
-fn rounding(pieces: &[Reach; 2], now: &State, limit: &Axis, sample: &Sample<'_>) -> [f64; 3] {
+fn rounding(pieces: &[Reach; 2], now: &State, j: f64, sample: &Sample<'_>) -> [f64; 3] {
     // Adding origin and offset rounds once more, in the host's numbers.
     let fixed = FIXED + 2.0 * f64::EPSILON * now.position.abs();
     let tau = pieces[0].time + pieces[1].time;
-    let (v, a, j) = (now.velocity.abs(), now.acceleration.abs(), limit.jerk);
+    let (v, a) = (now.velocity.abs(), now.acceleration.abs());
     let by_jerk = [
         v * tau + 1.5 * a * tau * tau + 1.7 * j * tau * tau * tau,
         v + 2.0 * a * tau + 3.5 * j * tau * tau,

@@ -59,7 +59,7 @@ fn wide([x, y, z]: [f64; 3]) -> Point {
 fn push(program: &mut Program, path: Course, feed: f64) -> Result<()> {
     let line = u32::try_from(program.moves.len() + 1)?;
     let speed = Speed::PerSecond(feed);
-    program.moves.push(Move { path, speed, tolerance: None, exact_stop: false, line });
+    program.moves.push(Move::new(path, speed, line));
     Ok(())
 }
 

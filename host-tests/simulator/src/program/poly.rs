@@ -36,13 +36,8 @@ pub fn parse(text: &str) -> Result<Program> {
         if !(feed > 0.0) {
             bail!("line {number}: feed is {feed} mm/s; it must be greater than 0");
         }
-        program.moves.push(Move {
-            path: Course::Line { to },
-            speed: Speed::PerSecond(feed),
-            tolerance: None,
-            exact_stop: false,
-            line: u32::try_from(number)?,
-        });
+        let line = u32::try_from(number)?;
+        program.moves.push(Move::new(Course::Line { to }, Speed::PerSecond(feed), line));
     }
     if !started {
         bail!("line 1: the file has no vertex (a line of x y z feed)");

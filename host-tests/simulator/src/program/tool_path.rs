@@ -86,6 +86,11 @@ pub struct Move {
 }
 
 impl Move {
+    /// With the program's tolerance, and no exact stop.
+    pub const fn new(path: Course, speed: Speed, line: u32) -> Self {
+        Self { path, speed, tolerance: None, exact_stop: false, line }
+    }
+
     /// Whether the machine waits for the operator there.
     pub const fn is_pause(&self) -> bool {
         matches!(self.path, Course::Event { pause: true, .. })

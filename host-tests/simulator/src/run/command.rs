@@ -34,6 +34,8 @@ pub fn parse_command(text: &str) -> Result<Command> {
         "resume" | "~" => alone(Command::Resume),
         "stop" => alone(Command::Stop),
         "abort" => alone(Command::Abort),
+        "quick-hold" => alone(Command::QuickHold),
+        "quick-abort" => alone(Command::QuickAbort),
         "jog-cancel" => alone(Command::CancelJog),
         "feed" => Ok(Command::FeedOverride(percent(word, value, FEED)?)),
         "rapid" => Ok(Command::RapidOverride(percent(word, value, RAPID)?)),
@@ -43,8 +45,8 @@ pub fn parse_command(text: &str) -> Result<Command> {
             _ => bail!("\"single\" needs on or off"),
         },
         _ => bail!(
-            "\"{}\" is no command; known are hold, resume, stop, abort, feed PERCENT, rapid PERCENT, single on, \
-             single off, jog, jog-step, jog-to, jog-back, jog-cancel",
+            "\"{}\" is no command; known are hold, quick-hold, resume, stop, abort, quick-abort, feed PERCENT, \
+             rapid PERCENT, single on, single off, jog, jog-step, jog-to, jog-back, jog-cancel",
             text.trim()
         ),
     }
@@ -78,6 +80,8 @@ mod tests {
             ("~", Command::Resume),
             ("stop", Command::Stop),
             ("abort", Command::Abort),
+            ("quick-hold", Command::QuickHold),
+            ("quick-abort", Command::QuickAbort),
             ("feed 50", Command::FeedOverride(50)),
             ("feed 0", Command::FeedOverride(0)),
             ("feed 200%", Command::FeedOverride(200)),

@@ -118,11 +118,13 @@ pub struct Pace {
     pub command: bool,
     /// Nothing is to be expected: the machine rests held or paused, or waits for blocks that do not come.
     pub waits: bool,
+    /// A stop by the stop limits is under way.
+    pub quick: bool,
 }
 
 impl Pace {
     /// Nobody interferes.
-    pub const FULL: Self = Self { share: 1.0, command: false, waits: false };
+    pub const FULL: Self = Self { share: 1.0, command: false, waits: false, quick: false };
 }
 
 impl<'a> Stopwatch<'a> {
@@ -293,13 +295,7 @@ mod tests {
     fn program(paths: Vec<(Course, Speed)>) -> Program {
         let mut program = Program::default();
         for (n, (path, speed)) in paths.into_iter().enumerate() {
-            program.moves.push(Move {
-                path,
-                speed,
-                tolerance: None,
-                exact_stop: false,
-                line: n as u32 + 1,
-            });
+            program.moves.push(Move::new(path, speed, n as u32 + 1));
         }
         program
     }

@@ -1,6 +1,7 @@
 //! An operator's commands at given times, for simulated runs.
 
 use super::command::{Command, parse_command};
+use super::seek::{Seek, parse_seek};
 use anyhow::{Context, Result, bail};
 use std::path::Path;
 
@@ -9,6 +10,8 @@ use std::path::Path;
 pub enum Action {
     /// The operator gives a command.
     Command(Command),
+    /// A probe, homing, or an input.
+    Seek(Seek),
     /// The producer sends nothing for this many seconds.
     Starve(f64),
 }
@@ -31,9 +34,12 @@ pub struct Events {
 /// What a file of events looks like.
 pub const FORMAT: &str = "\
 Events are lines \"time, action[, value]\", times in seconds since the start:
-  hold | resume | stop (at the end of the block) | abort | feed, 0..200 | rapid, 0..100 (per cent)
+  hold | quick-hold (by the stop limits) | resume | stop (at the end of the block) | abort | quick-abort | feed, 0..200 | rapid, 0..100 (per cent)
   single, on|off | starve, SECONDS (the producer sends nothing)
-  jog, X20 Y-5 for SECONDS (mm/s) | jog-step, X0.1 at FEED | jog-to, X0 Y0 at FEED | jog-back, at FEED | jog-cancel";
+  jog, X20 Y-5 for SECONDS (mm/s) | jog-step, X0.1 at FEED | jog-to, X0 Y0 at FEED | jog-back, at FEED | jog-cancel
+At the end of the program:
+  surface, Z<-2.5 (the probe closes there) | switch, X>120 (the axis's home switch) | probe, Z-10 at FEED | probe-away, Z0 at FEED
+  home, X-50 Y-50 slow 5 reach 300 back 2 at 0 [park 5]";
 
 impl Events {
     /// Commands in any order.
@@ -93,7 +99,10 @@ fn event(record: &csv::StringRecord) -> Result<Event> {
             Ok(seconds) if seconds >= 0.0 && seconds.is_finite() => Action::Starve(seconds),
             _ => bail!("\"{value}\" is not a duration in seconds"),
         },
-        (name, 2 | 3) => Action::Command(parse_command(&format!("{name} {value}"))?),
+        (name, 2 | 3) => match parse_seek(name, value)? {
+            Some(seek) => Action::Seek(seek),
+            None => Action::Command(parse_command(&format!("{name} {value}"))?),
+        },
         (name, count) => bail!("\"{name}\" with {count} fields is not an action"),
     };
     Ok(Event { time, action })

@@ -28,26 +28,15 @@ pub fn parse_jog(word: &str, words: &str) -> Result<Option<JogMove>> {
     let feed = || whole(last * 1.0e3, 1.0, f64::from(u32::MAX)).map(|feed| feed as u32);
     Ok(Some(match word {
         "jog" => {
-            let mut velocity = [0; 9];
-            for (axis, value) in axes {
-                velocity[axis] =
-                    whole(value * 1.0e3, f64::from(i32::MIN), f64::from(i32::MAX))? as i32;
-            }
+            let range = (f64::from(i32::MIN), f64::from(i32::MAX));
+            let micrometres = |mm: f64| Ok(whole(mm * 1.0e3, range.0, range.1)? as i32);
+            let velocity = per_axis(axes, micrometres)?;
             let time = whole(last * 1.0e3, 1.0, 60_000.0)? as u16;
             JogMove::Velocity { velocity, time }
         }
-        "jog-step" => {
-            let mut by = [0; 9];
-            for (axis, value) in axes {
-                by[axis] = nanometres(value)?;
-            }
-            JogMove::Step { by, feed: feed()? }
-        }
+        "jog-step" => JogMove::Step { by: per_axis(axes, nanometres)?, feed: feed()? },
         "jog-to" => {
-            let mut to = [None; 9];
-            for (axis, value) in axes {
-                to[axis] = Some(nanometres(value)?);
-            }
+            let to = per_axis(axes, |mm| nanometres(mm).map(Some))?;
             JogMove::To { to, feed: feed()? }
         }
         _ => JogMove::Back { feed: feed()? },
@@ -55,7 +44,7 @@ pub fn parse_jog(word: &str, words: &str) -> Result<Option<JogMove>> {
 }
 
 /// Letters with numbers.
-fn parse_axes(text: &str) -> Result<Vec<(usize, f64)>> {
+pub(super) fn parse_axes(text: &str) -> Result<Vec<(usize, f64)>> {
     let mut axes = Vec::new();
     for word in text.split_whitespace() {
         let mut rest = word.chars();
@@ -68,7 +57,19 @@ fn parse_axes(text: &str) -> Result<Vec<(usize, f64)>> {
     Ok(axes)
 }
 
-fn number(text: &str) -> Result<f64> {
+/// What the numbers of the axes stand for; of every other axis, nothing.
+fn per_axis<T: Copy + Default>(
+    axes: Vec<(usize, f64)>,
+    of: impl Fn(f64) -> Result<T>,
+) -> Result<[T; 9]> {
+    let mut values = [T::default(); 9];
+    for (axis, value) in axes {
+        values[axis] = of(value)?;
+    }
+    Ok(values)
+}
+
+pub(super) fn number(text: &str) -> Result<f64> {
     let value: f64 = text.parse().map_err(|_| anyhow!("\"{text}\" is no number"))?;
     ensure!(value.is_finite(), "\"{text}\" is no number");
     Ok(value)
@@ -92,33 +93,24 @@ fn whole(value: f64, least: f64, most: f64) -> Result<f64> {
 /// # Errors
 /// The jog moves another.
 pub fn on_axes(jog: &JogMove, axes: &[usize]) -> Result<JogMove> {
-    let place = |axis: usize| {
-        let place = axes.iter().position(|&used| used == axis);
-        place.with_context(|| {
+    Ok(match *jog {
+        JogMove::Velocity { velocity, time } => {
+            JogMove::Velocity { velocity: placed(&velocity, axes)?, time }
+        }
+        JogMove::Step { by, feed } => JogMove::Step { by: placed(&by, axes)?, feed },
+        JogMove::To { to, feed } => JogMove::To { to: placed(&to, axes)?, feed },
+        JogMove::Back { feed } => JogMove::Back { feed },
+    })
+}
+
+/// What is asked of every axis, at the places of those that are used.
+fn placed<T: Copy + Default + PartialEq>(asked: &[T; 9], axes: &[usize]) -> Result<[T; 9]> {
+    let mut here = [T::default(); 9];
+    for (axis, value) in asked.iter().enumerate().filter(|(_, value)| **value != T::default()) {
+        let place = axes.iter().position(|&used| used == axis).with_context(|| {
             format!("the program does not use {}, so nor can a jog", LETTERS[axis])
-        })
-    };
-    let mut here = *jog;
-    match (jog, &mut here) {
-        (JogMove::Velocity { velocity, .. }, JogMove::Velocity { velocity: to, .. }) => {
-            *to = [0; 9];
-            for (axis, value) in velocity.iter().enumerate().filter(|(_, value)| **value != 0) {
-                to[place(axis)?] = *value;
-            }
-        }
-        (JogMove::Step { by, .. }, JogMove::Step { by: to, .. }) => {
-            *to = [0; 9];
-            for (axis, value) in by.iter().enumerate().filter(|(_, value)| **value != 0) {
-                to[place(axis)?] = *value;
-            }
-        }
-        (JogMove::To { to: from, .. }, JogMove::To { to, .. }) => {
-            *to = [None; 9];
-            for (axis, value) in from.iter().enumerate().filter(|(_, value)| value.is_some()) {
-                to[place(axis)?] = *value;
-            }
-        }
-        _ => {}
+        })?;
+        here[place] = *value;
     }
     Ok(here)
 }

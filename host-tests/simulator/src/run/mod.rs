@@ -6,6 +6,7 @@ pub mod events;
 pub mod happenings;
 mod jog;
 pub mod runner;
+mod seek;
 mod validate;
 
 pub use command::{Command, parse_command};

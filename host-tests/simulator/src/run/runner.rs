@@ -4,13 +4,14 @@ use super::command::Command;
 use super::duration::Pace;
 use super::events::{Action, Event, Events};
 use super::jog::on_axes;
+use super::seek::Seeker;
 use super::validate::on_letters;
 use crate::machine::Machine;
 use crate::program::{Course, Move, Program, Speed};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use splineway::{
-    Activity, Block, Config, Coord, Counters, Feed, Link, Motion, Planner, Progress, PushError,
-    Scalar, Setpoint, Turn,
+    Activity, Block, Config, Coord, Counters, Feed, Inputs, Link, Motion, Planner, Progress,
+    PushError, Scalar, Setpoint, Turn,
 };
 use std::time::Instant;
 
@@ -98,6 +99,8 @@ pub struct Stats {
     pub counters: Counters,
     /// Least number of nodes ahead of the motion while blocks were left, at a planning step.
     pub least_ahead: usize,
+    /// What came of probes and homing, in words.
+    pub sought: Vec<String>,
     /// Whether the run ended with an abort.
     pub aborted: bool,
     /// Duration of the planning steps.
@@ -191,17 +194,20 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     let mut idle = 0;
     let mut view = View::new(program, &axes, S::EPSILON.to_f64());
     let mut origin = start;
+    let mut before = None;
     view.show(0.0, observers)?;
     let pauses = program.pauses();
     let mut at_pause = false;
     loop {
         let now = cycle as f64 * machine.cycle;
         operator.play(now, &mut planner, &axes).with_context(|| format!("at {now:.3} s"))?;
+        operator.seek(&mut planner, &axes, moves.peek().is_some())?;
         if now >= operator.silent_until {
             stats.blocks += feed_blocks(&mut planner, &mut moves, &axes)?;
         }
         let began = Instant::now();
         let progress = planner.settle();
+        operator.seeker.hear(&mut planner, &axes);
         if progress == Progress::Planned {
             stats.planning.add(began);
             if moves.peek().is_some() {
@@ -217,9 +223,12 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let setpoint = interpolator.tick();
         stats.ticks.add(began);
         cycle += 1;
-        view.take(&setpoint, setpoint.origin != origin);
+        let from = before.replace(setpoint).unwrap_or(setpoint);
+        operator.sense(planner.inputs(), &axes, (&from, &setpoint), machine.cycle);
+        view.take(&setpoint, setpoint.origin != origin, &operator.seeker.shift);
         view.pace = operator.pace(waiting || setpoint.activity == Activity::Jogging);
         origin = setpoint.origin;
+        operator.quick &= setpoint.activity != Activity::Idle;
         view.show(cycle as f64 * machine.cycle, observers)?;
         match setpoint.activity {
             Activity::Event => at_pause = pauses.contains(&setpoint.tag),
@@ -227,7 +236,7 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             _ => {}
         }
         if setpoint.activity == Activity::Idle {
-            if progress == Progress::Done && !operator.jogs_later() {
+            if progress == Progress::Done && !operator.moves_later() {
                 break;
             }
             if progress == Progress::Aborted {
@@ -244,6 +253,7 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
     }
     stats.counters = planner.counters();
+    stats.sought = operator.seeker.outcomes;
     if stats.least_ahead == usize::MAX {
         stats.least_ahead = 0;
     }
@@ -259,12 +269,23 @@ struct Operator<'a> {
     silent_until: f64,
     /// Whether something was pressed in this cycle.
     pressed: bool,
+    /// Whether a stop by the stop limits was asked for, and the machine has not rested since.
+    quick: bool,
+    /// Probes and homing.
+    seeker: Seeker,
 }
 
 impl<'a> Operator<'a> {
     fn new(events: &'a [Event]) -> Self {
         let events = events.iter().peekable();
-        Self { events, overrides: (100, 100), silent_until: 0.0, pressed: false }
+        Self {
+            events,
+            overrides: (100, 100),
+            silent_until: 0.0,
+            pressed: false,
+            quick: false,
+            seeker: Seeker::default(),
+        }
     }
 
     fn play<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
@@ -287,19 +308,57 @@ impl<'a> Operator<'a> {
                         }
                         Command::FeedOverride(percent) => self.overrides.0 = percent,
                         Command::RapidOverride(percent) => self.overrides.1 = percent,
+                        Command::QuickHold | Command::QuickAbort => self.quick = true,
                         _ => {}
                     }
                 }
+                Action::Seek(seek) => self.seeker.take(seek),
                 Action::Starve(seconds) => self.silent_until = now + seconds,
             }
         }
         Ok(())
     }
 
-    /// Whether a jog is still to come.
-    fn jogs_later(&self) -> bool {
-        let jogs = |event: &Event| matches!(event.action, Action::Command(Command::Jog(_)));
-        self.events.clone().any(jogs)
+    /// Begins the probes and homing that are due.
+    fn seek<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
+        &mut self,
+        planner: &mut Planner<'_, S, N, BLOCKS, NODES>,
+        axes: &[usize],
+        is_left: bool,
+    ) -> Result<()> {
+        // What follows in the program has been read for another place.
+        if !(is_left && self.seeker.is_waiting()) {
+            self.seeker.begin(planner, axes)?;
+        }
+        // They stop by the limits of stops.
+        self.quick |= planner.is_probing() || planner.is_homing();
+        Ok(())
+    }
+
+    /// The inputs change as the machine moves.
+    fn sense<S: Scalar, const N: usize>(
+        &mut self,
+        inputs: Inputs<'_>,
+        axes: &[usize],
+        between: (&Setpoint<S, N>, &Setpoint<S, N>),
+        cycle: f64,
+    ) {
+        let (from, to) = between;
+        if to.activity == Activity::Set {
+            for (i, shift) in self.seeker.shift.iter_mut().enumerate().take(N) {
+                *shift += from.position_mm(i) - to.position_mm(i);
+            }
+            return;
+        }
+        self.seeker.tell(inputs, axes, between, cycle);
+    }
+
+    /// Whether a jog, a probe or homing is still to come.
+    fn moves_later(&self) -> bool {
+        let moves = |event: &Event| {
+            matches!(event.action, Action::Command(Command::Jog(_)) | Action::Seek(_))
+        };
+        self.seeker.is_waiting() || self.events.clone().any(moves)
     }
 
     fn is_done(&mut self) -> bool {
@@ -308,7 +367,7 @@ impl<'a> Operator<'a> {
 
     fn pace(&self, waits: bool) -> Pace {
         let share = f64::from(self.overrides.0.min(self.overrides.1)) / 100.0;
-        Pace { share, command: self.pressed, waits }
+        Pace { share, command: self.pressed, waits, quick: self.quick }
     }
 }
 
@@ -343,9 +402,15 @@ impl View {
         }
     }
 
-    fn take<S: Scalar, const N: usize>(&mut self, setpoint: &Setpoint<S, N>, began: bool) {
+    /// Where the machine is, though its coordinates be set.
+    fn take<S: Scalar, const N: usize>(
+        &mut self,
+        setpoint: &Setpoint<S, N>,
+        began: bool,
+        shift: &[f64; 9],
+    ) {
         for (k, slot) in self.position.iter_mut().enumerate() {
-            *slot = setpoint.position_mm(k);
+            *slot = setpoint.position_mm(k) + shift[k];
             self.velocity[k] = setpoint.velocity[k].to_f64();
             self.acceleration[k] = setpoint.acceleration[k].to_f64();
         }

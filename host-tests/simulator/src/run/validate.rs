@@ -126,12 +126,8 @@ mod tests {
     }
 
     fn program(paths: &[Course]) -> Program {
-        let step = |(n, path): (usize, &Course)| Move {
-            path: path.clone(),
-            speed: Speed::PerSecond(10.0),
-            tolerance: None,
-            exact_stop: false,
-            line: n as u32 + 1,
+        let step = |(n, path): (usize, &Course)| {
+            Move::new(path.clone(), Speed::PerSecond(10.0), n as u32 + 1)
         };
         Program { moves: paths.iter().enumerate().map(step).collect(), ..Program::default() }
     }

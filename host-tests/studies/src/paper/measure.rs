@@ -67,13 +67,8 @@ pub fn program(case: &Case) -> Program {
     }
     program.start = case.points.first().map_or([0.0; 9], wide);
     for (line, point) in (1..).zip(case.points.iter().skip(1)) {
-        program.moves.push(Move {
-            path: Course::Line { to: wide(point) },
-            speed: Speed::PerSecond(FEED),
-            tolerance: None,
-            exact_stop: false,
-            line,
-        });
+        let path = Course::Line { to: wide(point) };
+        program.moves.push(Move::new(path, Speed::PerSecond(FEED), line));
     }
     program
 }

@@ -515,7 +515,8 @@ impl Referee {
             let miss = (step - h * (v0 + v1) / 2.0 - h * h * (a0 - a1) / 12.0).abs();
             let noise = 4.0 * epsilon * (before.offset + now.offset)
                 + 16.0 * epsilon * h * (v0.abs() + v1.abs() + h * limit.acceleration);
-            let floor = if self.double { 1.0e-9 } else { 1.0e-6 };
+            // In `f32` two nanometres: what pieces of a stop that are shorter than a cell are rounded by, at most as seen so far.
+            let floor = if self.double { 1.0e-9 } else { 2.0e-6 };
             if !(miss <= KERNEL * limit.jerk * h * h * h + noise + floor) {
                 self.find(Rule::Jump, format!("axis {n}: its position jumps by {miss:e} mm"));
             }

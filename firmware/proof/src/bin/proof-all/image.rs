@@ -48,8 +48,10 @@ impl pwm::SetDutyCycle for Pin {
 }
 
 static PORT: AtomicU32 = AtomicU32::new(0);
-static mut LINK: Link<f32, 3> = Link::new();
 static mut CORE: c::splineway_core = c::splineway_core { words: [0; c::SPLINEWAY_STORAGE_WORDS] };
+
+/// One memory for the core from Rust and the one from C: there is none for two, and neither ever runs.
+const _: () = assert!(size_of::<Link<f32, 3>>() <= size_of::<c::splineway_core>());
 
 /// Steps and a laser, as a drive.
 struct Axis(StepDir<Pin, Pin>, Analogue<Pin, f32>, PositionLoop<f32>);
@@ -94,6 +96,7 @@ fn config() -> Option<Config<f32, 3>> {
 fn drives(
     planner: &mut Planner<'_, f32, 3>,
     interpolator: &mut Interpolator<'_, f32, 3>,
+    config: &Config<f32, 3>,
 ) -> Option<()> {
     let mut drive = axis()?;
     loop {
@@ -102,6 +105,7 @@ fn drives(
         black_box(drive.drive(&setpoint)).ok()?;
         black_box(crate::line::controller(planner, &setpoint));
         crate::line::background(planner, &setpoint);
+        crate::grbl::background(planner, &setpoint, config);
     }
 }
 
@@ -112,6 +116,33 @@ fn checks(config: &Config<f32, 3>) -> Option<()> {
     let at = black_box((Coord::ZERO, Coord::from_mm(black_box(1.0)).ok()?));
     black_box(centre_from_radius(at, at, black_box(2.0), black_box(Turn::Clockwise)).ok()?);
     Some(())
+}
+
+/// Outputs in time with the path.
+unsafe fn outputs(core: *mut c::splineway_core, setpoint: *mut c::splineway_setpoint) {
+    let switch = black_box(c::splineway_switch {
+        output: 0,
+        number: 1,
+        value: 1.0,
+        trigger: 0,
+        distance: 0.0,
+        time: -0.1,
+        tag: 1,
+    });
+    let power = black_box(c::splineway_power { level: 1.0, dynamic: true, least: 0.0, most: 1.0 });
+    let mut list = [const { core::mem::MaybeUninit::<c::splineway_switched>::uninit() }; 4];
+    let (mut count, mut level) = (0, 0.0);
+    // SAFETY: pointers to what is there, from one context.
+    unsafe {
+        black_box(c::splineway_push_switch(core, &raw const switch));
+        black_box(c::splineway_set_power(core, &raw const power));
+        black_box(c::splineway_push_power(core, &raw const power, black_box(1)));
+        let list = list.as_mut_ptr().cast::<c::splineway_switched>();
+        let room = black_box(4);
+        let (count, level) = (&raw mut count, &raw mut level);
+        black_box(c::splineway_tick_outputs(core, setpoint, list, room, count, level));
+    }
+    black_box((list, count, level));
 }
 
 /// Everything a C program may call.
@@ -145,6 +176,8 @@ fn interface() {
         let travel = black_box(c::splineway_travel { least: -1, greatest: 1 });
         let travel = [travel; c::SPLINEWAY_AXES];
         black_box(c::splineway_set_travel(core, travel.as_ptr()));
+        black_box(c::splineway_set_limits(core, (&raw const (*config).axes).cast()));
+        black_box((c::splineway_quick_hold(core), c::splineway_quick_abort(core)));
         black_box(c::splineway_push_line(core, to.as_ptr(), &raw const options));
         black_box(c::splineway_push_arc(core, to.as_ptr(), &raw const arc, &raw const options));
         let p = to.as_ptr();
@@ -155,6 +188,30 @@ fn interface() {
         black_box(c::splineway_jog_velocity(core, velocity.as_ptr(), black_box(0.5)));
         black_box((c::splineway_jog_step(core, p, 1.0), c::splineway_jog_to(core, p, 1.0)));
         black_box((c::splineway_jog_back(core, black_box(1.0)), c::splineway_jog_cancel(core)));
+        outputs(core, setpoint.as_mut_ptr());
+        black_box(c::splineway_input(core, black_box(-1), black_box(true), black_box(0.5)));
+        black_box(c::splineway_probe(core, p, black_box(1.0), black_box(-1), black_box(true)));
+        let mut probed = core::mem::MaybeUninit::uninit();
+        black_box(c::splineway_probed(core, probed.as_mut_ptr()));
+        let mut told = black_box([0.0; 2]);
+        let [at_feed, most] = told.each_mut().map(core::ptr::from_mut);
+        black_box(c::splineway_probe_overshoot(core, 1.0, velocity.as_ptr(), at_feed, most));
+        let axis = c::splineway_axis_home {
+            wanted: true,
+            order: 0,
+            fast: 10.0,
+            slow: 1.0,
+            reach: 1_000_000,
+            back: 1_000,
+            at: 0,
+            parks: true,
+            park: 5,
+        };
+        let axes = black_box([axis; c::SPLINEWAY_AXES]);
+        black_box(c::splineway_home(core, axes.as_ptr()));
+        let mut homed = core::mem::MaybeUninit::uninit();
+        black_box(c::splineway_homed(core, homed.as_mut_ptr()));
+        black_box(c::splineway_set_position(core, p));
         black_box(c::splineway_finish(core));
         black_box(c::splineway_poll(core));
         black_box(c::splineway_acknowledge_abort(core));
@@ -170,15 +227,15 @@ fn interface() {
 
 fn run() -> Option<()> {
     let config = config()?;
-    // SAFETY: called once, and nothing else knows the link.
-    let link = unsafe { &mut *(&raw mut LINK) };
+    // SAFETY: all zeros are an empty link, and it has room (see above).
+    let link = unsafe { &mut *(&raw mut CORE).cast::<Link<f32, 3>>() };
     let (mut planner, mut interpolator) = link.split(config, black_box([Coord::ZERO; 3])).ok()?;
     checks(&config)?;
     interface();
     black_box(crate::curves::all().is_ok());
     black_box(crate::line::host(planner.controls()));
     black_box(crate::text::read(black_box(b"G1 X1")));
-    drives(&mut planner, &mut interpolator)
+    drives(&mut planner, &mut interpolator, &config)
 }
 
 #[entry]

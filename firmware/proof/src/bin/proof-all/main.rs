@@ -1,4 +1,4 @@
-//! The proof of `proof` for what lies around the core: outputs, the checks of a program, the wire, the reader of
+//! The proof of `proof` for what lies around the core: outputs, the checks of a program, the wire, the protocol of grbl, the reader of
 //! G-code, splines, and the interface for C. It links only if no panic can be reached from any of them.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 // Names for the linker, and the interface for C.
@@ -6,6 +6,8 @@
 
 #[cfg(target_os = "none")]
 mod curves;
+#[cfg(target_os = "none")]
+mod grbl;
 #[cfg(target_os = "none")]
 mod image;
 #[cfg(target_os = "none")]

@@ -1,8 +1,8 @@
 //! G-code, as a board reads it.
 
 use core::hint::black_box;
-use splineway::Block;
-use splineway::gcode::{Dialect, Reader, Settings};
+use splineway::gcode::{Coolant, Dialect, Laser, Reader, Settings};
+use splineway::{Block, Offset};
 
 /// A line and what comes of it.
 pub fn read(line: &[u8]) -> Option<Block<f32, 3>> {
@@ -10,6 +10,9 @@ pub fn read(line: &[u8]) -> Option<Block<f32, 3>> {
         dialect: Dialect::Marlin,
         lenient: true,
         block_delete: true,
+        switches: true,
+        laser: Some(Laser { least: 1.0, most: 1000.0 }),
+        coolant: Some(Coolant { mist: 0, flood: 1, lead: Offset::Time(-0.1) }),
         ..Settings::default()
     });
     let mut reader = Reader::new(&settings);

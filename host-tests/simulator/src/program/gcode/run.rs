@@ -62,6 +62,7 @@ pub fn examine_within(
         lenient: options.lenient,
         block_delete: options.block_delete,
         setup: *options.setup,
+        ..Settings::default()
     };
     let program = Program { start: point(&start), ..Program::default() };
     let mut run = Run {
@@ -182,10 +183,16 @@ impl Run<'_> {
                     line: self.at as u32,
                 });
             }
+            Action::Probe(probe) => {
+                self.reader.set_position(&probe.to);
+                let text = "a probe within a program needs the machine: what follows depends on where it then stands";
+                self.refuse(None, text.to_owned());
+            }
             Action::Label(number) => return self.label(*number),
             Action::Call { program, times } => return self.call(*program, *times),
             Action::Return => return self.back(),
-            Action::End => {}
+            // The settings ask for no outputs.
+            Action::End | Action::Switch(_) | Action::Power { .. } => {}
         }
         true
     }

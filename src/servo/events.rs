@@ -1,8 +1,9 @@
 //! Events on their way to the firmware.
 
+use super::{Activity, Setpoint};
+use crate::block::Block;
 use crate::number::Scalar;
 use crate::number::atomic::AtomicU32;
-use crate::servo::{Activity, Setpoint};
 use core::sync::atomic::Ordering::{Acquire, Relaxed, Release};
 
 /// Set in the word of the code if the event pauses, and if it has a value; the letter is above them.
@@ -26,13 +27,20 @@ pub struct Event {
     pub pause: bool,
 }
 
+impl Event {
+    /// The block at which it happens.
+    pub(crate) const fn block<S: Scalar, const N: usize>(&self) -> Block<S, N> {
+        if self.pause { Block::pause(self.tag) } else { Block::event(self.tag) }
+    }
+}
+
 /// One event, word by word: tag, code and pause, value.
 type Slot = [AtomicU32; 3];
 
-/// The way of events from [`Station`](super::Station) to the servo interrupt, in the order in which they
-/// happen. It can live in a `static`.
+/// The way of events from the controller's end of a line (`wire::Station`, `grbl::Station`) to the servo interrupt,
+/// in the order in which they happen. It can live in a `static`.
 ///
-/// The station puts an event in when the planner has taken its block, and waits if there is no room; the
+/// That end puts an event in when the planner has taken its block, and waits if there is no room; the
 /// interrupt takes it out in the very cycle in which it happens, with [`Events::take`]. One context may
 /// do each. It holds 12 bytes per event and 12 besides.
 #[derive(Debug)]
@@ -119,7 +127,7 @@ impl<const M: usize> Events<M> {
     }
 
     /// Drops those that have not happened. Only while none can: at rest, with nothing planned.
-    pub(super) fn clear(&self) {
+    pub(crate) fn clear(&self) {
         self.out.store(self.put.load(Relaxed), Release);
     }
 }

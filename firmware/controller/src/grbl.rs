@@ -1,0 +1,107 @@
+//! The background of a controller that speaks the protocol of grbl ([`splineway::grbl`], feature `grbl`), in place of
+//! [`crate::Background`].
+
+use splineway::grbl::{Accessories, Event, Events, Inputs, Settings, State, Station, Store};
+use splineway::{Planner, Progress, Scalar, Setpoint};
+
+/// What a board gives the background. Nothing here waits, but for what keeps settings.
+pub trait Port<S: Scalar, const N: usize> {
+    /// Keeps settings without power; `()` keeps none.
+    type Store: Store;
+
+    /// The next byte that has come from the line; `None` if there is none now.
+    fn read(&mut self) -> Option<u8>;
+    /// Takes a byte for the line; `false`: it has no room now, and the byte is offered again.
+    fn write(&mut self, byte: u8) -> bool;
+    /// The last setpoint, as a whole. It is asked for after planning, so that it is not older than what the planner knows.
+    fn setpoint(&mut self) -> Setpoint<S, N>;
+    /// What keeps settings. It is only used while the machine rests.
+    fn store(&mut self) -> &mut Self::Store;
+    /// Limit switches, probe, door, emergency stop, after debouncing.
+    fn inputs(&mut self) -> Inputs {
+        Inputs::default()
+    }
+    /// Spindle and coolant are to be so from now on.
+    fn switch(&mut self, _accessories: &Accessories) {}
+    /// An event of the program that is neither: a tool, an output.
+    fn happen(&mut self, _event: &Event) {}
+    /// Settings have changed, or are told for the first time: steps per mm, polarities of pins.
+    fn apply(&mut self, _settings: &Settings<N>) {}
+}
+
+/// The background of a controller: the planner and the controller's end of the line.
+pub struct Background<
+    'a,
+    'link,
+    S: Scalar,
+    const N: usize,
+    const BLOCKS: usize,
+    const NODES: usize,
+    const EVENTS: usize,
+> {
+    planner: &'a mut Planner<'link, S, N, BLOCKS, NODES>,
+    events: &'a Events<EVENTS>,
+    station: Station<S, N>,
+    switched: Accessories,
+}
+
+impl<
+    'a,
+    'link,
+    S: Scalar,
+    const N: usize,
+    const BLOCKS: usize,
+    const NODES: usize,
+    const EVENTS: usize,
+> Background<'a, 'link, S, N, BLOCKS, NODES, EVENTS>
+{
+    /// Of a machine at rest, with the settings that hold as long as none have been kept. The servo interrupt takes the `events`.
+    pub fn new(
+        planner: &'a mut Planner<'link, S, N, BLOCKS, NODES>,
+        events: &'a Events<EVENTS>,
+        settings: Settings<N>,
+    ) -> Self {
+        Self { planner, events, station: Station::new(settings), switched: Accessories::OFF }
+    }
+
+    /// One round: everything that has come, switches, lines and a planning step, and of what is to be said as much as the line
+    /// takes.
+    ///
+    /// Cost: that of [`Station::poll`], and of [`Station::receive`] for every byte that has come.
+    pub fn round(&mut self, port: &mut impl Port<S, N>) -> Progress {
+        while let Some(byte) = port.read() {
+            self.station.receive(byte, self.planner.controls());
+        }
+        let inputs = port.inputs();
+        let progress = self.station.poll(self.planner, self.events, port.store(), inputs);
+        while let Some(event) = self.station.event() {
+            port.happen(&event);
+        }
+        let accessories = self.station.accessories();
+        if accessories != self.switched {
+            port.switch(&accessories);
+            self.switched = accessories;
+        }
+        if let Some(settings) = self.station.new_settings() {
+            port.apply(settings);
+        }
+        let setpoint = port.setpoint();
+        while let Some(byte) = self.station.say(&setpoint) {
+            if !port.write(byte) {
+                break;
+            }
+            self.station.sent();
+        }
+        progress
+    }
+
+    /// What the machine is doing, by the last round.
+    pub fn state(&self) -> State {
+        self.station.state()
+    }
+
+    /// The settings in force.
+    pub const fn settings(&self) -> &Settings<N> {
+        self.station.settings()
+    }
+}

@@ -1,0 +1,123 @@
+//! Where a switch in a corner comes, and the power from block to block.
+
+use crate::common::machine;
+use crate::run::{AXES, there};
+use splineway::{Activity, Block, Coord, Link, Output, Power, Progress, Switch, Trigger};
+
+/// The end of a block whose corner is rounded is in the middle of the rounding: on the line that halves the corner.
+#[test]
+fn the_middle_of_a_corner_stands_for_the_end_of_its_block() {
+    for degrees in [20.0f64, 60.0, 90.0, 120.0] {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let machine = machine(0.2, (1.0, 1.0), AXES);
+        let mut link = Box::new(Link::<f64, AXES, 8, 56>::new());
+        let (mut planner, mut interpolator) =
+            link.split(machine.config(&[0, 1, 2]).unwrap(), [Coord::ZERO; AXES]).unwrap();
+        let at = |x: f64, y: f64| [x, y, 0.0].map(|x| Coord::from_mm(x).unwrap());
+        let corner = [10.0, 0.0];
+        planner.push(&Block::line(at(10.0, 0.0), 50.0, 1)).unwrap();
+        planner.push_switch(&Switch::digital(0, true)).unwrap();
+        let end = at(10.0 + 10.0 * cos, 10.0 * sin);
+        planner.push(&Block::line(end, 50.0, 2)).unwrap();
+        planner.finish();
+        let mut before = interpolator.tick();
+        let mut place = None;
+        for _ in 0..2000 {
+            planner.settle();
+            let after = interpolator.tick();
+            interpolator.switch(&after, |switched| {
+                place = Some(there((&before, &after), switched.fraction).1);
+            });
+            before = after;
+        }
+        let [x, y, _] = place.unwrap();
+        let (x, y) = (x - corner[0], y - corner[1]);
+        let along = x * (1.0 + cos) + y * sin;
+        // Of a spline over lines that turn by little the place is known to a share of a cell.
+        let most = if degrees < 80.0 { 0.02 } else { 5.0e-5 };
+        assert!(along.abs() < most, "{degrees}: {along}");
+        assert!(x.hypot(y) > 0.1, "{degrees}: not rounded, {x} {y}");
+    }
+}
+
+/// A rapid, a cut, a rapid, a dwell that pierces, a cut; at every cycle the power is what the block asks for at its speed.
+#[test]
+fn power_goes_with_the_speed_and_is_off_in_rapids_and_at_rest() {
+    let aborts = (1..800).step_by(53).map(Some).chain([None]);
+    for (dynamic, abort) in aborts.flat_map(|abort| [(true, abort), (false, abort)]) {
+        let machine = machine(0.05, (1.0, 1.0), AXES);
+        let mut link = Box::new(Link::<f32, AXES, 16, 64>::new());
+        let (mut planner, mut interpolator) =
+            link.split(machine.config(&[0, 1, 2]).unwrap(), [Coord::ZERO; AXES]).unwrap();
+        let at = |x: f64, y: f64| [x, y, 0.0].map(|x| Coord::from_mm(x).unwrap());
+        let full = if dynamic {
+            Power::in_proportion(800.0, 100.0, 1000.0)
+        } else {
+            Power::constant(800.0)
+        };
+        planner.set_power(&full).unwrap();
+        planner.push(&Block::rapid(at(10.0, 0.0), 1)).unwrap();
+        planner.push(&Block::line(at(20.0, 0.0), 100.0, 2)).unwrap();
+        planner.push(&Block::line(at(20.0, 10.0), 50.0, 3)).unwrap();
+        planner.push(&Block::rapid(at(30.0, 10.0), 4)).unwrap();
+        planner.push_power(&Power::constant(300.0), 5).unwrap();
+        planner.push(&Block::dwell(0.05, 6)).unwrap();
+        planner.set_power(&full).unwrap();
+        planner.push(&Block::line(at(40.0, 10.0), 100.0, 7)).unwrap();
+        planner.push_switch(&Switch::digital(2, true).at(Trigger::End)).unwrap();
+        planner.finish();
+        let (mut seen, mut switched, mut aborted) = ([false; 8], 0, false);
+        for cycle in 0..2000 {
+            if abort == Some(cycle) {
+                planner.controls().abort();
+            }
+            aborted |= planner.settle() == Progress::Aborted;
+            let setpoint = interpolator.tick();
+            let power = interpolator.switch(&setpoint, |event| {
+                switched += u32::from(event.output == Output::Digital(2));
+            });
+            let speed = setpoint.path_speed;
+            let cut = |feed: f32| {
+                if dynamic { (800.0 / feed * speed).clamp(100.0, 1000.0) } else { 800.0 }
+            };
+            let wanted: &[f32] = match (setpoint.activity, setpoint.tag) {
+                (Activity::Idle, _) | (Activity::Running, 1 | 4) => &[0.0],
+                (Activity::Running, 2 | 7) => &[cut(100.0)],
+                (Activity::Running, 3) => &[cut(50.0)],
+                // From the event on that switches it on.
+                (Activity::Event, _) | (_, 5 | 6) => &[300.0],
+                other => panic!("{other:?}"),
+            };
+            // Where blocks meet, cells show the one while the cycle has switched to the other.
+            let near = [cut(100.0), cut(50.0), 0.0];
+            let joint = setpoint.activity == Activity::Running;
+            let is = |wanted: &[f32]| wanted.iter().any(|w| (power - w).abs() < 0.01);
+            assert!(is(wanted) || (joint && is(&near)), "{cycle} {power} {setpoint:?}");
+            seen[setpoint.tag as usize & 7] |= is(wanted) && setpoint.activity != Activity::Idle;
+            if aborted {
+                assert!(power == 0.0);
+            }
+        }
+        if abort.is_some() {
+            // Late ones come when all has been run.
+            assert!(aborted && (switched == 0 || abort > Some(500)));
+            // Of what has been dropped nothing comes; what is pushed anew does.
+            assert!(planner.acknowledge_abort());
+            let [x, y] = [0, 1].map(|i| planner.end()[i].to_mm() + 5.0);
+            planner.push(&Block::line(at(x, y), 100.0, 1)).unwrap();
+            planner.push_switch(&Switch::digital(1, true).at(Trigger::End)).unwrap();
+            planner.finish();
+            let mut events = Vec::new();
+            for _ in 0..1000 {
+                planner.settle();
+                let setpoint = interpolator.tick();
+                let power = interpolator.switch(&setpoint, |event| events.push(event.output));
+                assert!(power == 0.0);
+            }
+            assert_eq!(events, [Output::Digital(1)]);
+        } else {
+            assert_eq!(seen, [false, true, true, true, true, true, true, true]);
+            assert_eq!(switched, 1);
+        }
+    }
+}

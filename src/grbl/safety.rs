@@ -1,0 +1,183 @@
+//! What stops the machine, what holds it, and how it begins anew.
+
+use super::accessories::Accessories;
+use super::code::{Alarm, Error};
+use super::realtime::Realtime;
+use super::report::{Cadence, Inputs};
+use super::station::{Abort, Doing, Lock, Station};
+use crate::number::Scalar;
+use crate::planner::Planner;
+use crate::servo::Controls;
+use crate::servo::events::Events;
+
+impl<S: Scalar, const N: usize> Station<S, N> {
+    pub(super) fn obey(&mut self, command: Realtime, controls: Controls<'_>) {
+        match command {
+            Realtime::Start => {
+                if !self.inputs.door {
+                    (self.held, self.door) = (false, false);
+                    controls.resume();
+                }
+            }
+            Realtime::Hold if self.jogging => controls.cancel_jog(),
+            Realtime::Hold => {
+                self.held = true;
+                controls.hold();
+            }
+            Realtime::Door => self.hold_for_door(controls),
+            Realtime::CancelJog => {
+                controls.cancel_jog();
+                self.cancelled = self.inbox.waiting();
+            }
+            Realtime::Feed(change) => {
+                let [feed, ..] = &mut self.overrides;
+                *feed = change.of(*feed);
+                controls.feed_override(*feed);
+            }
+            Realtime::Rapid(percent) => {
+                let [_, rapid, _] = &mut self.overrides;
+                *rapid = percent;
+                controls.rapid_override(percent);
+            }
+            Realtime::Spindle(change) => {
+                let [.., spindle] = &mut self.overrides;
+                *spindle = change.of(*spindle);
+            }
+            // As in grbl only while held: the tool must not stand in moving material.
+            Realtime::SpindleStop => self.stopped = self.held && self.rests && !self.stopped,
+            Realtime::Flood => {
+                self.actual.flood = !self.actual.flood;
+                self.programmed.flood = self.actual.flood;
+            }
+            Realtime::Mist => {
+                self.actual.mist = !self.actual.mist;
+                self.programmed.mist = self.actual.mist;
+            }
+            Realtime::Status | Realtime::Reset | Realtime::Other => return,
+        }
+        self.stopped &= self.held;
+        self.cadence.tell_overrides();
+    }
+
+    /// Brakes and stays held until the door is closed and a start is asked for.
+    fn hold_for_door(&mut self, controls: Controls<'_>) {
+        self.door = true;
+        controls.hold();
+    }
+
+    /// Brakes within the limits, and drops everything.
+    pub(super) fn reset(&mut self, controls: Controls<'_>) {
+        controls.abort();
+        self.inbox.clear();
+        (self.doing, self.startup, self.cancelled) = (Doing::Nothing, None, 0);
+        (self.status, self.check) = (false, false);
+        self.abort = Some(Abort::Reset);
+        if self.lock == Lock::Sleep {
+            self.lock = Lock::Alarm;
+        }
+    }
+
+    /// The end of check mode: a reset, behind what waits to be said.
+    pub(super) fn leave_check(&mut self, controls: Controls<'_>) {
+        controls.abort();
+        self.check = false;
+        self.abort = Some(Abort::Reset);
+    }
+
+    /// Whether everything is being dropped.
+    pub(super) const fn abort_is_on(&self) -> bool {
+        self.abort.is_some()
+    }
+
+    pub(super) const fn is_door_open(&self) -> bool {
+        self.inputs.door
+    }
+
+    /// Whether the reason of an alarm lasts.
+    pub(super) const fn must_stop(&self) -> bool {
+        self.inputs.stop
+    }
+
+    /// Blocks that the planner has room for when it is empty.
+    pub(super) const fn blocks(&self) -> u32 {
+        self.blocks
+    }
+
+    /// Locks the machine, says why, and drops what was to be run: it brakes within its limits.
+    pub(super) fn alarm(&mut self, alarm: Alarm, controls: Controls<'_>) {
+        if self.abort.is_none() {
+            controls.abort();
+            self.abort = Some(Abort::Alarm);
+        }
+        self.lock = Lock::Alarm;
+        self.startup = None;
+        self.outbox.text("ALARM:").whole(alarm as u32).end();
+        self.outbox.line("[MSG:'$H'|'$X' to unlock]");
+    }
+
+    /// Switches, and aborts that come from elsewhere.
+    pub(super) fn watch<const BLOCKS: usize, const NODES: usize>(
+        &mut self,
+        planner: &Planner<'_, S, N, BLOCKS, NODES>,
+        inputs: Inputs,
+    ) {
+        let before = core::mem::replace(&mut self.inputs, inputs);
+        let hit = inputs.limits & !before.limits != 0 && self.memory.settings.hard_limits();
+        let stop = inputs.stop && !before.stop;
+        let foreign = planner.is_aborted() && self.abort.is_none();
+        if inputs.door && !before.door && self.lock == Lock::Open {
+            // A jog ends with it.
+            self.hold_for_door(planner.controls());
+        }
+        if !self.outbox.has_room() {
+            // Nobody reads: the motion is stopped all the same, and the word is said when somebody does.
+            if (hit || stop) && !planner.is_aborted() {
+                planner.controls().abort();
+            }
+            self.inputs = Inputs { door: inputs.door, ..before };
+            return;
+        }
+        if hit && self.lock == Lock::Open {
+            self.alarm(Alarm::HardLimit, planner.controls());
+        } else if stop || foreign {
+            self.alarm(Alarm::Abort, planner.controls());
+            self.abort = self.abort.or(Some(Abort::Alarm));
+        }
+    }
+
+    /// Where an abort is complete: everything is as after power-up, where the machine stands.
+    pub(super) fn complete_abort<const BLOCKS: usize, const NODES: usize, const M: usize>(
+        &mut self,
+        planner: &mut Planner<'_, S, N, BLOCKS, NODES>,
+        events: &Events<M>,
+    ) {
+        let Some(abort) = self.abort else { return };
+        if !self.outbox.has_room() || !planner.acknowledge_abort() || planner.is_aborted() {
+            return;
+        }
+        self.abort = None;
+        events.clear();
+        self.events.clear();
+        (self.happened, self.seen) = (0, events.happened());
+        (self.programmed, self.actual) = (Accessories::OFF, Accessories::OFF);
+        (self.held, self.door, self.stopped) = (false, false, false);
+        // A hold that was asked for while it braked.
+        planner.controls().resume();
+        self.reader.restart();
+        self.reader.stand_at(planner.end());
+        self.show_offsets_now();
+        if self.inputs.door {
+            self.hold_for_door(planner.controls());
+        }
+        if abort == Abort::Reset {
+            self.overrides = [100; 3];
+            planner.controls().feed_override(100);
+            planner.controls().rapid_override(100);
+            self.cadence = Cadence::default();
+            self.greet();
+        } else if !matches!(self.doing, Doing::Nothing) {
+            self.doing = Doing::Nothing;
+            self.answer(Err(Error::Locked));
+        }
+    }
+}

@@ -1,0 +1,423 @@
+//! The controller's end of the line.
+
+use super::accessories::{Accessories, Spindle};
+use super::code::Error;
+use super::inbox::{Inbox, Line};
+use super::outbox::Outbox;
+use super::realtime::{self, Letters, Realtime};
+use super::report::{Cadence, Inputs, State, Status};
+use super::settings::Settings;
+use super::store::{Memory, Store};
+use crate::block::Block;
+use crate::gcode::{self, Dialect, Reader};
+use crate::machine::Travel;
+use crate::number::{Coord, Scalar};
+use crate::planner::{Planner, Progress};
+use crate::servo::events::{Event, Events};
+use crate::servo::{Activity, Controls, Setpoint};
+use heapless::Deque;
+
+/// Events that wait for the motion to come to them.
+const EVENTS: usize = 8;
+
+/// What a line has asked for and the planner has had no room for.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Waiting<S, const N: usize> {
+    Block(Block<S, N>),
+    Event(Event),
+}
+
+/// A list that is written line by line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum List {
+    /// `$$`
+    Settings,
+    /// `$#`
+    Parameters,
+    /// `$N`
+    Startup,
+    /// `$I`
+    Build,
+}
+
+/// What is being done for the line that was read last.
+#[derive(Clone, Copy, Debug)]
+// One of them, in its place.
+#[allow(clippy::large_enum_variant)]
+pub(super) enum Doing<S, const N: usize> {
+    Nothing,
+    /// Its moves and events are handed over.
+    Line {
+        waiting: Option<Waiting<S, N>>,
+    },
+    /// It ends a program: the machine comes to rest.
+    Ending,
+    /// It asks for a list, of which so many lines have been written.
+    Listing {
+        list: List,
+        line: usize,
+    },
+}
+
+/// What ends an abort.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Abort {
+    /// A reset: the banner.
+    Reset,
+    /// An alarm: the lock.
+    Alarm,
+}
+
+/// Why nothing is done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Lock {
+    Open,
+    Alarm,
+    Sleep,
+}
+
+/// The controller's end of the line, in the protocol of grbl 1.1: see [the module](super).
+///
+/// It holds a [`Reader`], what is kept without power (twice), a line, and what is said: some 12 kB for three axes.
+#[derive(Debug)]
+pub struct Station<S: Scalar, const N: usize> {
+    pub(super) inbox: Inbox,
+    pub(super) outbox: Outbox,
+    pub(super) letters: Letters,
+    pub(super) reader: Reader,
+    /// The reader before the line under way.
+    pub(super) before: gcode::State,
+    pub(super) memory: Memory<N>,
+    pub(super) defaults: Memory<N>,
+    pub(super) line: Line,
+    pub(super) doing: Doing<S, N>,
+    /// Startup lines that are to be run: the next.
+    pub(super) startup: Option<usize>,
+    /// The line under way is a startup line.
+    pub(super) from_startup: bool,
+    /// Lines that came before a jog was called off, and the line under way is one of them: they begin none.
+    pub(super) cancelled: usize,
+    pub(super) is_cancelled: bool,
+    /// Number of the last line of a program: its tag.
+    pub(super) tag: u32,
+    /// The travel of the configuration, which holds without soft limits.
+    pub(super) travel: Option<Travel<N>>,
+    pub(super) abort: Option<Abort>,
+    pub(super) lock: Lock,
+    pub(super) check: bool,
+    pub(super) held: bool,
+    pub(super) door: bool,
+    pub(super) jogging: bool,
+    /// Of feeds, rapids and the spindle, per cent.
+    pub(super) overrides: [u16; 3],
+    /// The spindle is stopped by its override.
+    pub(super) stopped: bool,
+    /// As the lines that have been read ask for.
+    pub(super) programmed: Accessories,
+    /// As they are.
+    pub(super) actual: Accessories,
+    /// Events that have been handed over and have not happened.
+    pub(super) events: Deque<Event, EVENTS>,
+    /// Of these, how many have happened and have not been told.
+    pub(super) happened: usize,
+    /// Events that had happened at the last look.
+    pub(super) seen: u32,
+    pub(super) status: bool,
+    pub(super) cadence: Cadence,
+    pub(super) inputs: Inputs,
+    pub(super) progress: Progress,
+    pub(super) rests: bool,
+    pub(super) empty: bool,
+    pub(super) blocks: u32,
+    pub(super) room: u32,
+    /// What reports tell, and what they will from a tag on.
+    pub(super) offsets: [Coord; N],
+    pub(super) next_offsets: Option<(u32, [Coord; N])>,
+    /// Work offsets may have changed since they were kept.
+    pub(super) touched: bool,
+    /// Settings have changed since they were told.
+    pub(super) changed: bool,
+}
+
+/// The first axes of a place.
+pub(super) fn own<const N: usize>(place: &gcode::Place) -> [Coord; N] {
+    core::array::from_fn(|axis| place.get(axis).copied().unwrap_or_default())
+}
+
+impl<S: Scalar, const N: usize> Station<S, N> {
+    /// Of a machine at rest, before its first poll. `settings` are those that `$RST=$` brings back.
+    pub fn new(settings: Settings<N>) -> Self {
+        let reading = gcode::Settings {
+            dialect: Dialect::Grbl,
+            axes: core::array::from_fn(|axis| axis < N),
+            ..gcode::Settings::default()
+        };
+        let memory = Memory::new(settings);
+        Self {
+            inbox: Inbox::default(),
+            outbox: Outbox::default(),
+            letters: Letters::default(),
+            reader: Reader::new(&reading),
+            before: gcode::State::new(),
+            memory: memory.clone(),
+            defaults: memory,
+            line: Line::new(),
+            doing: Doing::Nothing,
+            startup: None,
+            from_startup: false,
+            cancelled: 0,
+            is_cancelled: false,
+            tag: 0,
+            travel: None,
+            abort: None,
+            lock: Lock::Open,
+            check: false,
+            held: false,
+            door: false,
+            jogging: false,
+            overrides: [100; 3],
+            stopped: false,
+            programmed: Accessories::OFF,
+            actual: Accessories::OFF,
+            events: Deque::new(),
+            happened: 0,
+            seen: 0,
+            status: false,
+            cadence: Cadence::default(),
+            inputs: Inputs::default(),
+            progress: Progress::NeedsBlocks,
+            rests: true,
+            empty: true,
+            blocks: 0,
+            room: 0,
+            offsets: [Coord::ZERO; N],
+            next_offsets: None,
+            touched: false,
+            changed: true,
+        }
+    }
+
+    /// Takes a byte from the line. What is a command by itself is obeyed now.
+    ///
+    /// Cost: a comparison or two; that of a line where the room for lines is full.
+    pub fn receive(&mut self, byte: u8, controls: Controls<'_>) {
+        if self.letters.goes_on(byte) {
+            return;
+        }
+        match realtime::command(byte) {
+            None => self.inbox.push(byte),
+            Some(Realtime::Status) => self.status = true,
+            Some(Realtime::Reset) => self.reset(controls),
+            Some(command) => {
+                if self.lock == Lock::Open && !self.check && self.abort.is_none() {
+                    self.obey(command, controls);
+                }
+            }
+        }
+    }
+
+    /// Hands lines to the planner as long as it has room, lets it plan, and keeps the rules: call it in place of
+    /// [`Planner::poll`], again and again. `events` are the firmware's; `store` is only asked while the machine rests.
+    ///
+    /// Cost: that of reading a line and of [`Planner::push`] for one block, and that of [`Planner::poll`]. If more could be done at once
+    /// it says [`Progress::Planning`].
+    pub fn poll<const BLOCKS: usize, const NODES: usize, const M: usize>(
+        &mut self,
+        planner: &mut Planner<'_, S, N, BLOCKS, NODES>,
+        events: &Events<M>,
+        store: &mut impl Store,
+        inputs: Inputs,
+    ) -> Progress {
+        if self.travel.is_none() {
+            // A reset may have come before anything else.
+            let progress = planner.poll();
+            if planner.is_aborted() && (!planner.acknowledge_abort() || planner.is_aborted()) {
+                return progress;
+            }
+            (self.abort, self.blocks) = (None, BLOCKS as u32);
+            self.begin(planner, store);
+        }
+        self.watch(planner, inputs);
+        let happened = events.happened();
+        self.happened += happened.wrapping_sub(self.seen) as usize;
+        self.seen = happened;
+        let more = self.abort.is_none() && self.work(planner, events, store);
+        self.progress = planner.poll();
+        self.complete_abort(planner, events);
+        self.jogging = planner.is_jogging();
+        self.empty = planner.is_empty();
+        self.room = (BLOCKS - planner.blocks_waiting().min(BLOCKS)) as u32;
+        if self.touched && self.empty {
+            self.keep_offsets(store);
+        }
+        match self.progress {
+            Progress::Waiting | Progress::NeedsBlocks | Progress::Done if more => {
+                Progress::Planning
+            }
+            progress => progress,
+        }
+    }
+
+    /// What has been kept is in force; the banner.
+    fn begin<const BLOCKS: usize, const NODES: usize>(
+        &mut self,
+        planner: &mut Planner<'_, S, N, BLOCKS, NODES>,
+        store: &mut impl Store,
+    ) {
+        self.travel = Some(*planner.travel());
+        if let Some(memory) = Memory::load(store, &self.defaults) {
+            self.memory = memory;
+        }
+        let kept = self.apply(planner);
+        debug_assert!(kept, "a machine that does not rest when it begins");
+        self.load_offsets();
+        self.greet();
+    }
+
+    /// The banner; what runs at a start.
+    pub(super) fn greet(&mut self) {
+        self.outbox.end();
+        self.outbox.line("Grbl 1.1h ['$' for help]");
+        if self.lock == Lock::Open {
+            self.startup = Some(0);
+        } else {
+            self.outbox.line("[MSG:'$H'|'$X' to unlock]");
+        }
+    }
+
+    /// The answer to the line under way.
+    pub(super) fn answer(&mut self, outcome: Result<(), Error>) {
+        if core::mem::take(&mut self.from_startup) {
+            let Self { outbox, line, .. } = self;
+            outbox.byte(b'>').bytes(line).byte(b':');
+        }
+        match outcome {
+            Ok(()) => self.outbox.line("ok"),
+            Err(error) => self.outbox.text("error:").whole(error as u32).end(),
+        }
+    }
+
+    /// Reports tell other offsets from the line with this tag on.
+    pub(super) fn show_offsets_from(&mut self, tag: u32) {
+        let offsets = own(&self.reader.offsets());
+        let newest = self.next_offsets.map_or(self.offsets, |(_, next)| next);
+        if offsets != newest {
+            self.next_offsets = Some((tag, offsets));
+        }
+    }
+
+    pub(super) fn show_offsets_now(&mut self) {
+        self.offsets = own(&self.reader.offsets());
+        self.next_offsets = None;
+        self.cadence.tell_offsets();
+    }
+
+    /// Whether the machine is idle: it rests, is not locked, and has nothing to run.
+    pub(super) fn is_idle<const BLOCKS: usize, const NODES: usize>(
+        &self,
+        planner: &Planner<'_, S, N, BLOCKS, NODES>,
+    ) -> bool {
+        let free = self.lock == Lock::Open && !self.check && !self.held && !self.door;
+        free && self.abort.is_none() && planner.is_empty()
+    }
+
+    /// The next byte to be sent; `None` if nothing is to be said. A report that has been asked for is of this setpoint.
+    /// [`Station::sent`] goes on to the next.
+    pub fn say(&mut self, setpoint: &Setpoint<S, N>) -> Option<u8> {
+        self.rests = setpoint.activity == Activity::Idle;
+        if let Some((tag, offsets)) = self.next_offsets
+            && (self.empty || setpoint.tag.wrapping_sub(tag).cast_signed() >= 0)
+        {
+            (self.offsets, self.next_offsets) = (offsets, None);
+            self.cadence.tell_offsets();
+        }
+        if self.status && self.outbox.has_room() {
+            self.status = false;
+            let settings = &self.memory.settings;
+            let status = Status {
+                state: self.state(),
+                machine: settings.tells_machine(),
+                inches: settings.inches(),
+                room: settings.tells_room().then_some([self.room, self.inbox.room() as u32]),
+                inputs: self.inputs,
+                offsets: &self.offsets,
+                overrides: self.overrides,
+                accessories: self.accessories(),
+            };
+            status.say(setpoint, &mut self.cadence, &mut self.outbox);
+        }
+        self.outbox.peek()
+    }
+
+    /// The byte has been sent.
+    pub fn sent(&mut self) {
+        self.outbox.sent();
+    }
+
+    /// What the machine is doing, by the last [`Station::poll`] and the last setpoint.
+    pub fn state(&self) -> State {
+        let rests = self.rests;
+        match self.lock {
+            Lock::Sleep => return State::Sleep,
+            Lock::Alarm => return State::Alarm,
+            Lock::Open => {}
+        }
+        if self.check {
+            State::Check
+        } else if self.door {
+            State::Door { rests: rests && !self.jogging, open: self.inputs.door }
+        } else if self.jogging {
+            State::Jog
+        } else if self.held || self.progress == Progress::Held {
+            State::Hold { rests }
+        } else if self.empty && rests && self.abort.is_none() {
+            State::Idle
+        } else {
+            State::Run
+        }
+    }
+
+    /// Spindle and coolant as they are to be now.
+    pub fn accessories(&self) -> Accessories {
+        let [.., percent] = self.overrides;
+        let at = self.actual.at(percent, self.memory.settings.spindle());
+        match self.lock {
+            _ if self.abort == Some(Abort::Reset) => Accessories::OFF,
+            Lock::Open if self.stopped => Accessories { spindle: Spindle::Off, speed: 0.0, ..at },
+            Lock::Open => at,
+            Lock::Alarm | Lock::Sleep => Accessories::OFF,
+        }
+    }
+
+    /// The next event of the program that has happened and is not spindle or coolant: a tool, an output. To be asked until there is
+    /// none.
+    pub fn event(&mut self) -> Option<Event> {
+        while self.happened > 0
+            && let Some(event) = self.events.pop_front()
+        {
+            self.happened -= 1;
+            if !self.actual.apply(&event) {
+                return Some(event);
+            }
+            self.cadence.tell_overrides();
+        }
+        None
+    }
+
+    /// The settings, if they have changed since this was asked.
+    pub fn new_settings(&mut self) -> Option<&Settings<N>> {
+        core::mem::take(&mut self.changed).then_some(&self.memory.settings)
+    }
+
+    /// The settings in force.
+    pub const fn settings(&self) -> &Settings<N> {
+        &self.memory.settings
+    }
+
+    /// Spindle and coolant are switched off, at the end of a program.
+    pub(super) fn switch_off(&mut self) {
+        (self.programmed, self.actual) = (Accessories::OFF, Accessories::OFF);
+        self.overrides = [100; 3];
+        self.cadence.tell_overrides();
+    }
+}

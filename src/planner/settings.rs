@@ -1,0 +1,45 @@
+//! What may be changed while the machine rests with nothing to run.
+
+use super::Planner;
+use super::phase::{Phase, Rest};
+use crate::block::{Block, BlockError};
+use crate::machine::Limits;
+use crate::number::{Coord, Scalar};
+
+impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
+    Planner<'_, S, N, BLOCKS, NODES>
+{
+    /// Whether the machine rests and nothing is left to run: no block, no plan, no jog, no pause, no abort.
+    pub fn is_empty(&self) -> bool {
+        #[cfg(feature = "jog")]
+        if self.jogging.is_on() {
+            return false;
+        }
+        matches!(self.phase, Phase::Resting(Rest::Ready { .. }))
+            && self.making.is_none()
+            && !self.is_aborted()
+            && self.builder.len() == 0
+            && self.last_node() == self.horizon.end()
+            && self.side.progress() == self.horizon.end()
+    }
+
+    /// Changes the limits of the axes, for all that comes. `false`, and nothing has changed, unless [`Planner::is_empty`].
+    pub fn set_limits_at_rest(&mut self, limits: Limits<S, N>) -> bool {
+        let may = self.is_empty();
+        if may {
+            self.horizon.config.limits = limits;
+            self.vain = None;
+        }
+        may
+    }
+
+    /// Whether [`Planner::push`] would take a block that begins at a place, leaving room aside.
+    ///
+    /// Cost: that of taking a block.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn check(&self, block: &Block<S, N>, from: &[Coord; N]) -> Result<(), BlockError> {
+        block.check(from, &self.horizon.config)
+    }
+}
