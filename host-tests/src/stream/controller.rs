@@ -1,29 +1,19 @@
 //! A controller without a machine: the background of the firmware ([`splineway_controller`]), on a line.
 
 use super::line::Line;
+use super::pace::Pace;
 use anyhow::{Result, bail};
 use splineway::wire::{Event, Events, State};
 use splineway::{Activity, BLOCKS, Coord, Link, NODES, Planner, Progress, Setpoint};
 use splineway_controller::{Background, Port};
 use splineway_simulator::machine::Machine;
 use std::collections::VecDeque;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Items that wait for the planner.
 const QUEUE: usize = 16;
 /// Events that may be on their way to the firmware.
 const EVENTS: usize = 8;
-/// Most servo cycles that are made up for in one go.
-const MOST_CYCLES: u64 = 1000;
-/// Most time that takes.
-const MOST_TIME: Duration = Duration::from_millis(20);
-/// Waits between looks at the clock: while something runs or is heard, and else.
-const BUSY: Duration = Duration::from_micros(500);
-const IDLE: Duration = Duration::from_millis(10);
-
-/// Silence after which a controller that is done with leaves.
-const SILENCE: Duration = Duration::from_millis(500);
-
 /// What a bad line does, for trials.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Faults {
@@ -160,7 +150,7 @@ impl Controller {
         let events = Events::<EVENTS>::new();
         let mut background =
             Background::<_, N, BLOCKS, NODES, QUEUE, EVENTS>::new(&mut planner, &events);
-        let (began, mut cycles) = (Instant::now(), 0);
+        let mut pace = Pace::new(speed, machine.cycle);
         let mut outside = Outside {
             faults,
             incoming: VecDeque::new(),
@@ -168,36 +158,22 @@ impl Controller {
             now: Duration::ZERO,
             setpoint: interpolator.tick(),
         };
-        let (mut ran, mut leaves, mut heard) = (false, false, began);
+        let (mut ran, mut leaves) = (false, false);
         let mut state = State::Idle;
         loop {
-            // A short wait stands for the time the processor has nothing to do. A byte ends it.
-            let rests = state == State::Idle && heard.elapsed() > SILENCE;
-            let wait = if rests { IDLE } else { BUSY };
-            let first = self.line.bytes().recv_timeout(wait).unwrap_or_default();
-            for chunk in std::iter::once(first).chain(self.line.bytes().try_iter()) {
-                if !chunk.is_empty() {
-                    heard = Instant::now();
-                }
-                outside.incoming.extend(faults.pass(&chunk));
-            }
-            let now = began.elapsed();
-            outside.now = now;
-            let target = (now.as_secs_f64() * speed / machine.cycle) as u64;
+            pace.hear(&self.line, state == State::Idle, |chunk| {
+                outside.incoming.extend(faults.pass(chunk));
+            });
+            outside.now = pace.now();
             // The line is served whether a servo cycle is due or not.
             while background.round(&mut outside) == Progress::Planning {}
-            for _ in 0..(target.saturating_sub(cycles)).min(MOST_CYCLES) {
-                // The line is served whatever planning costs: what is not made up for now is lost time.
-                if began.elapsed() > now + MOST_TIME {
-                    break;
-                }
+            pace.run(|| {
                 outside.setpoint = interpolator.tick();
                 if let Some(event) = events.take(&outside.setpoint) {
                     leaves |= tell(&Happening::Event(event));
                 }
                 while background.round(&mut outside) == Progress::Planning {}
-            }
-            cycles = target;
+            });
             self.line.write(&outside.outgoing);
             outside.outgoing.clear();
             let setpoint = outside.setpoint;
@@ -211,7 +187,7 @@ impl Controller {
                 leaves |= tell(&Happening::Run(outside.position()));
             }
             // Only when the host has nothing more to ask.
-            if leaves && heard.elapsed() > SILENCE {
+            if leaves && pace.is_silent() {
                 return Ok(());
             }
         }

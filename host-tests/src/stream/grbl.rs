@@ -2,6 +2,7 @@
 //! ([`splineway_controller::grbl`]), on a line.
 
 use super::line::Line;
+use super::pace::Pace;
 use anyhow::{Context, Result, bail};
 use splineway::grbl::{Accessories, Event, Events, Settings, State, Store, words};
 use splineway::{BLOCKS, Coord, Link, NODES, Progress, Setpoint};
@@ -11,18 +12,9 @@ use std::collections::VecDeque;
 use std::fs::File;
 use std::os::unix::fs::FileExt;
 use std::path::Path;
-use std::time::{Duration, Instant};
 
 /// Events that may be on their way.
 const EVENTS: usize = 8;
-/// Most servo cycles that are made up for in one go, and most time that takes.
-const MOST_CYCLES: u64 = 1000;
-const MOST_TIME: Duration = Duration::from_millis(20);
-/// Waits between looks at the clock: while something runs or is heard, and else.
-const BUSY: Duration = Duration::from_micros(500);
-const IDLE: Duration = Duration::from_millis(10);
-/// Silence after which it waits longer.
-const SILENCE: Duration = Duration::from_millis(500);
 /// Steps per mm that a machine without motors says it has, and its travel where it has none, mm.
 const STEPS: f32 = 250.0;
 const TRAVEL: f32 = 500.0;
@@ -203,34 +195,17 @@ impl Grbl {
             kept: self.kept,
             told: Vec::new(),
         };
-        let (began, mut cycles) = (Instant::now(), 0);
-        let (mut state, mut heard) = (State::Idle, began);
+        let (mut pace, mut state) = (Pace::new(speed, machine.cycle), State::Idle);
         loop {
-            // A short wait stands for the time the processor has nothing to do. A byte ends it.
-            let rests = state == State::Idle && heard.elapsed() > SILENCE;
-            let wait = if rests { IDLE } else { BUSY };
-            let first = self.line.bytes().recv_timeout(wait).unwrap_or_default();
-            for chunk in std::iter::once(first).chain(self.line.bytes().try_iter()) {
-                if !chunk.is_empty() {
-                    heard = Instant::now();
-                }
-                outside.incoming.extend(chunk);
-            }
+            pace.hear(&self.line, state == State::Idle, |chunk| outside.incoming.extend(chunk));
             outside.full = self.line.is_full();
-            let now = began.elapsed();
-            let target = (now.as_secs_f64() * speed / machine.cycle) as u64;
             // The line is served whether a servo cycle is due or not.
             while background.round(&mut outside) == Progress::Planning {}
-            for _ in 0..(target.saturating_sub(cycles)).min(MOST_CYCLES) {
-                // The line is served whatever planning costs: what is not made up for now is lost time.
-                if began.elapsed() > now + MOST_TIME {
-                    break;
-                }
+            pace.run(|| {
                 outside.setpoint = interpolator.tick();
                 events.take(&outside.setpoint);
                 while background.round(&mut outside) == Progress::Planning {}
-            }
-            cycles = target;
+            });
             self.line.write(&std::mem::take(&mut outside.outgoing));
             let before = std::mem::replace(&mut state, background.state());
             if state != before {

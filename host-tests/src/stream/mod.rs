@@ -8,6 +8,8 @@ mod grbl;
 #[cfg(unix)]
 mod line;
 mod order;
+#[cfg(unix)]
+mod pace;
 mod place;
 mod send;
 mod talk;
