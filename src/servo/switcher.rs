@@ -44,7 +44,7 @@ impl<S: Scalar> Level<S> {
             Activity::Running if self.slope > S::ZERO => {
                 (self.slope * speed).greatest(self.least).least(self.most)
             }
-            Activity::Idle | Activity::Jogging => S::ZERO,
+            Activity::Idle | Activity::Jogging | Activity::Set => S::ZERO,
             _ if self.slope > S::ZERO => S::ZERO,
             _ => self.full,
         }
