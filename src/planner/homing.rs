@@ -310,11 +310,10 @@ fn check<S: Scalar>(
     let furthest = Coord::RANGE.check(from.to_mm().abs() + longest);
     furthest.map_err(|error| ProbeError::Coordinate { axis, error })?;
     let Range { least, greatest } = Quantity::Feed.range();
-    // No longer than can be counted in servo cycles.
-    let slowest = longest / (f64::from(MOST_CYCLES / 4) * cycle);
-    let feeds = Range::new(least.max(slowest), greatest);
-    for feed in [home.fast, home.slow] {
-        let error = feeds.check(feed.abs());
+    // No longer than can be counted in servo cycles. The slow approach goes no further than from before the edge to behind it.
+    for (feed, way) in [(home.fast, longest), (home.slow, 2.0 * home.back.to_mm())] {
+        let slowest = way / (f64::from(MOST_CYCLES / 4) * cycle);
+        let error = Range::new(least.max(slowest), greatest).check(feed.abs());
         error.map_err(|error| ProbeError::OutOfRange { quantity: Quantity::Feed, error })?;
     }
     Ok(())

@@ -207,17 +207,18 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             }
             Jog::To { to, feed } => {
                 self.inside(to)?;
-                self.lasts(to, *feed)?;
+                self.lasts(&self.stands(), to, *feed)?;
                 Asked::Place(*to, per_cycle(*feed))
             }
             Jog::Back { .. } if !held => return Err(JogError::NoProgram),
             Jog::Back { feed } => {
-                self.lasts(&home, *feed)?;
+                self.lasts(&self.stands(), &home, *feed)?;
                 Asked::Place(home, per_cycle(*feed))
             }
             Jog::Step { by, feed } => {
                 let from = if begins.is_some() { Some(home) } else { self.jogging.bound_for() };
-                self.lasts(&moved(&self.stands(), by), *feed)?;
+                let stands = self.stands();
+                self.lasts(&stands, &moved(&stands, by), *feed)?;
                 let feed = per_cycle(*feed);
                 match (from, &self.jogging.asked) {
                     (Some(from), _) => self.clipped(&from, by, feed),
@@ -271,10 +272,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         Ok(())
     }
 
-    /// Whether the way to a place takes no longer than can be counted in servo cycles.
-    pub(super) fn lasts(&self, to: &[Coord; N], feed: S) -> Result<(), JogError> {
-        let way = to.iter().zip(self.stands()).fold(0.0, |most: f64, (to, at)| {
-            let way: f64 = to.minus(at);
+    /// Whether the way from a place to another takes no longer than can be counted in servo cycles.
+    pub(super) fn lasts(
+        &self,
+        from: &[Coord; N],
+        to: &[Coord; N],
+        feed: S,
+    ) -> Result<(), JogError> {
+        let way = to.iter().zip(from).fold(0.0, |most: f64, (to, at)| {
+            let way: f64 = to.minus(*at);
             most.max(way.abs())
         });
         let most = f64::from(MOST_CYCLES / 4) * self.horizon.config.cycle.to_f64();

@@ -108,8 +108,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     pub fn probe(&mut self, probe: &Probe<S, N>) -> Result<(), ProbeError> {
         probe.check()?;
         let here = self.rests_free()?;
-        self.inside(&probe.to)?;
-        self.lasts(&probe.to, probe.feed)?;
+        self.check_probe(probe, &here)?;
         if !self.side.lines().arm(probe.input, probe.closes) {
             return Err(ProbeError::Input);
         }
@@ -119,6 +118,19 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         self.jogging.probing =
             Probing { on: true, input: probe.input, to: probe.to, feed, ..Probing::NONE };
         Ok(())
+    }
+
+    /// Whether [`Planner::probe`] would take a probe that begins at a place, leaving its input and what the machine does aside (feature
+    /// `probe`).
+    ///
+    /// Cost: that of a few comparisons per axis.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn check_probe(&self, probe: &Probe<S, N>, from: &[Coord; N]) -> Result<(), ProbeError> {
+        probe.check()?;
+        self.inside(&probe.to)?;
+        Ok(self.lasts(from, &probe.to, probe.feed)?)
     }
 
     /// Where the machine rests, if it does with nothing to run and nothing to hold it.
