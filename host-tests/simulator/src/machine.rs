@@ -1,6 +1,7 @@
 //! Machine descriptions: TOML, a built-in default, and what flags and path files override.
 
 use crate::program::{AXES, Header, LETTERS, Program};
+use crate::run::{Beyond, Seeker};
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Deserialize;
 use splineway::gcode::{OFFSETS, Place, Setup};
@@ -82,6 +83,10 @@ pub struct Machine {
     pub reference: BTreeMap<String, BTreeMap<String, f64>>,
     /// Lengths of tools by number, mm, for G43.
     pub tools: BTreeMap<String, f64>,
+    /// Where home switches are closed (`X>120`), mm, in the coordinates that the machine has when it is switched on.
+    pub switches: Vec<String>,
+    /// Where the probe is closed (`Z<-2.5`), in the same.
+    pub surfaces: Vec<String>,
 }
 
 impl Default for Machine {
@@ -102,6 +107,8 @@ impl Default for Machine {
             work: BTreeMap::new(),
             reference: BTreeMap::new(),
             tools: BTreeMap::new(),
+            switches: Vec::new(),
+            surfaces: Vec::new(),
         }
     }
 }
@@ -133,7 +140,11 @@ impl Machine {
         Ok(machine)
     }
 
-    fn check(&self) -> Result<()> {
+    /// Whether every value is one that the core takes.
+    ///
+    /// # Errors
+    /// Names key and reason.
+    pub fn check(&self) -> Result<()> {
         if !LOOKAHEADS.contains(&self.lookahead) {
             bail!("lookahead is {}; it must be one of {LOOKAHEADS:?}", self.lookahead);
         }
@@ -154,7 +165,22 @@ impl Machine {
             }
             Travel::new([ends.limits(key)?]).map_err(|error| anyhow!("travel.{key}: {error}"))?;
         }
+        self.try_seeker()?;
         self.try_setup().map(|_| ())
+    }
+
+    /// Its home switches and surfaces. (Those of a machine that has been parsed are all valid; of others, what is not is left out.)
+    pub fn seeker(&self) -> Seeker {
+        self.try_seeker().unwrap_or_default()
+    }
+
+    fn try_seeker(&self) -> Result<Seeker> {
+        let parse = |key: &str, list: &[String]| -> Result<Vec<Beyond>> {
+            let parsed = list.iter().map(|text| Beyond::parse(text));
+            parsed.collect::<Result<_>>().with_context(|| key.to_owned())
+        };
+        let switches = parse("switches", &self.switches)?;
+        Ok(Seeker::new(switches, parse("surfaces", &self.surfaces)?))
     }
 
     /// How far an axis may go.
@@ -360,6 +386,8 @@ mod tests {
             ("[travel]\nX = { greatest = nan }\n", "travel.X"),
             ("[travel]\nX = { least = 1e7 }\n", "travel.X"),
             ("[travel]\nX = { most = 1 }\n", "most"),
+            ("switches = [\"X>1\", \"Q>1\"]\n", "switches"),
+            ("surfaces = [\"Z-1\"]\n", "surfaces"),
         ] {
             let error = format!("{:#}", Machine::parse(text).unwrap_err());
             assert!(error.contains(part), "{error}");

@@ -15,4 +15,5 @@ pub use events::{Action, Event, Events, FORMAT};
 pub use happenings::{Happening, Happenings};
 pub use jog::{JOGS, on_axes, parse_jog};
 pub use runner::{Observer, Precision, Sample, Stats, Timing, block, run, run_with};
+pub use seek::{Beyond, Seeker};
 pub use validate::{on_letters, sharp_corners, validate};

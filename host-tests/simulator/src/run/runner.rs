@@ -10,8 +10,8 @@ use crate::machine::Machine;
 use crate::program::{Course, Move, Program, Speed};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use splineway::{
-    Activity, Block, Config, Coord, Counters, Feed, Inputs, Link, Motion, Planner, Progress,
-    PushError, Scalar, Setpoint, Turn,
+    Activity, Block, Config, Coord, Counters, Feed, Link, Motion, Planner, Progress, PushError,
+    Scalar, Setpoint, Turn,
 };
 use std::time::Instant;
 
@@ -189,7 +189,7 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     let (mut planner, mut interpolator) = link.split(config, start)?;
     let controls = planner.controls();
     let mut moves = program.moves.iter().peekable();
-    let mut operator = Operator::new(events.list());
+    let mut operator = Operator::new(events.list(), machine.seeker());
     let mut cycle = 0u64;
     let mut idle = 0;
     let mut view = View::new(program, &axes, S::EPSILON.to_f64());
@@ -224,7 +224,7 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         stats.ticks.add(began);
         cycle += 1;
         let from = before.replace(setpoint).unwrap_or(setpoint);
-        operator.sense(planner.inputs(), &axes, (&from, &setpoint), machine.cycle);
+        operator.seeker.sense(planner.inputs(), &axes, (&from, &setpoint), machine.cycle);
         view.take(&setpoint, setpoint.origin != origin, &operator.seeker.shift);
         view.pace = operator.pace(waiting || setpoint.activity == Activity::Jogging);
         origin = setpoint.origin;
@@ -276,7 +276,7 @@ struct Operator<'a> {
 }
 
 impl<'a> Operator<'a> {
-    fn new(events: &'a [Event]) -> Self {
+    fn new(events: &'a [Event], seeker: Seeker) -> Self {
         let events = events.iter().peekable();
         Self {
             events,
@@ -284,7 +284,7 @@ impl<'a> Operator<'a> {
             silent_until: 0.0,
             pressed: false,
             quick: false,
-            seeker: Seeker::default(),
+            seeker,
         }
     }
 
@@ -333,24 +333,6 @@ impl<'a> Operator<'a> {
         // They stop by the limits of stops.
         self.quick |= planner.is_probing() || planner.is_homing();
         Ok(())
-    }
-
-    /// The inputs change as the machine moves.
-    fn sense<S: Scalar, const N: usize>(
-        &mut self,
-        inputs: Inputs<'_>,
-        axes: &[usize],
-        between: (&Setpoint<S, N>, &Setpoint<S, N>),
-        cycle: f64,
-    ) {
-        let (from, to) = between;
-        if to.activity == Activity::Set {
-            for (i, shift) in self.seeker.shift.iter_mut().enumerate().take(N) {
-                *shift += from.position_mm(i) - to.position_mm(i);
-            }
-            return;
-        }
-        self.seeker.tell(inputs, axes, between, cycle);
     }
 
     /// Whether a jog, a probe or homing is still to come.

@@ -4,7 +4,7 @@ use super::jog::{number, parse_axes};
 use crate::program::LETTERS;
 use anyhow::{Context, Result, bail, ensure};
 use splineway::{
-    AxisHome, Coord, Input, Inputs, Outcome, Planner, Probe, ProbeError, Scalar, Setpoint,
+    Activity, AxisHome, Coord, Input, Inputs, Outcome, Planner, Probe, ProbeError, Scalar, Setpoint,
 };
 use std::collections::VecDeque;
 use std::fmt::Write;
@@ -23,7 +23,11 @@ pub struct Beyond {
 }
 
 impl Beyond {
-    fn parse(text: &str) -> Result<Self> {
+    /// Understands `Z<-2.5` or `X>120`.
+    ///
+    /// # Errors
+    /// What is not understood.
+    pub fn parse(text: &str) -> Result<Self> {
         let below = text.contains('<');
         let (letter, place) = text
             .split_once(['<', '>'])
@@ -146,6 +150,29 @@ pub struct Seeker {
 }
 
 impl Seeker {
+    /// With home switches and surfaces that are there from the beginning.
+    pub fn new(switches: Vec<Beyond>, surfaces: Vec<Beyond>) -> Self {
+        Self { surfaces, switches, ..Self::default() }
+    }
+
+    /// The inputs change as the machine moves, and coordinates are set.
+    pub fn sense<S: Scalar, const N: usize>(
+        &mut self,
+        inputs: Inputs<'_>,
+        axes: &[usize],
+        between: (&Setpoint<S, N>, &Setpoint<S, N>),
+        cycle: f64,
+    ) {
+        let (from, to) = between;
+        if to.activity == Activity::Set {
+            for (i, shift) in self.shift.iter_mut().enumerate().take(N) {
+                *shift += from.position_mm(i) - to.position_mm(i);
+            }
+            return;
+        }
+        self.tell(inputs, axes, between, cycle);
+    }
+
     /// It is time for it.
     pub fn take(&mut self, seek: Seek) {
         match seek {
@@ -233,7 +260,7 @@ impl Seeker {
     }
 
     /// Tells the edges between two setpoints, and all levels at the beginning.
-    pub fn tell<S: Scalar, const N: usize>(
+    fn tell<S: Scalar, const N: usize>(
         &self,
         inputs: Inputs<'_>,
         axes: &[usize],
