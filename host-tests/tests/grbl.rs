@@ -1,154 +1,16 @@
 //! Senders of grbl against the controller that speaks with them: whole files, commands at any moment, noise; in simulated time, and over
 //! a real line.
 
-use splineway::grbl::{Event, Events, Inputs, Settings, State};
-use splineway::{
-    Activity, AxisLimits, AxisTravel, BLOCKS, Config, Coord, Interpolator, Limits, Link, NODES,
-    Progress, Scalar, Setpoint, Travel,
-};
-use splineway_controller::grbl::{Background, Port};
+#[path = "common/grbl.rs"]
+mod rig;
+
+use rig::{AXES, Draws, MM, Rig, with_rig};
+use splineway::Scalar;
+use splineway::grbl::State;
 use std::collections::VecDeque;
 
-const AXES: usize = 3;
-const MM: i64 = 1_000_000;
 /// Where a sender must not have more characters under way.
 const RECEIVE: usize = 128;
-
-/// A board with nothing on it but a line.
-struct Board<S> {
-    incoming: VecDeque<u8>,
-    outgoing: Vec<u8>,
-    setpoint: Setpoint<S, AXES>,
-    inputs: Inputs,
-    happened: Vec<Event>,
-    store: (),
-}
-
-impl<S: Scalar> Port<S, AXES> for Board<S> {
-    type Store = ();
-
-    fn read(&mut self) -> Option<u8> {
-        self.incoming.pop_front()
-    }
-
-    fn write(&mut self, byte: u8) -> bool {
-        self.outgoing.push(byte);
-        true
-    }
-
-    fn setpoint(&mut self) -> Setpoint<S, AXES> {
-        self.setpoint
-    }
-
-    fn store(&mut self) -> &mut () {
-        &mut self.store
-    }
-
-    fn inputs(&mut self) -> Inputs {
-        self.inputs
-    }
-
-    fn happen(&mut self, event: &Event) {
-        self.happened.push(*event);
-    }
-}
-
-/// The controller, its interrupt after every round.
-struct Rig<'a, 'link, S: Scalar> {
-    board: Board<S>,
-    background: Background<'a, 'link, S, AXES, BLOCKS, NODES, 8>,
-    interpolator: Interpolator<'link, S, AXES>,
-    events: &'a Events<8>,
-    limits: [f64; 2],
-}
-
-fn with_rig<S: Scalar>(body: impl FnOnce(&mut Rig<'_, '_, S>)) {
-    let axis = AxisLimits::linear(S::of(200.0), S::of(2000.0), S::of(50_000.0));
-    let mut config = Config::new(Limits::new([axis; AXES]).unwrap());
-    let coord = |mm: f64| Coord::from_mm(mm).ok();
-    let travel = AxisTravel { least: coord(-300.0), greatest: coord(300.0) };
-    config.travel = Travel::new([travel; AXES]).unwrap();
-    let settings = Settings::new(&config, [250.0; AXES], [300.0; AXES]);
-    let mut link = Box::new(Link::<S, AXES>::new());
-    let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; AXES]).unwrap();
-    let events = Events::new();
-    let board = Board {
-        incoming: VecDeque::new(),
-        outgoing: Vec::new(),
-        setpoint: interpolator.tick(),
-        inputs: Inputs::default(),
-        happened: Vec::new(),
-        store: (),
-    };
-    let mut rig = Rig {
-        board,
-        background: Background::new(&mut planner, &events, settings),
-        interpolator,
-        events: &events,
-        limits: [200.0, 2000.0],
-    };
-    rig.cycle();
-    assert_eq!(rig.heard(), ["", "Grbl 1.1h ['$' for help]"]);
-    body(&mut rig);
-}
-
-impl<S: Scalar> Rig<'_, '_, S> {
-    /// A servo cycle, with all that the background can do before it.
-    fn cycle(&mut self) {
-        while self.background.round(&mut self.board) == Progress::Planning {}
-        self.board.setpoint = self.interpolator.tick();
-        self.events.take(&self.board.setpoint);
-        for axis in 0..AXES {
-            let used = [
-                self.board.setpoint.velocity[axis].to_f64() / self.limits[0],
-                self.board.setpoint.acceleration[axis].to_f64() / self.limits[1],
-            ];
-            assert!(used.iter().all(|share| share.abs() < 1.001), "{used:?} of the limits");
-        }
-    }
-
-    fn cycles(&mut self, count: u32) {
-        for _ in 0..count {
-            self.cycle();
-        }
-    }
-
-    fn send(&mut self, bytes: &[u8]) {
-        self.board.incoming.extend(bytes);
-    }
-
-    fn heard(&mut self) -> Vec<String> {
-        let text = String::from_utf8(std::mem::take(&mut self.board.outgoing)).unwrap();
-        assert!(text.is_empty() || text.ends_with("\r\n"), "half a line: {text:?}");
-        text.lines().map(str::to_owned).collect()
-    }
-
-    /// The answers to a line when the machine rests again.
-    fn ask(&mut self, line: &str) -> Vec<String> {
-        self.heard();
-        self.send(line.as_bytes());
-        self.send(b"\n");
-        self.cycles(3);
-        self.settle();
-        self.heard()
-    }
-
-    fn settle(&mut self) {
-        for _ in 0..200_000 {
-            self.cycle();
-            let rests = self.board.setpoint.activity == Activity::Idle;
-            if rests && !matches!(self.background.state(), State::Run | State::Jog) {
-                self.cycles(3);
-                return;
-            }
-        }
-        panic!("it does not come to rest: {:?}", self.background.state());
-    }
-
-    fn place(&self) -> [i64; AXES] {
-        [0, 1, 2].map(|axis| self.board.setpoint.position_nm(axis))
-    }
-}
 
 /// A sender that keeps the controller's room for lines full, by counting characters, and asks for the status ten times a second.
 struct Counting<'a> {
@@ -340,18 +202,6 @@ fn commands_at_any_moment_of_a_file_lose_nothing() {
             rig.ask("G90");
             stream(rig, &lines);
         });
-    }
-}
-
-/// Xorshift: the same draws everywhere.
-struct Draws(u64);
-
-impl Draws {
-    fn below(&mut self, end: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 33) as usize % end
     }
 }
 

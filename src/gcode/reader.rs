@@ -300,6 +300,7 @@ impl Reader {
     /// The line read last asks for nothing more.
     pub(super) fn drop_pending(&mut self) {
         self.pending = Pending::default();
+        self.probed = false;
         self.notes.clear();
         // The rest of a curve; of one that is open, all of it.
         self.nurbs.refuse();
@@ -313,8 +314,8 @@ impl Reader {
         self.pending.moves.iter()
     }
 
-    pub(super) fn has_pending_probe(&self) -> bool {
-        self.pending.probe.is_some()
+    pub(super) const fn pending_probe(&self) -> Option<&ProbeMove> {
+        self.pending.probe.as_ref()
     }
 
     pub(super) fn pending_last(&self) -> Option<Action> {

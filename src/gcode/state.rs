@@ -1,12 +1,14 @@
 //! The reader of a controller that is talked to: its state is told, kept, brought back, and set to where the machine stands.
 
+#[cfg(feature = "outputs")]
+use super::Laser;
 use super::error::{Reason, Refusal};
 use super::groups::{Codes, Group};
 use super::lexer;
 use super::modal::{Modal, Mode, Plane};
 use super::offsets::{Frame, Place, Setup, difference, offset_code};
 use super::reader::{FeedWord, Reader};
-use super::{AXES, Action, Code};
+use super::{AXES, Action, Code, ProbeMove};
 use crate::block::Block;
 use crate::number::Coord;
 
@@ -155,6 +157,10 @@ impl Reader {
         self.modal = modal;
         self.frame.rotation = None;
         self.frame.select(0);
+        #[cfg(feature = "outputs")]
+        {
+            (self.beam, self.was_rapid) = (5, true);
+        }
         (self.curve, self.series) = (None, None);
         self.set_ended(false);
     }
@@ -164,14 +170,27 @@ impl Reader {
         self.pending_moves()
     }
 
-    /// Whether the line read last asks for what only its caller can do: another place of the text (a label, a call, a return), a
-    /// probe.
-    pub fn asks_for_more(&self) -> bool {
-        let text = matches!(
-            self.pending_last(),
-            Some(Action::Label(_) | Action::Call { .. } | Action::Return)
-        );
-        text || self.has_pending_probe()
+    /// Whether the line read last asks for another place of the text, which only its caller can know: a label, a call, a return.
+    pub fn asks_for_text(&self) -> bool {
+        matches!(self.pending_last(), Some(Action::Label(_) | Action::Call { .. } | Action::Return))
+    }
+
+    /// The probe of the line read last, as long as it has not been given out.
+    pub const fn probe_move(&self) -> Option<&ProbeMove> {
+        self.pending_probe()
+    }
+
+    /// What S and M3 to M5 are for from now on: a laser, with M5 in force, or a spindle (feature `outputs`).
+    #[cfg(feature = "outputs")]
+    pub fn set_laser(&mut self, laser: Option<Laser>) {
+        self.settings.laser = laser;
+        self.beam = 5;
+    }
+
+    /// Which of M3, M4 and M5 is in force of a laser; `None` if there is none (feature `outputs`).
+    #[cfg(feature = "outputs")]
+    pub fn beam(&self) -> Option<Code> {
+        self.settings.laser.map(|_| Code::m(self.beam))
     }
 
     /// The modes in force.

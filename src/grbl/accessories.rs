@@ -28,11 +28,15 @@ pub struct Accessories {
     pub flood: bool,
     /// Mist coolant (M7).
     pub mist: bool,
+    /// Of the power of [`Interpolator::switch`](crate::Interpolator) (feature `outputs`), the laser gets so many per cent: the override of the
+    /// spindle in laser mode (`$32`), else 0.
+    pub laser: u16,
 }
 
 impl Accessories {
     /// With everything off.
-    pub const OFF: Self = Self { spindle: Spindle::Off, speed: 0.0, flood: false, mist: false };
+    pub const OFF: Self =
+        Self { spindle: Spindle::Off, speed: 0.0, flood: false, mist: false, laser: 0 };
 
     /// Goes on from an event of a program. Whether it is one of these.
     pub(super) fn apply(&mut self, event: &Event) -> bool {

@@ -3,6 +3,8 @@
 use crate::block::BlockError;
 use crate::gcode::{AXIS_WORDS, Code, Reason, Refusal};
 use crate::jog::JogError;
+#[cfg(feature = "probe")]
+use crate::jog::ProbeError;
 use crate::machine::Quantity;
 
 /// Why a line is answered by `error:` and a number: the list of grbl 1.1 (`doc/csv/error_codes_en_US.csv` there).
@@ -89,6 +91,18 @@ pub enum Alarm {
     SoftLimit = 2,
     /// An abort that no sender has asked for: an emergency stop.
     Abort = 3,
+    /// The probe was not as it must be before a probe.
+    ProbeInitial = 4,
+    /// The probe's contact has not come.
+    ProbeContact = 5,
+    /// A reset while axes were homed.
+    HomingReset = 6,
+    /// The door was opened while axes were homed.
+    HomingDoor = 7,
+    /// A switch was still closed after the way back from it.
+    HomingPullOff = 8,
+    /// A switch was not found.
+    HomingApproach = 9,
 }
 
 impl Error {
@@ -154,6 +168,29 @@ impl Error {
             JogError::OutOfRange { quantity: Quantity::Feed, .. } => Self::Feed,
             JogError::OutOfRange { .. } | JogError::Coordinate { .. } => Self::Target,
             JogError::Running | JogError::NoProgram => Self::NotIdle,
+        }
+    }
+
+    /// The number of what is wrong with a probe.
+    #[cfg(feature = "probe")]
+    pub const fn of_probe(error: &ProbeError) -> Self {
+        match error {
+            ProbeError::Travel { .. } => Self::Travel,
+            ProbeError::OutOfRange { .. } => Self::Feed,
+            ProbeError::Coordinate { .. } => Self::Target,
+            ProbeError::Running | ProbeError::Held | ProbeError::Input => Self::NotIdle,
+            ProbeError::Aborted => Self::Locked,
+        }
+    }
+
+    /// The number of what is wrong with homing: of numbers that settings give.
+    #[cfg(feature = "home")]
+    pub const fn of_homing(error: &ProbeError) -> Self {
+        match error {
+            ProbeError::OutOfRange { .. }
+            | ProbeError::Coordinate { .. }
+            | ProbeError::Travel { .. } => Self::Negative,
+            _ => Self::of_probe(error),
         }
     }
 

@@ -1,11 +1,14 @@
 //! Commands of the line: `$`.
 
+#[cfg(feature = "outputs")]
+use super::accessories::Accessories;
 use super::code::Error;
 use super::inbox::{Line, RECEIVE};
+use super::lines::place_of;
 use super::report::{say_modes, say_place};
 use super::station::{Doing, List, Lock, Station, own};
 use super::store::{STARTUPS, Store, Text, WORKS};
-use crate::gcode::{LETTERS, Place, number};
+use crate::gcode::{LETTERS, number};
 use crate::jog::Jog;
 use crate::machine::AxisTravel;
 use crate::number::{Coord, Scalar};
@@ -32,7 +35,13 @@ impl<S: Scalar, const N: usize> Station<S, N> {
             }
             b"$G" => {
                 let inches = self.memory.settings.inches();
-                say_modes(&mut self.outbox, &self.reader.modes_in_force(), self.programmed, inches);
+                let programmed = self.programmed;
+                #[cfg(feature = "outputs")]
+                let programmed = Accessories {
+                    spindle: self.beam().unwrap_or(programmed.spindle),
+                    ..programmed
+                };
+                say_modes(&mut self.outbox, &self.reader.modes_in_force(), programmed, inches);
                 Ok(())
             }
             [b'$', b'J', b'=', ..] if self.is_cancelled => Ok(()),
@@ -46,6 +55,12 @@ impl<S: Scalar, const N: usize> Station<S, N> {
             b"$#" => needs(rests || self.check).map(|()| self.begin_list(List::Parameters)),
             b"$I" => needs(rests || self.check).map(|()| self.begin_list(List::Build)),
             b"$N" => needs(rests || self.check).map(|()| self.begin_list(List::Startup)),
+            #[cfg(feature = "home")]
+            [b'$', b'H', name @ ..] => {
+                needs(rests)?;
+                self.begin_homing(name, planner)
+            }
+            #[cfg(not(feature = "home"))]
             b"$H" => {
                 needs(rests)?;
                 Err(Error::HomingDisabled)
@@ -103,10 +118,7 @@ impl<S: Scalar, const N: usize> Station<S, N> {
         let end = planner.jog_end();
         self.reader.stand_at(&end);
         let jog = self.reader.jog_line(text).map_err(|refusal| Error::of_jog_line(&refusal))?;
-        let mut from = Place::default();
-        for (slot, at) in from.iter_mut().zip(end) {
-            *slot = at;
-        }
+        let from = place_of(&end);
         let to: [Coord; N] = own(&jog.to);
         let feed = S::of(jog.feed);
         let inside = is_inside(&planner.travel().axes(), &to);
@@ -244,6 +256,9 @@ impl<S: Scalar, const N: usize> Station<S, N> {
         if !planner.set_limits_at_rest(limits) {
             return false;
         }
+        #[cfg(feature = "outputs")]
+        self.apply_laser(planner);
+        let settings = &self.memory.settings;
         let open = self.travel.unwrap_or(*planner.travel());
         let soft = settings.soft_limits().then(|| settings.travel()).flatten();
         planner.set_travel(soft.unwrap_or(open));
@@ -258,18 +273,11 @@ impl<S: Scalar, const N: usize> Station<S, N> {
 
     /// Work offsets and reference points as they are kept.
     pub(super) fn load_offsets(&mut self) {
-        let place = |kept: &[Coord; N]| {
-            let mut place = Place::default();
-            for (slot, coord) in place.iter_mut().zip(kept) {
-                *slot = *coord;
-            }
-            place
-        };
         for (number, kept) in self.memory.work.iter().enumerate() {
-            self.reader.set_work(number, &place(kept));
+            self.reader.set_work(number, &place_of(kept));
         }
         for (number, kept) in self.memory.reference.iter().enumerate() {
-            self.reader.set_reference(number, &place(kept));
+            self.reader.set_reference(number, &place_of(kept));
         }
         self.show_offsets_now();
     }
@@ -321,7 +329,8 @@ impl<S: Scalar, const N: usize> Station<S, N> {
         match line {
             0 => out.text("[VER:1.1h.20190825:").bytes(&self.memory.info).line("]"),
             1 => {
-                out.text("[OPT:VM,").whole(blocks).byte(b',').whole(RECEIVE as u32).line("]");
+                out.text(if cfg!(feature = "home") { "[OPT:VMH," } else { "[OPT:VM," });
+                out.whole(blocks).byte(b',').whole(RECEIVE as u32).line("]");
             }
             2 if N > 3 => {
                 out.text("[AXS:").whole(N as u32).byte(b':');
@@ -336,6 +345,15 @@ impl<S: Scalar, const N: usize> Station<S, N> {
             _ => return false,
         }
         true
+    }
+
+    /// Where the last probe ended, and whether it had contact.
+    pub(super) fn say_probed(&mut self) {
+        let inches = self.memory.settings.inches();
+        let (place, found) = &self.probed;
+        self.outbox.text("[PRB:");
+        say_place(&mut self.outbox, place, inches);
+        self.outbox.byte(b':').whole(u32::from(*found)).line("]");
     }
 
     fn say_parameter(&mut self, line: usize) -> bool {
@@ -361,11 +379,7 @@ impl<S: Scalar, const N: usize> Station<S, N> {
                 let length = reader.tool_length();
                 out.text("[TLO:").coordinate(length, inches).line("]");
             }
-            10 => {
-                out.text("[PRB:");
-                say_place(out, &[Coord::ZERO; N], inches);
-                out.line(":0]");
-            }
+            10 => self.say_probed(),
             _ => return false,
         }
         true

@@ -2,13 +2,24 @@
 
 use super::code::{Alarm, Error};
 use super::inbox::Lost;
+#[cfg(feature = "outputs")]
+use super::station::Timed;
 use super::station::{Doing, Lock, Station, Waiting, own};
 use super::store::Store;
 use crate::block::{Block, Motion, PushError};
-use crate::gcode::{Action, Note};
+use crate::gcode::{Action, Note, Place};
 use crate::number::{Coord, Scalar};
 use crate::planner::Planner;
 use crate::servo::events::{Event, Events};
+
+/// A point over all axes.
+pub(super) fn place_of<const N: usize>(at: &[Coord; N]) -> Place {
+    let mut place = Place::default();
+    for (slot, coord) in place.iter_mut().zip(at) {
+        *slot = *coord;
+    }
+    place
+}
 
 /// Steps of lines in one poll, at most: a line of one move takes three.
 const STEPS: usize = 6;
@@ -37,6 +48,10 @@ impl<S: Scalar, const N: usize> Station<S, N> {
                     found.is_some()
                 }
                 Doing::Line { waiting } => self.go_on(waiting, planner, events),
+                #[cfg(feature = "probe")]
+                Doing::Probing { asked, begun } => self.go_on_probing(&asked, begun, planner),
+                #[cfg(feature = "home")]
+                Doing::Homing { all } => self.go_on_homing(all, planner),
                 Doing::Ending => {
                     let rests = planner.is_empty() || self.check;
                     if rests {
@@ -97,6 +112,8 @@ impl<S: Scalar, const N: usize> Station<S, N> {
         }
         match (outcome, self.doing) {
             (Ok(()), Doing::Line { .. } | Doing::Listing { .. }) => {}
+            #[cfg(feature = "home")]
+            (Ok(()), Doing::Homing { .. }) => {}
             (outcome, _) => self.answer(outcome),
         }
     }
@@ -124,7 +141,7 @@ impl<S: Scalar, const N: usize> Station<S, N> {
         &self,
         planner: &Planner<'_, S, N, BLOCKS, NODES>,
     ) -> Result<(), Error> {
-        if self.reader.asks_for_more() {
+        if self.reader.asks_for_text() {
             return Err(Error::Unsupported);
         }
         if self.reader.notes().iter().any(|note| matches!(note, Note::NoFeed(_))) {
@@ -139,6 +156,14 @@ impl<S: Scalar, const N: usize> Station<S, N> {
             {
                 from = *to;
             }
+        }
+        #[cfg(feature = "probe")]
+        if let Some(asked) = self.reader.probe_move() {
+            Self::check_probe(asked, &from, planner)?;
+        }
+        #[cfg(not(feature = "probe"))]
+        if self.reader.probe_move().is_some() {
+            return Err(Error::Unsupported);
         }
         Ok(())
     }
@@ -163,13 +188,31 @@ impl<S: Scalar, const N: usize> Station<S, N> {
                 self.finish_line(planner);
                 return true;
             }
+            #[cfg(feature = "probe")]
+            Some(Waiting::Probe(asked)) => {
+                self.begin_probe(&asked);
+                return true;
+            }
             Some(_) if self.check => Ok(()),
             Some(Waiting::Block(block)) => planner.push(&block),
             Some(Waiting::Event(_)) if !events.has_room() || self.events.is_full() => {
                 Err(PushError::Full)
             }
             Some(Waiting::Event(event)) => self.push_event(&event, planner, events),
+            #[cfg(feature = "outputs")]
+            Some(Waiting::Timed(timed)) => self.push_timed(&timed, planner, events),
         };
+        #[cfg(feature = "outputs")]
+        if pushed == Err(PushError::Full)
+            && matches!(waiting, Some(Waiting::Timed(_)))
+            && planner.is_empty()
+        {
+            // Too many switches wait for a motion that cannot come before they are taken.
+            self.reader.restore(&self.before);
+            self.doing = Doing::Nothing;
+            self.answer(Err(Error::Overflow));
+            return true;
+        }
         match pushed {
             Ok(()) => {
                 self.doing = Doing::Line { waiting: None };
@@ -219,7 +262,18 @@ impl<S: Scalar, const N: usize> Station<S, N> {
                         pause: event.pause,
                     }));
                 }
-                // The end is seen by the reader's; calls have been refused, and outputs in time with the path are events here.
+                #[cfg(feature = "outputs")]
+                Action::Switch(switch) => {
+                    return Some(Waiting::Timed(Timed::Switch(switch.to_scalar())));
+                }
+                #[cfg(feature = "outputs")]
+                Action::Power { power, rest } => {
+                    let power = power.to_scalar();
+                    return Some(Waiting::Timed(Timed::Power { power, rest }));
+                }
+                #[cfg(feature = "probe")]
+                Action::Probe(asked) => return Some(Waiting::Probe(asked)),
+                // The end is seen by the reader's; labels, calls and returns have been refused.
                 _ => {}
             }
         }
@@ -244,12 +298,14 @@ impl<S: Scalar, const N: usize> Station<S, N> {
     /// The machine rests behind the end of a program.
     fn end_program<const BLOCKS: usize, const NODES: usize>(
         &mut self,
-        planner: &Planner<'_, S, N, BLOCKS, NODES>,
+        planner: &mut Planner<'_, S, N, BLOCKS, NODES>,
     ) {
         self.reader.begin_anew();
         self.show_offsets_from(self.tag);
         if !self.check {
             self.switch_off();
+            #[cfg(feature = "outputs")]
+            Self::power_off(planner);
             planner.controls().feed_override(100);
             planner.controls().rapid_override(100);
         }

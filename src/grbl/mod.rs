@@ -15,22 +15,38 @@
 //! - *Nothing moves that nobody asked for*: after a reset or an alarm the reader stands where the machine does, and everything that
 //!   waited is dropped.
 //!
+//! `$H` is there with the feature `home`, G38.2 to G38.5 with `probe`, M62 to M68 and a laser with `outputs`. A probe and homing are answered
+//! when they are over; lines behind them wait.
+//!
 //! What is kept without power - settings, work offsets, startup lines - goes through a [`Store`] of two pages.
 
 mod accessories;
 mod code;
 mod commands;
+#[cfg(feature = "home")]
+mod homing;
 mod inbox;
 mod lines;
 mod outbox;
+#[cfg(feature = "outputs")]
+mod outputs;
+#[cfg(feature = "probe")]
+mod probing;
 mod realtime;
 mod report;
 mod safety;
 mod settings;
 mod station;
 mod store;
+mod telling;
 #[cfg(test)]
 mod tests;
+#[cfg(all(test, feature = "home"))]
+mod tests_home;
+#[cfg(all(test, feature = "outputs"))]
+mod tests_outputs;
+#[cfg(all(test, feature = "probe"))]
+mod tests_seek;
 
 pub use accessories::{Accessories, Spindle};
 pub use code::{Alarm, Error};

@@ -21,6 +21,8 @@ pub enum State {
     },
     /// A jog.
     Jog,
+    /// Axes are being homed.
+    Home,
     /// Held by the door, or its command; whether it is at rest, and the door open.
     Door {
         /// Whether it is at rest.
@@ -45,6 +47,7 @@ impl State {
             Self::Hold { rests: true } => "Hold:0",
             Self::Hold { rests: false } => "Hold:1",
             Self::Jog => "Jog",
+            Self::Home => "Home",
             Self::Door { rests: true, open: false } => "Door:0",
             Self::Door { rests: true, open: true } => "Door:1",
             Self::Door { rests: false, .. } => "Door:2",
@@ -56,7 +59,7 @@ impl State {
 
     /// Whether reports of it come often, so that offsets and overrides are told less often.
     const fn is_busy(self) -> bool {
-        matches!(self, Self::Run | Self::Hold { .. } | Self::Jog | Self::Door { .. })
+        matches!(self, Self::Run | Self::Hold { .. } | Self::Jog | Self::Home | Self::Door { .. })
     }
 }
 
@@ -149,6 +152,8 @@ pub struct Status<'a, const N: usize> {
     /// Of feeds, rapids and the spindle, per cent.
     pub overrides: [u16; 3],
     pub accessories: Accessories,
+    /// Speed of the spindle, 1/min, or power of a laser.
+    pub turns: f32,
 }
 
 impl<const N: usize> Status<'_, N> {
@@ -167,7 +172,7 @@ impl<const N: usize> Status<'_, N> {
         let scale = if self.inches { INCH } else { 1.0 };
         let feed = speed(at) * 60.0 / scale;
         out.text("|FS:").number(feed, usize::from(self.inches));
-        out.byte(b',').number(f64::from(self.accessories.speed), 0);
+        out.byte(b',').number(f64::from(self.turns), 0);
         self.inputs.say(out);
         let [offsets, overrides] = cadence.step(self.state);
         if offsets {

@@ -5,7 +5,7 @@ use super::code::{Alarm, Error};
 use super::realtime::Realtime;
 use super::report::{Cadence, Inputs};
 use super::station::{Abort, Doing, Lock, Station};
-use crate::number::Scalar;
+use crate::number::{Coord, Scalar};
 use crate::planner::Planner;
 use crate::servo::Controls;
 use crate::servo::events::Events;
@@ -26,7 +26,10 @@ impl<S: Scalar, const N: usize> Station<S, N> {
             }
             Realtime::Door => self.hold_for_door(controls),
             Realtime::CancelJog => {
-                controls.cancel_jog();
+                // Probes and homing are none.
+                if !self.waits_for_input() {
+                    controls.cancel_jog();
+                }
                 self.cancelled = self.inbox.waiting();
             }
             Realtime::Feed(change) => {
@@ -61,6 +64,10 @@ impl<S: Scalar, const N: usize> Station<S, N> {
 
     /// Brakes and stays held until the door is closed and a start is asked for.
     fn hold_for_door(&mut self, controls: Controls<'_>) {
+        if self.homes() {
+            self.alarm(Alarm::HomingDoor, controls);
+            return;
+        }
         self.door = true;
         controls.hold();
     }
@@ -68,6 +75,9 @@ impl<S: Scalar, const N: usize> Station<S, N> {
     /// Brakes within the limits, and drops everything.
     pub(super) fn reset(&mut self, controls: Controls<'_>) {
         controls.abort();
+        if self.homes() && self.lock == Lock::Open {
+            (self.lock, self.unsaid) = (Lock::Alarm, Some(Alarm::HomingReset));
+        }
         self.inbox.clear();
         (self.doing, self.startup, self.cancelled) = (Doing::Nothing, None, 0);
         (self.status, self.check) = (false, false);
@@ -111,8 +121,22 @@ impl<S: Scalar, const N: usize> Station<S, N> {
         }
         self.lock = Lock::Alarm;
         self.startup = None;
-        self.outbox.text("ALARM:").whole(alarm as u32).end();
-        self.outbox.line("[MSG:'$H'|'$X' to unlock]");
+        self.unsaid = Some(alarm);
+        self.say_alarm();
+    }
+
+    /// Says why the machine is locked, as soon as there is room.
+    pub(super) fn say_alarm(&mut self) {
+        if let Some(alarm) = self.unsaid
+            && self.outbox.has_room()
+        {
+            self.unsaid = None;
+            self.outbox.text("ALARM:").whole(alarm as u32).end();
+            // The banner has it too.
+            if self.abort != Some(Abort::Reset) {
+                self.outbox.line("[MSG:'$H'|'$X' to unlock]");
+            }
+        }
     }
 
     /// Switches, and aborts that come from elsewhere.
@@ -122,7 +146,9 @@ impl<S: Scalar, const N: usize> Station<S, N> {
         inputs: Inputs,
     ) {
         let before = core::mem::replace(&mut self.inputs, inputs);
-        let hit = inputs.limits & !before.limits != 0 && self.memory.settings.hard_limits();
+        // Homing runs into them.
+        let hard = self.memory.settings.hard_limits() && !self.homes();
+        let hit = hard && inputs.limits & !before.limits != 0;
         let stop = inputs.stop && !before.stop;
         let foreign = planner.is_aborted() && self.abort.is_none();
         if inputs.door && !before.door && self.lock == Lock::Open {
@@ -156,6 +182,7 @@ impl<S: Scalar, const N: usize> Station<S, N> {
             return;
         }
         self.abort = None;
+        self.say_alarm();
         events.clear();
         self.events.clear();
         (self.happened, self.seen) = (0, events.happened());
@@ -166,17 +193,19 @@ impl<S: Scalar, const N: usize> Station<S, N> {
         self.reader.restart();
         self.reader.stand_at(planner.end());
         self.show_offsets_now();
-        if self.inputs.door {
+        let line = core::mem::replace(&mut self.doing, Doing::Nothing);
+        // What is locked is not unlocked while the door is open.
+        if self.inputs.door && self.lock == Lock::Open {
             self.hold_for_door(planner.controls());
         }
         if abort == Abort::Reset {
             self.overrides = [100; 3];
+            self.probed = ([Coord::ZERO; N], false);
             planner.controls().feed_override(100);
             planner.controls().rapid_override(100);
             self.cadence = Cadence::default();
             self.greet();
-        } else if !matches!(self.doing, Doing::Nothing) {
-            self.doing = Doing::Nothing;
+        } else if !matches!(line, Doing::Nothing) {
             self.answer(Err(Error::Locked));
         }
     }

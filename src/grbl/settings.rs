@@ -2,6 +2,8 @@
 
 use super::code::Error;
 use super::outbox::Outbox;
+#[cfg(feature = "home")]
+use crate::jog::AxisHome;
 use crate::machine::{AxisLimits, AxisTravel, Config, Limits, Quantity, Travel};
 use crate::number::{Coord, Scalar};
 
@@ -21,6 +23,9 @@ pub struct AxisSettings {
     pub jerk: f32,
     /// Whether it turns; no setting.
     pub rotary: bool,
+    /// Whether it has a home switch, and when it is homed: axes of a lower number first, those of the same at once. No setting: a
+    /// board says so. Without a word from it Z comes first, then X and Y, and no other axis has a switch.
+    pub home: Option<u8>,
 }
 
 impl AxisSettings {
@@ -55,10 +60,19 @@ mod place {
     pub const SOFT: usize = 11;
     pub const HARD: usize = 12;
     pub const HOMING: usize = 13;
+    #[cfg(feature = "home")]
+    pub const SIDES: usize = 14;
+    pub const SLOW: usize = 15;
+    pub const SEEK: usize = 16;
+    pub const PULL_OFF: usize = 18;
     pub const FASTEST: usize = 19;
     pub const SLOWEST: usize = 20;
     pub const LASER: usize = 21;
 }
+
+/// How far away a switch is looked for, in travels of its axis.
+#[cfg(feature = "home")]
+const SEARCH: f64 = 1.5;
 
 /// What they are as long as nobody has said otherwise.
 const DEFAULTS: [f32; COMMON] = [
@@ -105,7 +119,9 @@ impl<const N: usize> Settings<N> {
         }
         let mut axes = [AxisSettings::NONE; N];
         let limits = config.limits.axes().iter().zip(steps.iter().zip(&travel));
-        for (slot, (limits, (steps, travel))) in axes.iter_mut().zip(limits) {
+        let orders = [Some(1), Some(1), Some(0)].into_iter().chain(core::iter::repeat(None));
+        let axes_of = axes.iter_mut().zip(orders);
+        for ((slot, home), (limits, (steps, travel))) in axes_of.zip(limits) {
             *slot = AxisSettings {
                 steps: *steps,
                 rate: (limits.velocity.to_f64() * 60.0) as f32,
@@ -113,6 +129,7 @@ impl<const N: usize> Settings<N> {
                 travel: *travel,
                 jerk: limits.jerk.to_f64() as f32,
                 rotary: limits.rotary,
+                home,
             };
         }
         Self { axes, common }
@@ -165,6 +182,38 @@ impl<const N: usize> Settings<N> {
     /// `$22`.
     pub fn homing(&self) -> bool {
         self.is_on(place::HOMING)
+    }
+
+    /// `$32`: whether S and M3 to M5 are for a laser.
+    pub fn laser(&self) -> bool {
+        self.is_on(place::LASER)
+    }
+
+    /// How axes are homed, all that have a switch or one of them alone: `$23` (sides), `$24` and `$25` (speeds), `$27` (the way back), and
+    /// `$130`, the travel, of which the switch may be one and a half away. The edge is where the travel ends: at 0 or, of an axis in `$23`,
+    /// at its least. So the axis ends inside the travel, by the way back.
+    #[cfg(feature = "home")]
+    pub(super) fn homes<S: Scalar>(&self, only: Option<usize>) -> [Option<AxisHome<S>>; N] {
+        let value = |place| f64::from(self.common(place));
+        let (slow, fast) = (value(place::SLOW) / 60.0, value(place::SEEK) / 60.0);
+        // What is out of the range of coordinates is 0, and refused.
+        let coord = |mm: f64| Coord::from_mm(mm).unwrap_or_default();
+        let back = value(place::PULL_OFF);
+        let sides = self.common(place::SIDES) as u16;
+        core::array::from_fn(|index| {
+            let axis = self.axes.get(index).filter(|_| only.is_none_or(|only| only == index))?;
+            let below = sides >> index & 1 == 1;
+            let (side, at) = if below { (-1.0, -f64::from(axis.travel)) } else { (1.0, 0.0) };
+            Some(AxisHome {
+                fast: S::of(side * fast),
+                slow: S::of(slow),
+                reach: coord(SEARCH * f64::from(axis.travel)),
+                back: coord(back),
+                at: coord(at),
+                park: Some(coord(at - side * back)),
+                order: axis.home?,
+            })
+        })
     }
 
     /// `$31` and `$30`: slowest and fastest speed of the spindle, 1/min.
@@ -245,11 +294,22 @@ impl<const N: usize> Settings<N> {
         match number {
             0 if self.common(place::PULSE) < 3.0 => Err(Error::StepPulse),
             20 if self.soft_limits() && !self.homing() => Err(Error::NeedsHoming),
-            // This controller has no homing.
-            22 if self.homing() => Err(Error::Statement),
-            32 if self.is_on(place::LASER) => Err(Error::Laser),
+            22 if !self.homing() => {
+                if let Some(soft) = self.common.get_mut(place::SOFT) {
+                    *soft = 0.0;
+                }
+                Ok(())
+            }
+            22 if cfg!(not(feature = "home")) => Err(Error::Statement),
+            24 | 25 | 27 if self.has_no_way_home() => Err(Error::Negative),
+            32 if self.laser() && cfg!(not(feature = "outputs")) => Err(Error::Laser),
             _ => Ok(()),
         }
+    }
+
+    /// Whether a number of homing is 0 that must not be.
+    fn has_no_way_home(&self) -> bool {
+        [place::SLOW, place::SEEK, place::PULL_OFF].into_iter().any(|place| !self.is_on(place))
     }
 
     fn slot(&mut self, number: u32) -> Option<&mut f32> {
@@ -304,8 +364,15 @@ impl<const N: usize> Settings<N> {
 
 impl AxisSettings {
     /// The memory of some.
-    const NONE: Self =
-        Self { steps: 0.0, rate: 0.0, acceleration: 0.0, travel: 0.0, jerk: 0.0, rotary: false };
+    const NONE: Self = Self {
+        steps: 0.0,
+        rate: 0.0,
+        acceleration: 0.0,
+        travel: 0.0,
+        jerk: 0.0,
+        rotary: false,
+        home: None,
+    };
 }
 
 #[cfg(test)]
@@ -357,8 +424,12 @@ mod tests {
         for (number, value, error) in [
             (0, 2.0, Error::StepPulse),
             (20, 1.0, Error::NeedsHoming),
+            #[cfg(not(feature = "home"))]
             (22, 1.0, Error::Statement),
+            #[cfg(not(feature = "outputs"))]
             (32, 1.0, Error::Laser),
+            (24, 0.0, Error::Negative),
+            (27, 0.4e-46, Error::Negative),
             (110, 0.0, Error::Negative),
             (110, -5.0, Error::Negative),
             (120, f64::INFINITY, Error::Negative),

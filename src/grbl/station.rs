@@ -1,20 +1,26 @@
 //! The controller's end of the line.
 
-use super::accessories::{Accessories, Spindle};
-use super::code::Error;
+use super::accessories::Accessories;
+use super::code::{Alarm, Error};
 use super::inbox::{Inbox, Line};
 use super::outbox::Outbox;
 use super::realtime::{self, Letters, Realtime};
-use super::report::{Cadence, Inputs, State, Status};
+use super::report::{Cadence, Inputs};
 use super::settings::Settings;
 use super::store::{Memory, Store};
 use crate::block::Block;
+#[cfg(feature = "outputs")]
+use crate::block::{Power, Switch};
+#[cfg(feature = "outputs")]
+use crate::gcode::Laser;
+#[cfg(feature = "probe")]
+use crate::gcode::ProbeMove;
 use crate::gcode::{self, Dialect, Reader};
 use crate::machine::Travel;
 use crate::number::{Coord, Scalar};
 use crate::planner::{Planner, Progress};
+use crate::servo::Controls;
 use crate::servo::events::{Event, Events};
-use crate::servo::{Activity, Controls, Setpoint};
 use heapless::Deque;
 
 /// Events that wait for the motion to come to them.
@@ -25,6 +31,18 @@ const EVENTS: usize = 8;
 pub(super) enum Waiting<S, const N: usize> {
     Block(Block<S, N>),
     Event(Event),
+    #[cfg(feature = "outputs")]
+    Timed(Timed<S>),
+    #[cfg(feature = "probe")]
+    Probe(ProbeMove),
+}
+
+/// What is done in time with the path.
+#[cfg(feature = "outputs")]
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Timed<S> {
+    Switch(Switch<S>),
+    Power { power: Power<S>, rest: bool },
 }
 
 /// A list that is written line by line.
@@ -49,6 +67,17 @@ pub(super) enum Doing<S, const N: usize> {
     /// Its moves and events are handed over.
     Line {
         waiting: Option<Waiting<S, N>>,
+    },
+    /// It probes: `begun`, or when the machine rests.
+    #[cfg(feature = "probe")]
+    Probing {
+        asked: ProbeMove,
+        begun: bool,
+    },
+    /// It homes all axes, or one.
+    #[cfg(feature = "home")]
+    Homing {
+        all: bool,
     },
     /// It ends a program: the machine comes to rest.
     Ending,
@@ -103,11 +132,19 @@ pub struct Station<S: Scalar, const N: usize> {
     /// The travel of the configuration, which holds without soft limits.
     pub(super) travel: Option<Travel<N>>,
     pub(super) abort: Option<Abort>,
+    /// An alarm that has not been said for want of room.
+    pub(super) unsaid: Option<Alarm>,
     pub(super) lock: Lock,
     pub(super) check: bool,
     pub(super) held: bool,
     pub(super) door: bool,
     pub(super) jogging: bool,
+    /// Where the last probe ended, and whether it had contact.
+    pub(super) probed: ([Coord; N], bool),
+    /// The laser in force, and its power at the last setpoint.
+    #[cfg(feature = "outputs")]
+    pub(super) laser: Option<Laser>,
+    pub(super) power: f32,
     /// Of feeds, rapids and the spindle, per cent.
     pub(super) overrides: [u16; 3],
     /// The spindle is stopped by its override.
@@ -150,6 +187,8 @@ impl<S: Scalar, const N: usize> Station<S, N> {
         let reading = gcode::Settings {
             dialect: Dialect::Grbl,
             axes: core::array::from_fn(|axis| axis < N),
+            #[cfg(feature = "outputs")]
+            switches: true,
             ..gcode::Settings::default()
         };
         let memory = Memory::new(settings);
@@ -170,11 +209,16 @@ impl<S: Scalar, const N: usize> Station<S, N> {
             tag: 0,
             travel: None,
             abort: None,
+            unsaid: None,
             lock: Lock::Open,
             check: false,
             held: false,
             door: false,
             jogging: false,
+            probed: ([Coord::ZERO; N], false),
+            #[cfg(feature = "outputs")]
+            laser: None,
+            power: 0.0,
             overrides: [100; 3],
             stopped: false,
             programmed: Accessories::OFF,
@@ -237,6 +281,7 @@ impl<S: Scalar, const N: usize> Station<S, N> {
             (self.abort, self.blocks) = (None, BLOCKS as u32);
             self.begin(planner, store);
         }
+        self.say_alarm();
         self.watch(planner, inputs);
         let happened = events.happened();
         self.happened += happened.wrapping_sub(self.seen) as usize;
@@ -245,6 +290,10 @@ impl<S: Scalar, const N: usize> Station<S, N> {
         self.progress = planner.poll();
         self.complete_abort(planner, events);
         self.jogging = planner.is_jogging();
+        #[cfg(feature = "probe")]
+        if self.seeks(planner) {
+            self.jogging = false;
+        }
         self.empty = planner.is_empty();
         self.room = (BLOCKS - planner.blocks_waiting().min(BLOCKS)) as u32;
         if self.touched && self.empty {
@@ -271,6 +320,10 @@ impl<S: Scalar, const N: usize> Station<S, N> {
         let kept = self.apply(planner);
         debug_assert!(kept, "a machine that does not rest when it begins");
         self.load_offsets();
+        if self.memory.settings.homing() {
+            // Nobody knows where the machine stands.
+            self.lock = Lock::Alarm;
+        }
         self.greet();
     }
 
@@ -321,97 +374,35 @@ impl<S: Scalar, const N: usize> Station<S, N> {
         free && self.abort.is_none() && planner.is_empty()
     }
 
-    /// The next byte to be sent; `None` if nothing is to be said. A report that has been asked for is of this setpoint.
-    /// [`Station::sent`] goes on to the next.
-    pub fn say(&mut self, setpoint: &Setpoint<S, N>) -> Option<u8> {
-        self.rests = setpoint.activity == Activity::Idle;
-        if let Some((tag, offsets)) = self.next_offsets
-            && (self.empty || setpoint.tag.wrapping_sub(tag).cast_signed() >= 0)
-        {
-            (self.offsets, self.next_offsets) = (offsets, None);
-            self.cadence.tell_offsets();
-        }
-        if self.status && self.outbox.has_room() {
-            self.status = false;
-            let settings = &self.memory.settings;
-            let status = Status {
-                state: self.state(),
-                machine: settings.tells_machine(),
-                inches: settings.inches(),
-                room: settings.tells_room().then_some([self.room, self.inbox.room() as u32]),
-                inputs: self.inputs,
-                offsets: &self.offsets,
-                overrides: self.overrides,
-                accessories: self.accessories(),
-            };
-            status.say(setpoint, &mut self.cadence, &mut self.outbox);
-        }
-        self.outbox.peek()
+    /// Whether axes are being homed.
+    pub(super) const fn homes(&self) -> bool {
+        #[cfg(feature = "home")]
+        let homes = matches!(self.doing, Doing::Homing { .. });
+        #[cfg(not(feature = "home"))]
+        let homes = false;
+        homes
     }
 
-    /// The byte has been sent.
-    pub fn sent(&mut self) {
-        self.outbox.sent();
-    }
-
-    /// What the machine is doing, by the last [`Station::poll`] and the last setpoint.
-    pub fn state(&self) -> State {
-        let rests = self.rests;
-        match self.lock {
-            Lock::Sleep => return State::Sleep,
-            Lock::Alarm => return State::Alarm,
-            Lock::Open => {}
+    /// Whether what moves the machine off the path is no jog: a probe, or homing.
+    #[cfg(feature = "probe")]
+    fn seeks<const BLOCKS: usize, const NODES: usize>(
+        &self,
+        planner: &Planner<'_, S, N, BLOCKS, NODES>,
+    ) -> bool {
+        #[cfg(feature = "home")]
+        if planner.is_homing() {
+            return true;
         }
-        if self.check {
-            State::Check
-        } else if self.door {
-            State::Door { rests: rests && !self.jogging, open: self.inputs.door }
-        } else if self.jogging {
-            State::Jog
-        } else if self.held || self.progress == Progress::Held {
-            State::Hold { rests }
-        } else if self.empty && rests && self.abort.is_none() {
-            State::Idle
-        } else {
-            State::Run
-        }
+        planner.is_probing() || self.waits_for_input()
     }
 
-    /// Spindle and coolant as they are to be now.
-    pub fn accessories(&self) -> Accessories {
-        let [.., percent] = self.overrides;
-        let at = self.actual.at(percent, self.memory.settings.spindle());
-        match self.lock {
-            _ if self.abort == Some(Abort::Reset) => Accessories::OFF,
-            Lock::Open if self.stopped => Accessories { spindle: Spindle::Off, speed: 0.0, ..at },
-            Lock::Open => at,
-            Lock::Alarm | Lock::Sleep => Accessories::OFF,
-        }
-    }
-
-    /// The next event of the program that has happened and is not spindle or coolant: a tool, an output. To be asked until there is
-    /// none.
-    pub fn event(&mut self) -> Option<Event> {
-        while self.happened > 0
-            && let Some(event) = self.events.pop_front()
-        {
-            self.happened -= 1;
-            if !self.actual.apply(&event) {
-                return Some(event);
-            }
-            self.cadence.tell_overrides();
-        }
-        None
-    }
-
-    /// The settings, if they have changed since this was asked.
-    pub fn new_settings(&mut self) -> Option<&Settings<N>> {
-        core::mem::take(&mut self.changed).then_some(&self.memory.settings)
-    }
-
-    /// The settings in force.
-    pub const fn settings(&self) -> &Settings<N> {
-        &self.memory.settings
+    /// Whether the line under way is one that an input ends.
+    pub(super) const fn waits_for_input(&self) -> bool {
+        #[cfg(feature = "probe")]
+        let probes = matches!(self.doing, Doing::Probing { .. });
+        #[cfg(not(feature = "probe"))]
+        let probes = false;
+        probes || self.homes()
     }
 
     /// Spindle and coolant are switched off, at the end of a program.

@@ -17,13 +17,19 @@ pub trait Port<S: Scalar, const N: usize> {
     fn setpoint(&mut self) -> Setpoint<S, N>;
     /// What keeps settings. It is only used while the machine rests.
     fn store(&mut self) -> &mut Self::Store;
-    /// Limit switches, probe, door, emergency stop, after debouncing.
+    /// Limit switches, probe, door, emergency stop, after debouncing. Homing and probes have theirs from the interrupt of the pins, by
+    /// `Planner::inputs` (features `probe` and `home` of the core).
     fn inputs(&mut self) -> Inputs {
         Inputs::default()
     }
-    /// Spindle and coolant are to be so from now on.
+    /// Spindle and coolant are to be so from now on, and the laser is to have so many per cent of its power.
     fn switch(&mut self, _accessories: &Accessories) {}
-    /// An event of the program that is neither: a tool, an output.
+    /// The power of the laser at the last setpoint, for reports: what `Interpolator::switch` gave in the servo interrupt, after the
+    /// override (feature `outputs` of the core).
+    fn power(&mut self) -> f32 {
+        0.0
+    }
+    /// An event of the program that is none of these: a tool. Outputs switch in the servo interrupt, with the feature `outputs`.
     fn happen(&mut self, _event: &Event) {}
     /// Settings have changed, or are told for the first time: steps per mm, polarities of pins.
     fn apply(&mut self, _settings: &Settings<N>) {}
@@ -86,6 +92,7 @@ impl<
             port.apply(settings);
         }
         let setpoint = port.setpoint();
+        self.station.set_power(port.power());
         while let Some(byte) = self.station.say(&setpoint) {
             if !port.write(byte) {
                 break;

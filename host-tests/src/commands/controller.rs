@@ -5,6 +5,7 @@ use crate::stream::{
     describe_state,
 };
 use anyhow::{Result, ensure};
+use splineway::Output;
 use splineway::grbl::{Accessories, Spindle};
 use splineway_simulator::machine::Machine;
 use splineway_simulator::program::LETTERS;
@@ -39,6 +40,13 @@ pub struct ControllerCommand {
     /// Machine description (TOML); a small milling machine if left out.
     #[arg(long, value_name = "TOML")]
     pub machine: Option<PathBuf>,
+    /// A home switch, closed beyond a place, as "X>5" (mm, the machine being switched on at 0); more than those of the machine's file.
+    /// For --protocol grbl.
+    #[arg(long, value_name = "PLACE")]
+    pub switch: Vec<String>,
+    /// A surface that the probe meets there, as "Z<-20". For --protocol grbl.
+    #[arg(long, value_name = "PLACE")]
+    pub surface: Vec<String>,
     /// How many times faster than the clock it runs.
     #[arg(long, default_value_t = 1.0)]
     pub speed: f64,
@@ -62,9 +70,15 @@ impl ControllerCommand {
             "faults is {}; it must be 0 to 0.5",
             self.faults
         );
-        let machine = self.machine.as_deref().map(Machine::read).transpose()?.unwrap_or_default();
+        let mut machine =
+            self.machine.as_deref().map(Machine::read).transpose()?.unwrap_or_default();
+        machine.switches.extend_from_slice(&self.switch);
+        machine.surfaces.extend_from_slice(&self.surface);
+        machine.check()?;
         let is_grbl = self.protocol == Protocol::Grbl;
         ensure!(is_grbl || self.settings.is_none(), "settings are kept with --protocol grbl only");
+        let has_inputs = !(self.switch.is_empty() && self.surface.is_empty());
+        ensure!(is_grbl || !has_inputs, "--switch and --surface are for --protocol grbl only");
         ensure!(
             !is_grbl || self.faults <= 0.0,
             "faults are for the protocol of splineway stream only"
@@ -119,7 +133,7 @@ fn describe(doing: &Doing) -> String {
         Doing::State { state, position } => {
             format!("{}, at {}", state.name(), describe_place(position))
         }
-        Doing::Switch(Accessories { spindle, speed, flood, mist }) => {
+        Doing::Switch(Accessories { spindle, speed, flood, mist, laser: 0 }) => {
             let spindle = match spindle {
                 Spindle::Off => "off".to_owned(),
                 Spindle::Clockwise => format!("clockwise at {speed} rpm"),
@@ -132,6 +146,20 @@ fn describe(doing: &Doing) -> String {
                 (true, true) => "flood and mist",
             };
             format!("spindle {spindle}, coolant {coolant}")
+        }
+        Doing::Switch(Accessories { laser, .. }) => format!("laser at {laser} % of its power"),
+        Doing::Output { output: Output::Digital(number), value } => {
+            format!("output {number} {}", if *value > 0.0 { "on" } else { "off" })
+        }
+        Doing::Output { output: Output::Analogue(number), value } => {
+            format!("analogue output {number} at {value}")
+        }
+        Doing::Output { output: Output::Power, value } | Doing::Laser(value) => {
+            if *value > 0.0 {
+                format!("laser burns at {value}")
+            } else {
+                "laser off".to_owned()
+            }
         }
         Doing::Event(event) => format!("line {}: {}", event.tag, describe_event(event)),
     }

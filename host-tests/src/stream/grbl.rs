@@ -4,8 +4,8 @@
 use super::line::Line;
 use super::pace::Pace;
 use anyhow::{Context, Result, bail};
-use splineway::grbl::{Accessories, Event, Events, Settings, State, Store, words};
-use splineway::{BLOCKS, Coord, Link, NODES, Progress, Setpoint};
+use splineway::grbl::{Accessories, Event, Events, Inputs, Settings, State, Store, words};
+use splineway::{BLOCKS, Coord, Input, Link, NODES, Output, Progress, Setpoint, Switched, Travel};
 use splineway_controller::grbl::{Background, Port};
 use splineway_simulator::machine::Machine;
 use std::collections::VecDeque;
@@ -15,7 +15,7 @@ use std::path::Path;
 
 /// Events that may be on their way.
 const EVENTS: usize = 8;
-/// Steps per mm that a machine without motors says it has, and its travel where it has none, mm.
+/// Steps per mm that a machine without motors says it has, and its travel where that is open, mm.
 const STEPS: f32 = 250.0;
 const TRAVEL: f32 = 500.0;
 
@@ -97,6 +97,15 @@ pub enum Doing {
     Switch(Accessories),
     /// Something else that is not motion is to be done.
     Event(Event),
+    /// An output has switched, to 0 or 1 if it is a digital one.
+    Output {
+        /// Which. The power is told by [`Doing::Laser`].
+        output: Output,
+        /// To what.
+        value: f32,
+    },
+    /// The laser has begun to burn, with this power, or has stopped (0).
+    Laser(f32),
 }
 
 /// What the background sees.
@@ -108,6 +117,41 @@ struct Outside<const N: usize> {
     setpoint: Setpoint<f32, N>,
     kept: Kept,
     told: Vec<Doing>,
+    inputs: Inputs,
+    /// Per cent of its power that the laser gets, and its power.
+    percent: u16,
+    power: f32,
+}
+
+impl<const N: usize> Outside<N> {
+    /// A servo cycle's switches, and the power at its end.
+    fn show(&mut self, power: f32, switched: &[Switched<f32>]) {
+        for Switched { output, value, .. } in switched {
+            if *output != Output::Power {
+                self.told.push(Doing::Output { output: *output, value: *value });
+            }
+        }
+        let power = power * f32::from(self.percent) * 0.01;
+        if (power > 0.0) != (self.power > 0.0) {
+            self.told.push(Doing::Laser(power));
+        }
+        self.power = power;
+    }
+
+    /// Switches and the probe as they are now.
+    fn look(&mut self, inputs: splineway::Inputs<'_>) {
+        self.inputs.probe = inputs.is_closed(Input::Probe);
+        let bit = |axis: usize| u16::from(inputs.is_closed(Input::Home(axis))) << axis;
+        self.inputs.limits = (0..N).map(bit).sum();
+    }
+}
+
+/// How far axes may go, mm.
+fn travel<const N: usize>(travel: &Travel<N>) -> [f32; N] {
+    travel.axes().map(|axis| match (axis.least, axis.greatest) {
+        (Some(least), Some(greatest)) => (greatest.to_mm() - least.to_mm()) as f32,
+        _ => TRAVEL,
+    })
 }
 
 impl<const N: usize> Port<f32, N> for Outside<N> {
@@ -132,7 +176,16 @@ impl<const N: usize> Port<f32, N> for Outside<N> {
         &mut self.kept
     }
 
+    fn inputs(&mut self) -> Inputs {
+        self.inputs
+    }
+
+    fn power(&mut self) -> f32 {
+        self.power
+    }
+
     fn switch(&mut self, accessories: &Accessories) {
+        self.percent = accessories.laser;
         self.told.push(Doing::Switch(*accessories));
     }
 
@@ -184,7 +237,8 @@ impl Grbl {
         let mut link = Box::new(Link::<f32, N, BLOCKS, NODES>::new());
         let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; N])?;
         let events = Events::<EVENTS>::new();
-        let settings = Settings::new(&config, [STEPS; N], [TRAVEL; N]);
+        let (inputs, mut seeker) = (planner.inputs(), machine.seeker());
+        let settings = Settings::new(&config, [STEPS; N], travel(&config.travel));
         let mut background =
             Background::<_, N, BLOCKS, NODES, EVENTS>::new(&mut planner, &events, settings);
         let mut outside = Outside {
@@ -194,16 +248,30 @@ impl Grbl {
             setpoint: interpolator.tick(),
             kept: self.kept,
             told: Vec::new(),
+            inputs: Inputs::default(),
+            percent: 0,
+            power: 0.0,
         };
+        // Switches that are closed at the beginning.
+        let start = outside.setpoint;
+        seeker.sense(inputs, &all, (&start, &start), machine.cycle);
+        let mut switched = Vec::new();
         let (mut pace, mut state) = (Pace::new(speed, machine.cycle), State::Idle);
         loop {
             pace.hear(&self.line, state == State::Idle, |chunk| outside.incoming.extend(chunk));
             outside.full = self.line.is_full();
+            outside.look(inputs);
             // The line is served whether a servo cycle is due or not.
             while background.round(&mut outside) == Progress::Planning {}
             pace.run(|| {
-                outside.setpoint = interpolator.tick();
+                let before = std::mem::replace(&mut outside.setpoint, interpolator.tick());
                 events.take(&outside.setpoint);
+                let power = interpolator.switch(&outside.setpoint, |now| switched.push(now));
+                outside.show(power, &switched);
+                switched.clear();
+                let between = (&before, &outside.setpoint);
+                seeker.sense(inputs, &all, between, machine.cycle);
+                outside.look(inputs);
                 while background.round(&mut outside) == Progress::Planning {}
             });
             self.line.write(&std::mem::take(&mut outside.outgoing));

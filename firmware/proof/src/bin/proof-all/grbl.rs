@@ -50,6 +50,9 @@ impl Port<f32, 3> for Board<'_> {
     fn switch(&mut self, accessories: &Accessories) {
         black_box(accessories);
     }
+    fn power(&mut self) -> f32 {
+        black_box(0.0)
+    }
     fn happen(&mut self, event: &Event) {
         black_box(event);
     }
