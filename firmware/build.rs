@@ -1,21 +1,32 @@
-//! Build script of every image: hands the memory map of the top level to the linker.
+//! Build script of every image: hands the memory map to the linker.
 
 use std::env;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// The memory map, from the folder of an image.
-const MEMORY: &str = "../../memory.x";
+/// The memory map, from the folder of an image: its own, or that of all others.
+const OWN: &str = "memory.x";
+const MEMORY: &str = "../memory.x";
+/// Names of interrupts, of an image that brings its own device.
+const DEVICE: &str = "device.x";
 
 fn main() {
     println!("cargo:rerun-if-changed=../build.rs");
-    println!("cargo:rerun-if-changed={MEMORY}");
+    for file in [OWN, MEMORY, DEVICE] {
+        if Path::new(file).exists() {
+            println!("cargo:rerun-if-changed={file}");
+        }
+    }
     if env::var("CARGO_CFG_TARGET_OS").is_ok_and(|os| os != "none") {
         // An empty program on a host.
         return;
     }
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
-    fs::copy(MEMORY, out.join("memory.x")).expect("the memory map can be copied");
+    let memory = if Path::new(OWN).exists() { OWN } else { MEMORY };
+    fs::copy(memory, out.join("memory.x")).expect("the memory map can be copied");
+    if Path::new(DEVICE).exists() {
+        fs::copy(DEVICE, out.join("device.x")).expect("the names of interrupts can be copied");
+    }
     println!("cargo:rustc-link-search={}", out.display());
     println!("cargo:rustc-link-arg-bins=-Tlink.x");
     println!("cargo:rustc-link-arg-bins=--nmagic");

@@ -2,11 +2,46 @@
 //! [`crate::Background`].
 
 use splineway::grbl::{Accessories, Event, Events, Inputs, Settings, State, Station, Store};
-use splineway::{Planner, Progress, Scalar, Setpoint};
+use splineway::{Counters, Planner, Progress, Scalar, Setpoint};
+
+/// Keeps settings as long as there is power, for a board that has nowhere else to put them; `W` is
+/// [`words`](splineway::grbl::words) of its axes.
+#[derive(Clone, Copy, Debug)]
+pub struct Volatile<const W: usize> {
+    copies: [[Option<u32>; W]; 2],
+}
+
+impl<const W: usize> Volatile<W> {
+    /// With nothing in it.
+    pub const fn new() -> Self {
+        Self { copies: [[None; W]; 2] }
+    }
+}
+
+impl<const W: usize> Default for Volatile<W> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const W: usize> Store for Volatile<W> {
+    fn read(&mut self, copy: usize, at: usize) -> Option<u32> {
+        *self.copies.get(copy)?.get(at)?
+    }
+
+    fn erase(&mut self, copy: usize) -> bool {
+        self.copies.get_mut(copy).map(|copy| copy.fill(None)).is_some()
+    }
+
+    fn write(&mut self, copy: usize, at: usize, word: u32) -> bool {
+        let place = self.copies.get_mut(copy).and_then(|copy| copy.get_mut(at));
+        place.map(|place| *place = Some(word)).is_some()
+    }
+}
 
 /// What a board gives the background. Nothing here waits, but for what keeps settings.
 pub trait Port<S: Scalar, const N: usize> {
-    /// Keeps settings without power; `()` keeps none.
+    /// Keeps settings without power. With [`Volatile`] they last as long as the power; with `()` none can be changed.
     type Store: Store;
 
     /// The next byte that has come from the line; `None` if there is none now.
@@ -105,6 +140,11 @@ impl<
     /// What the machine is doing, by the last round.
     pub fn state(&self) -> State {
         self.station.state()
+    }
+
+    /// Counts of the planner, for reports.
+    pub fn counters(&self) -> Counters {
+        self.planner.counters()
     }
 
     /// The settings in force.

@@ -1,4 +1,4 @@
-//! The board: clocks, pins, rates, and what the machine can do. To port the image, change this file.
+//! The board: clocks and pins. To port the image, change this file; what the machine can do is in `../machine.rs`.
 //!
 //! | what | pin |
 //! |---|---|
@@ -14,8 +14,8 @@
 //!
 //! As on the STM32F407G-DISC1, with its crystal of 8 MHz.
 
-use splineway::output::{Analogue, EdgeTimes, Scale, StepDir, StepTiming};
-use splineway::{AxisLimits, AxisTravel, Config, Coord, Limits, Travel};
+use crate::machine::{self, AXES, BAUD, STEP_HZ};
+use splineway::output::{Analogue, StepDir};
 use stm32f4xx_hal::gpio::{self, Edge, ErasedPin, Input, PushPull};
 use stm32f4xx_hal::pac::{Peripherals, TIM1, TIM3, USART2};
 use stm32f4xx_hal::prelude::*;
@@ -24,52 +24,15 @@ use stm32f4xx_hal::serial::{self, Rx, Serial, Tx};
 use stm32f4xx_hal::timer::{CounterHz, Event, PwmChannel};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
-/// Axes.
-pub const AXES: usize = 3;
-/// Rate of the step timer, Hz.
-pub const STEP_HZ: u32 = 100_000;
-/// Servo cycles per second, 1000 to 10,000.
-pub const SERVO_HZ: u32 = 1_000;
-/// Ticks of the step timer per servo cycle.
-pub const TICKS: u32 = STEP_HZ / SERVO_HZ;
-/// Bits per second on the serial line.
-const BAUD: u32 = 921_600;
-/// Time without a sign of life from the background after which the chip is reset, ms. A planning step
-/// may take a tenth of a second.
-pub const WATCHDOG_MS: u32 = 1_000;
-/// Steps per nanometres: 400 steps/mm.
-const SCALE: (u32, u32) = (400, 1_000_000);
-/// Pulse, pause, set-up and hold, ns: common drives ask for 2500, 2500, 5000 and 5000 at most.
-const DRIVE: EdgeTimes = EdgeTimes { pulse: 2_500, pause: 2_500, setup: 5_000, hold: 5_000 };
-/// Velocity of every axis, mm/s.
-const VELOCITY: f32 = 100.0;
-/// Acceleration, mm/s2.
-const ACCELERATION: f32 = 1_000.0;
-/// Jerk, mm/s3.
-const JERK: f32 = 20_000.0;
-/// How far the axes may go from where they stand when the board is switched on: there is no homing. `Some` of a
-/// coordinate is a limit.
-const TRAVEL: [AxisTravel; AXES] = [AxisTravel { least: None, greatest: None }; AXES];
 /// Speed along the path that gives a full duty cycle, mm/s.
 const FULL_DUTY: f32 = 200.0;
 
-const _: () = assert!(SERVO_HZ >= 1_000 && SERVO_HZ <= 10_000 && STEP_HZ.is_multiple_of(SERVO_HZ));
+/// Edges of a limit switch that are told: it opens. A sender of grbl is told when it closes, too.
+const SWITCHED: Edge = if cfg!(feature = "grbl") { Edge::RisingFalling } else { Edge::Rising };
 
 pub type Output = ErasedPin<gpio::Output<PushPull>>;
 pub type Stepper = StepDir<Output, Output>;
 pub type Laser = Analogue<PwmChannel<TIM1, 0>, f32>;
-
-/// What the core is told of the machine.
-pub fn config() -> Config<f32, AXES> {
-    let axis = AxisLimits::linear(VELOCITY, ACCELERATION, JERK);
-    let limits = defmt::unwrap!(Limits::new([axis; AXES]), "limits");
-    let mut config = Config::new(limits);
-    config.travel = defmt::unwrap!(Travel::new(TRAVEL), "limits of travel");
-    config.cycle = 1.0 / SERVO_HZ as f32;
-    // Longer than a planning step takes at 168 MHz with flash wait states.
-    config.lead = 0.05;
-    config
-}
 
 /// Everything, set up.
 pub struct Board {
@@ -87,17 +50,11 @@ pub struct Board {
 
 /// An axis that stands at zero.
 fn stepper(step: Output, dir: Output) -> Stepper {
-    let scale = defmt::unwrap!(Scale::new(SCALE.0, SCALE.1), "scale");
-    let timing = StepTiming::from_ns(STEP_HZ, 1_000_000 / SERVO_HZ, DRIVE);
-    // Rounded up, and one for the rounding of the setpoints.
-    let per_mm = SCALE.0 as f32 * 1.0e6 / SCALE.1 as f32;
-    let most = (VELOCITY * per_mm / SERVO_HZ as f32) as u32 + 2;
-    match StepDir::new(step, dir, scale, timing, Coord::ZERO, most) {
+    match machine::stepper(step, dir) {
         Ok(stepper) => stepper,
         Err(_) => defmt::panic!(
-            "{} steps per servo cycle at full speed, {} fit into one: a faster step timer, or fewer steps per mm",
-            most,
-            timing.most_steps()
+            "{} steps per servo cycle at full speed do not fit: a faster step timer, or fewer steps per mm",
+            machine::most_steps()
         ),
     }
 }
@@ -114,18 +71,18 @@ impl Board {
             stepper(d.pd4.into_push_pull_output().erase(), d.pd7.into_push_pull_output().erase()),
         ];
         let mut syscfg = device.SYSCFG.constrain(&mut rcc);
-        let mut input = |mut pin: ErasedPin<Input>| {
+        let mut input = |mut pin: ErasedPin<Input>, edge| {
             // Open - pressed, or a broken wire - is high.
             pin.make_interrupt_source(&mut syscfg);
-            pin.trigger_on_edge(&mut device.EXTI, Edge::Rising);
+            pin.trigger_on_edge(&mut device.EXTI, edge);
             pin.enable_interrupt(&mut device.EXTI);
             pin
         };
-        let stop_button = input(c.pc4.into_pull_up_input().erase());
+        let stop_button = input(c.pc4.into_pull_up_input().erase(), Edge::Rising);
         let switches = [
-            input(c.pc6.into_pull_up_input().erase()),
-            input(c.pc7.into_pull_up_input().erase()),
-            input(c.pc8.into_pull_up_input().erase()),
+            input(c.pc6.into_pull_up_input().erase(), SWITCHED),
+            input(c.pc7.into_pull_up_input().erase(), SWITCHED),
+            input(c.pc8.into_pull_up_input().erase(), SWITCHED),
         ];
         let line = serial::Config::default().baudrate(BAUD.bps());
         let serial: Serial<USART2> =

@@ -5,14 +5,21 @@ use panic_probe as _;
 
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
-    use crate::board::{self, Board, Laser, Output, Stepper};
-    use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
+    use crate::board::{Board, Laser, Output};
+    use crate::machine::{self, AXES};
+    use core::sync::atomic::{AtomicBool, AtomicU16, AtomicU32, Ordering::Relaxed};
     use heapless::spsc::{Consumer, Producer, Queue};
-    use splineway::wire::{Command, Event, Events};
+    #[cfg(feature = "grbl")]
+    use splineway::grbl::{Inputs, Settings, words};
+    use splineway::wire::{Event, Events};
     use splineway::{
         BLOCKS, Controls, Coord, Interpolator, Link, NODES, Planner, Progress, Setpoint,
     };
+    #[cfg(feature = "grbl")]
+    use splineway_controller::grbl::{Background, Port, Volatile};
+    #[cfg(not(feature = "grbl"))]
     use splineway_controller::{Background, Clock, Port};
+    use splineway_controller::{Drives, Targets};
     use stm32f4xx_hal::gpio::{ErasedPin, Input};
     use stm32f4xx_hal::pac::{Interrupt, TIM3, USART2};
     use stm32f4xx_hal::prelude::*;
@@ -20,22 +27,31 @@ mod app {
     use stm32f4xx_hal::timer::{CounterHz, Flag};
     use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
-    const AXES: usize = board::AXES;
     /// Items that wait for the planner: the host's window.
+    #[cfg(not(feature = "grbl"))]
     const WINDOW: usize = 16;
     /// Events that may be on their way to the servo task.
     const QUEUED: usize = 8;
     /// Bytes that may arrive while the planner works: more than a window of the longest frames.
     const BYTES: usize = 4096;
+    /// Bytes that may wait for the line.
+    const REPLIES: usize = 256;
+    /// Travel that senders are told of an axis without limits, mm.
+    #[cfg(feature = "grbl")]
+    const TRAVEL: f32 = 500.0;
 
     /// The emergency stop has been hit; stays so until reset.
     static EMERGENCY: AtomicBool = AtomicBool::new(false);
     /// A limit switch has been hit and the host has not been told.
     static LIMIT: AtomicBool = AtomicBool::new(false);
+    /// Limit switches that are open, a bit per axis.
+    static LIMITS: AtomicU16 = AtomicU16::new(0);
     /// An axis did not make all steps of a cycle.
     static LAGGED: AtomicBool = AtomicBool::new(false);
     /// Bytes lost because there was no room.
     static LOST: AtomicU32 = AtomicU32::new(0);
+    /// The transmitter is at work, and asks for the next byte itself.
+    static SENDING: AtomicBool = AtomicBool::new(false);
     /// Servo cycles since the start: the background's clock.
     static CYCLES: AtomicU32 = AtomicU32::new(0);
     /// Spindle, coolant, tool: from the line to the servo task.
@@ -44,7 +60,7 @@ mod app {
     #[shared]
     struct Shared {
         /// Where the axes are to be at the end of the next servo cycle.
-        targets: [Coord; AXES],
+        targets: Targets<AXES>,
         /// The last setpoint, for reports.
         setpoint: Setpoint<f32, AXES>,
         /// Enables the drives.
@@ -53,7 +69,7 @@ mod app {
 
     #[local]
     struct Local {
-        steppers: [Stepper; AXES],
+        drives: Drives<Output, Output, AXES>,
         step_timer: CounterHz<TIM3>,
         interpolator: Interpolator<'static, f32, AXES>,
         laser: Laser,
@@ -61,6 +77,8 @@ mod app {
         bytes_in: Producer<'static, u8>,
         bytes_out: Consumer<'static, u8>,
         tx: Tx<USART2>,
+        replies_in: Producer<'static, u8>,
+        replies_out: Consumer<'static, u8>,
         planner: Planner<'static, f32, AXES>,
         stop_button: ErasedPin<Input>,
         switches: [ErasedPin<Input>; AXES],
@@ -73,22 +91,24 @@ mod app {
     #[init(local = [
         link: Link<f32, AXES> = Link::new(),
         bytes: Queue<u8, BYTES> = Queue::new(),
+        replies: Queue<u8, REPLIES> = Queue::new(),
     ])]
     fn init(context: init::Context) -> (Shared, Local) {
         let board = Board::new(context.device);
         // An input that is open already gives no edge.
         EMERGENCY.store(board.stop_button.is_high(), Relaxed);
-        let start = [Coord::ZERO; AXES];
-        let made = context.local.link.split(board::config(), start);
+        let config = defmt::unwrap!(machine::config(), "the machine cannot be used");
+        let made = context.local.link.split(config, [Coord::ZERO; AXES]);
         let (planner, mut interpolator) = defmt::unwrap!(made, "the settings cannot be used");
         let (bytes_in, bytes_out) = context.local.bytes.split();
+        let (replies_in, replies_out) = context.local.replies.split();
         let setpoint = interpolator.tick();
         let controls = planner.controls();
         defmt::info!("splineway {}: {} axes", env!("CARGO_PKG_VERSION"), AXES);
         (
-            Shared { targets: start, setpoint, enable: board.enable },
+            Shared { targets: Targets::new(&setpoint), setpoint, enable: board.enable },
             Local {
-                steppers: board.steppers,
+                drives: Drives::new(board.steppers, machine::TICKS),
                 step_timer: board.step_timer,
                 interpolator,
                 laser: board.laser,
@@ -96,6 +116,8 @@ mod app {
                 bytes_in,
                 bytes_out,
                 tx: board.tx,
+                replies_in,
+                replies_out,
                 planner,
                 stop_button: board.stop_button,
                 switches: board.switches,
@@ -109,23 +131,16 @@ mod app {
 
     /// One tick of every axis. At the beginning of a servo cycle the axes take the targets that the servo
     /// task has left, and it is started for the next: so steps never wait for it.
-    #[task(binds = TIM3, priority = 4, local = [steppers, step_timer, tick: u32 = 0], shared = [targets])]
+    #[task(binds = TIM3, priority = 4, local = [drives, step_timer], shared = [targets])]
     fn steps(mut context: steps::Context) {
         context.local.step_timer.clear_flags(Flag::Update);
-        let tick = context.local.tick;
-        if *tick == 0 {
-            let targets = context.shared.targets.lock(|targets| *targets);
-            for (stepper, target) in context.local.steppers.iter_mut().zip(targets) {
-                if stepper.begin(target) > 0 {
-                    LAGGED.store(true, Relaxed);
-                }
-            }
-            rtic::pend(Interrupt::SPI3);
+        // Pins of this chip cannot fail.
+        let Ok(beat) = context.local.drives.tick(|| context.shared.targets.lock(|shared| *shared));
+        if beat.lagged {
+            LAGGED.store(true, Relaxed);
         }
-        *tick = if *tick + 1 < board::TICKS { *tick + 1 } else { 0 };
-        for stepper in context.local.steppers.iter_mut() {
-            // Pins of this chip cannot fail.
-            let _ = stepper.tick();
+        if beat.tick == 0 {
+            rtic::pend(Interrupt::SPI3);
         }
     }
 
@@ -137,7 +152,7 @@ mod app {
         if let Some(event) = EVENTS.take(&setpoint) {
             happen(&event);
         }
-        let targets = core::array::from_fn(|axis| setpoint.position(axis));
+        let targets = Targets::new(&setpoint);
         context.shared.targets.lock(|shared| *shared = targets);
         context.shared.setpoint.lock(|shared| *shared = setpoint);
         let power = if EMERGENCY.load(Relaxed) { 0.0 } else { setpoint.path_speed };
@@ -150,14 +165,25 @@ mod app {
         defmt::info!("{}", event);
     }
 
-    /// A byte from the line.
-    #[task(binds = USART2, priority = 2, local = [rx, bytes_in])]
-    fn receive(context: receive::Context) {
-        // A noise or framing error costs this byte; the frame's CRC tells.
-        if let Ok(byte) = context.local.rx.read()
-            && context.local.bytes_in.enqueue(byte).is_err()
+    /// A byte has come, or the line takes the next.
+    #[task(binds = USART2, priority = 2, local = [rx, tx, bytes_in, replies_out])]
+    fn line(context: line::Context) {
+        let line::LocalResources { rx, tx, bytes_in, replies_out, .. } = context.local;
+        // A noise or framing error costs this byte; a frame's CRC tells.
+        if let Ok(byte) = rx.read()
+            && bytes_in.enqueue(byte).is_err()
         {
             LOST.store(LOST.load(Relaxed).wrapping_add(1), Relaxed);
+        }
+        if tx.is_tx_empty() {
+            let next = replies_out.dequeue();
+            SENDING.store(next.is_some(), Relaxed);
+            if let Some(byte) = next {
+                let _ = tx.write(byte);
+                tx.listen();
+            } else {
+                tx.unlisten();
+            }
         }
     }
 
@@ -171,33 +197,70 @@ mod app {
         context.local.stop_controls.abort();
     }
 
-    /// A limit switch: the machine brakes within its limits and drops the rest of the program.
+    /// A limit switch: the machine brakes within its limits and drops the rest of the program. What it means to a
+    /// sender of grbl the settings say.
     #[task(binds = EXTI9_5, priority = 2, local = [switches, limit_controls])]
     fn limit(context: limit::Context) {
-        for switch in context.local.switches.iter_mut() {
+        let limit::LocalResources { switches, limit_controls, .. } = context.local;
+        let mut open = 0;
+        for (axis, switch) in switches.iter_mut().enumerate() {
             switch.clear_interrupt_pending_bit();
+            open |= u16::from(switch.is_high()) << axis;
         }
-        LIMIT.store(true, Relaxed);
-        context.local.limit_controls.abort();
+        LIMITS.store(open, Relaxed);
+        if cfg!(not(feature = "grbl")) {
+            LIMIT.store(true, Relaxed);
+            limit_controls.abort();
+        }
     }
 
     /// What the background sees of the board.
     struct Outside<'a, M> {
         bytes: &'a mut Consumer<'static, u8>,
-        tx: &'a mut Tx<USART2>,
+        replies: &'a mut Producer<'static, u8>,
         setpoint: M,
+        #[cfg(not(feature = "grbl"))]
         clock: Clock,
+        #[cfg(feature = "grbl")]
+        store: Volatile<{ words(AXES) }>,
         /// Bytes lost that the log knows of.
         lost: u32,
     }
 
+    impl<M> Outside<'_, M> {
+        /// Takes a byte for the line.
+        fn send(&mut self, byte: u8) -> bool {
+            let taken = self.replies.enqueue(byte).is_ok();
+            if !SENDING.load(Relaxed) {
+                rtic::pend(Interrupt::USART2);
+            }
+            taken
+        }
+
+        /// Whether something lasts, or has happened, that must stop the machine.
+        fn must_stop(&mut self) -> bool {
+            let lost = LOST.load(Relaxed);
+            if lost != self.lost {
+                self.lost = lost;
+                defmt::warn!("{} bytes came faster than they could be read", lost);
+            }
+            let lagged = LAGGED.swap(false, Relaxed);
+            if lagged {
+                defmt::error!("an axis did not make all its steps in time");
+            }
+            // The emergency stop lasts: nothing may move any more.
+            EMERGENCY.load(Relaxed) | lagged
+        }
+    }
+
+    #[cfg(not(feature = "grbl"))]
     impl<M: rtic::Mutex<T = Setpoint<f32, AXES>>> Port<f32, AXES> for Outside<'_, M> {
         fn read(&mut self) -> Option<u8> {
             self.bytes.dequeue()
         }
 
         fn write(&mut self, byte: u8) -> bool {
-            self.tx.write(byte).is_ok()
+            self.send(byte)
         }
 
         fn now_ms(&mut self) -> u32 {
@@ -209,35 +272,71 @@ mod app {
         }
 
         fn alarm(&mut self) -> bool {
-            let lost = LOST.load(Relaxed);
-            if lost != self.lost {
-                self.lost = lost;
-                defmt::warn!("{} bytes came faster than they could be read", lost);
-            }
-            let lagged = LAGGED.swap(false, Relaxed);
-            if lagged {
-                defmt::error!("an axis did not make all its steps in time");
-            }
-            // The emergency stop lasts: no session may move anything.
-            EMERGENCY.load(Relaxed) | LIMIT.swap(false, Relaxed) | lagged
+            self.must_stop() | LIMIT.swap(false, Relaxed)
         }
 
-        fn obeyed(&mut self, command: Command) {
+        fn obeyed(&mut self, command: splineway::wire::Command) {
             defmt::debug!("command {}", command);
         }
     }
 
-    #[idle(local = [bytes_out, tx, planner, watchdog, led], shared = [setpoint, enable])]
+    #[cfg(feature = "grbl")]
+    impl<M: rtic::Mutex<T = Setpoint<f32, AXES>>> Port<f32, AXES> for Outside<'_, M> {
+        type Store = Volatile<{ words(AXES) }>;
+
+        fn read(&mut self) -> Option<u8> {
+            self.bytes.dequeue()
+        }
+
+        fn write(&mut self, byte: u8) -> bool {
+            self.send(byte)
+        }
+
+        fn setpoint(&mut self) -> Setpoint<f32, AXES> {
+            self.setpoint.lock(|setpoint| *setpoint)
+        }
+
+        fn store(&mut self) -> &mut Self::Store {
+            &mut self.store
+        }
+
+        fn inputs(&mut self) -> Inputs {
+            let stop = self.must_stop();
+            Inputs { limits: LIMITS.load(Relaxed), stop, ..Inputs::default() }
+        }
+    }
+
+    #[idle(local = [bytes_out, replies_in, planner, watchdog, led], shared = [setpoint, enable])]
     fn idle(mut context: idle::Context) -> ! {
-        let idle::LocalResources { bytes_out: bytes, tx, planner, watchdog, led, .. } =
-            context.local;
-        let clock = Clock::new(board::SERVO_HZ / 1000);
-        let setpoint = context.shared.setpoint;
-        let mut outside = Outside { bytes, tx, setpoint, clock, lost: 0 };
+        let idle::LocalResources {
+            bytes_out: bytes,
+            replies_in: replies,
+            planner,
+            watchdog,
+            led,
+            ..
+        } = context.local;
+        let mut outside = Outside {
+            bytes,
+            replies,
+            setpoint: context.shared.setpoint,
+            #[cfg(not(feature = "grbl"))]
+            clock: Clock::new(machine::SERVO_HZ / 1000),
+            #[cfg(feature = "grbl")]
+            store: Volatile::new(),
+            lost: 0,
+        };
+        #[cfg(not(feature = "grbl"))]
         let mut background =
             Background::<_, AXES, BLOCKS, NODES, WINDOW, QUEUED>::new(planner, &EVENTS);
+        #[cfg(feature = "grbl")]
+        let mut background = {
+            let config = defmt::unwrap!(machine::config(), "the machine cannot be used");
+            let settings = Settings::new(&config, [machine::steps_per_mm(); AXES], [TRAVEL; AXES]);
+            Background::<_, AXES, BLOCKS, NODES, QUEUED>::new(planner, &EVENTS, settings)
+        };
         let mut progress = Progress::NeedsBlocks;
-        watchdog.start(board::WATCHDOG_MS.millis());
+        watchdog.start(machine::WATCHDOG_MS.millis());
         // Unless the emergency stop is open; asked under the lock, so that `emergency` cannot come between.
         context.shared.enable.lock(|enable| {
             if !EMERGENCY.load(Relaxed) {

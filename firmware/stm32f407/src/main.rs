@@ -5,12 +5,12 @@
 //!
 //! | priority | task | what it does |
 //! |---|---|---|
-//! | 4 | `steps`, timer interrupt at `board::STEP_HZ` | one tick of every axis; every servo cycle begins here |
+//! | 4 | `steps`, timer interrupt at `machine::STEP_HZ` | one tick of every axis; every servo cycle begins here |
 //! | 3 | `servo`, started by it | `Interpolator::tick`, the next targets |
 //! | 2 | `receive`, `emergency`, `limit` | a byte from the line; inputs |
 //! | 0 | `idle` | the line, planning, the watchdog |
 //!
-//! Wiring and rates are in `board.rs`; `docs/boards.md` says more.
+//! Wiring is in `board.rs`, rates and limits in `../machine.rs`; `docs/boards.md` says more.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 // The frameworks' macros.
 #![cfg_attr(target_os = "none", allow(unsafe_code, missing_docs))]
@@ -19,6 +19,9 @@
 mod board;
 #[cfg(target_os = "none")]
 mod image;
+#[cfg(target_os = "none")]
+#[path = "../../machine.rs"]
+mod machine;
 
 #[cfg(not(target_os = "none"))]
 fn main() {
