@@ -1,13 +1,16 @@
 #!/usr/bin/env python3
-"""Lets grbl-streamer, a sender that others wrote, talk to `splineway controller --protocol grbl`.
+"""Lets grbl-streamer, a sender that others wrote, talk to a controller.
 
     host-tests/grbl/run.py PROGRAM [LINES]
+    host-tests/grbl/run.py --port PORT FILE
 
-PROGRAM is the built `splineway`; LINES, how many short lines the file has (2000). The sender is installed
-into a virtual environment of its own, beside PROGRAM; where it cannot be, this says so and ends well.
+PROGRAM is the built `splineway`, whose `controller --protocol grbl` is jogged, streamed to, held and reset; LINES, how many short
+lines the file has (2000). With --port it streams FILE to whatever is at PORT, to the end. The sender is installed into a virtual
+environment of its own, `target/grbl-venv`; where it cannot be, this says so, and ends well or, with --port, with code 77.
 """
 
 import math
+import os
 import pathlib
 import subprocess
 import sys
@@ -19,9 +22,9 @@ SPEED = 20
 PATIENCE = 120
 
 
-def environment(program: pathlib.Path) -> pathlib.Path:
-    """A Python with the sender in it."""
-    folder = program.parent / "grbl-venv"
+def environment(skipped: int) -> pathlib.Path:
+    """A Python with the sender in it; `skipped` is the code to end with where there is none."""
+    folder = pathlib.Path(__file__).absolute().parents[2] / "target" / "grbl-venv"
     python = folder / "bin" / "python"
     try:
         if not python.exists():
@@ -31,7 +34,7 @@ def environment(program: pathlib.Path) -> pathlib.Path:
         )
     except (OSError, subprocess.SubprocessError) as error:
         print(f"skipped: {PACKAGE} cannot be installed ({error})")
-        sys.exit(0)
+        sys.exit(skipped)
     return python
 
 
@@ -47,15 +50,9 @@ def rose(lines: int) -> list[str]:
 
 
 class Talk:
-    """A controller, and the sender."""
+    """What the sender says of a controller."""
 
-    def __init__(self, program: str):
-        arguments = [program, "controller", "--protocol", "grbl", "--speed", str(SPEED)]
-        self.controller = subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True)
-        first = self.controller.stdout.readline()
-        self.port = first.removeprefix("port:").strip()
-        # What else it says must not fill the pipe.
-        threading.Thread(target=self.controller.stdout.read, daemon=True).start()
+    def __init__(self):
         self.seen: dict[str, int] = {}
         self.errors: list[tuple] = []
         self.mode, self.place = "", (0.0, 0.0, 0.0)
@@ -67,10 +64,10 @@ class Talk:
         if event == "on_stateupdate":
             self.mode, self.place = data[0], data[1]
 
-    def wait(self, what: str, condition) -> None:
+    def wait(self, what: str, condition, patience: float = PATIENCE) -> None:
         began = time.monotonic()
         while not condition():
-            if time.monotonic() - began > PATIENCE:
+            if time.monotonic() - began > patience:
                 raise SystemExit(f"{what} does not come: {self.mode} at {self.place}, {self.seen}, {self.errors}")
             time.sleep(0.02)
 
@@ -81,23 +78,70 @@ class Talk:
         return self.rests() and all(abs(a - b) < 1e-6 for a, b in zip(self.place, place))
 
 
-def main() -> None:
-    program = pathlib.Path(sys.argv[1]).absolute()
-    lines = int(sys.argv[2]) if len(sys.argv) > 2 else 2000
-    if "--inside" not in sys.argv:
-        python = environment(program)
-        sys.exit(subprocess.run([str(python), __file__, str(program), str(lines), "--inside"]).returncode)
+class Controller:
+    """`splineway controller`."""
+
+    def __init__(self, program: str):
+        arguments = [program, "controller", "--protocol", "grbl", "--speed", str(SPEED)]
+        self.process = subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True)
+        first = self.process.stdout.readline()
+        self.port = first.removeprefix("port:").strip()
+        # What else it says must not fill the pipe.
+        threading.Thread(target=self.process.stdout.read, daemon=True).start()
+
+
+def connected(talk: Talk, port: str):
+    """The sender, connected."""
     from grbl_streamer import GrblStreamer
 
-    talk = Talk(str(program))
+    grbl = GrblStreamer(talk.hear)
+    grbl.poll_interval = 0.1
+    grbl.cnect(port, 115200)
+    talk.wait("the banner", lambda: "on_boot" in talk.seen)
+    grbl.poll_start()
+    talk.wait("a report", talk.rests)
+    talk.wait("the parameters", lambda: "on_hash_stateupdate" in talk.seen)
+    return grbl
+
+
+def end(code: int = 0) -> None:
+    """Threads of the sender may wait for a port that is gone."""
+    sys.stdout.flush()
+    os._exit(code)
+
+
+def stream(port: str, file: pathlib.Path) -> None:
+    """A file, to whatever is at the port."""
+    talk = Talk()
     try:
-        grbl = GrblStreamer(talk.hear)
-        grbl.poll_interval = 0.1
-        grbl.cnect(talk.port, 115200)
-        talk.wait("the banner", lambda: "on_boot" in talk.seen)
-        grbl.poll_start()
-        talk.wait("a report", talk.rests)
-        talk.wait("the parameters", lambda: "on_hash_stateupdate" in talk.seen)
+        grbl = connected(talk, port)
+        lines = file.read_text().splitlines()
+        grbl.incremental_streaming = False
+        grbl.write("\n".join(lines))
+        grbl.job_run()
+        talk.wait("motion", lambda: talk.mode == "Run")
+        finished = lambda: talk.errors or ("on_job_completed" in talk.seen and talk.rests())
+        talk.wait("the end of the file", finished, 36_000)
+        assert not talk.errors, talk.errors
+    except (AssertionError, SystemExit) as error:
+        print(f"grbl-streamer: {error}", file=sys.stderr)
+        end(1)
+    print(f"grbl-streamer: {len(lines)} lines, to {talk.place}")
+    grbl.disconnect()
+    end()
+
+
+def main() -> None:
+    if "--inside" not in sys.argv:
+        python = environment(77 if "--port" in sys.argv else 0)
+        sys.exit(subprocess.run([str(python), __file__, *sys.argv[1:], "--inside"]).returncode)
+    if sys.argv[1] == "--port":
+        stream(sys.argv[2], pathlib.Path(sys.argv[3]))
+    lines = int(sys.argv[2]) if sys.argv[2] != "--inside" else 2000
+    talk = Talk()
+    controller = Controller(str(pathlib.Path(sys.argv[1]).absolute()))
+    try:
+        grbl = connected(talk, controller.port)
 
         grbl.send_immediately("$J=G91 X5 F3000")
         talk.wait("the jog's end", lambda: talk.stands(5, 0, 0))
@@ -136,13 +180,9 @@ def main() -> None:
         assert not talk.errors, talk.errors
         grbl.disconnect()
     finally:
-        talk.controller.terminate()
+        controller.process.terminate()
     print(f"grbl-streamer: jog, {lines} lines in {taken:.1f} s at {SPEED} times the clock, hold, start, reset: good")
-    # Threads of the sender may wait for a port that is gone.
-    sys.stdout.flush()
-    import os
-
-    os._exit(0)
+    end()
 
 
 if __name__ == "__main__":

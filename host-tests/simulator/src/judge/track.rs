@@ -263,6 +263,11 @@ impl Follower {
         self.last.extend_from_slice(x);
         best
     }
+
+    /// Arc length reached at least, mm.
+    pub const fn way(&self) -> f64 {
+        self.way
+    }
 }
 
 /// How far along a path a setpoint may have come: the path winds within its band there, and nobody can tell which
