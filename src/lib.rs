@@ -73,7 +73,7 @@
 //! ## The machine: [`machine`]
 //!
 //! Limits, settings, their ranges and the sizes of a core, checked once: a [`Limits`] can only be made valid, so that
-//! nothing above checks again.
+//! nothing above checks again. Motors that follow several axes (feature `kinematics`) are limits too: rows beside those of the axes.
 //!
 //! ## Numbers: [`number`]
 //!
@@ -173,6 +173,8 @@ pub use machine::{ANALOGUE, DIGITAL, POWERS, SWITCHES};
 pub use machine::{AxisLimits, BLOCKS, Config, ConfigError, CornerMode, Limits, NODES};
 #[cfg(feature = "travel")]
 pub use machine::{AxisTravel, Travel};
+#[cfg(feature = "kinematics")]
+pub use machine::{Kinematics, Linear, MOTORS, Motor};
 pub use number::{Coord, RangeError, Scalar};
 pub use planner::{Counters, Link, Planner, Progress};
 #[cfg(feature = "outputs")]

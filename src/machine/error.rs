@@ -32,6 +32,40 @@ pub enum ConfigError {
         /// The position given, and the range, mm.
         error: RangeError,
     },
+    /// A limit of a motor is not a number in the range the core works with (feature `kinematics`).
+    #[cfg(feature = "kinematics")]
+    MotorLimit {
+        /// Index of the motor.
+        motor: usize,
+        /// Which limit.
+        quantity: Quantity,
+        /// The value given, and the range.
+        error: RangeError,
+    },
+    /// A factor of a motor is not finite or too great, or its greatest is too small (feature `kinematics`).
+    #[cfg(feature = "kinematics")]
+    MotorFactor {
+        /// Index of the motor.
+        motor: usize,
+        /// Index of the axis.
+        axis: usize,
+        /// The factor given, and the range.
+        error: RangeError,
+    },
+    /// An axis could move with others without a motor (feature `kinematics`).
+    #[cfg(feature = "kinematics")]
+    Singular {
+        /// Index of the axis.
+        axis: usize,
+        /// What motors see of it beside the axes before it, as a part of all they see of it; and the range.
+        error: RangeError,
+    },
+    /// A motor is not linear in the axes (feature `kinematics`).
+    #[cfg(feature = "kinematics")]
+    NotLinear {
+        /// Index of the motor.
+        motor: usize,
+    },
     /// A setting of the whole machine is outside its range.
     Setting {
         /// Which setting.
@@ -59,6 +93,32 @@ impl fmt::Display for ConfigError {
                     f,
                     "limit of travel of axis {axis} is {value} mm; it must be {least} to {greatest}"
                 )
+            }
+            #[cfg(feature = "kinematics")]
+            Self::MotorLimit { motor, quantity, error: RangeError { value, least, greatest } } => {
+                let (name, unit) = quantity.words();
+                write!(
+                    f,
+                    "{name} limit of motor {motor} is {value} {unit}; it must be {least} to {greatest}"
+                )
+            }
+            #[cfg(feature = "kinematics")]
+            Self::MotorFactor { motor, axis, error: RangeError { value, least, greatest } } => {
+                write!(
+                    f,
+                    "factor of motor {motor} for axis {axis} is {value}; it must be {least} to {greatest}"
+                )
+            }
+            #[cfg(feature = "kinematics")]
+            Self::Singular { axis, error: RangeError { value, least, .. } } => {
+                write!(
+                    f,
+                    "axis {axis} could move with others without a motor: {value} of it is its own, and it must be {least}"
+                )
+            }
+            #[cfg(feature = "kinematics")]
+            Self::NotLinear { motor } => {
+                write!(f, "motor {motor} is not linear in the axes")
             }
             Self::Setting { quantity, error: RangeError { value, least, greatest } } => {
                 let (name, unit) = quantity.words();

@@ -3,7 +3,10 @@
 mod config;
 pub mod defaults;
 mod error;
+#[cfg(feature = "kinematics")]
+mod kinematics;
 mod limits;
+mod motors;
 mod quantity;
 mod ramp;
 mod sets;
@@ -13,8 +16,18 @@ mod travel;
 
 pub use config::{Config, CornerMode};
 pub use error::ConfigError;
+#[cfg(feature = "kinematics")]
+use kinematics::{Everywhere, check_factors};
+#[cfg(feature = "kinematics")]
+pub use kinematics::{Follows, Kinematics, Linear, Region};
+#[cfg(all(feature = "c", feature = "kinematics"))]
+pub(crate) use kinematics::{fixed, times};
 pub(crate) use limits::UNLIMITED;
 pub use limits::{AxisLimits, Limits};
+#[cfg(not(feature = "kinematics"))]
+pub(crate) use motors::Motor;
+#[cfg(feature = "kinematics")]
+pub use motors::{MOTORS, Motor};
 pub use quantity::Quantity;
 pub(crate) use ramp::Ramp;
 pub(crate) use sets::{LimitSets, OlderLimits, SetNumber};

@@ -25,9 +25,9 @@ impl<S: Scalar> Ramp<S> {
     /// Along a unit direction.
     pub fn new<const N: usize>(limits: &Limits<S, N>, direction: &Vector<S, N>) -> Self {
         let mut jerk = S::of(UNLIMITED);
-        for (axis, share) in limits.axes().iter().zip(direction) {
-            if share.abs() * jerk > axis.jerk {
-                jerk = axis.jerk / share.abs();
+        for (axis, share) in limits.shares(direction) {
+            if share * jerk > axis.jerk {
+                jerk = axis.jerk / share;
             }
         }
         Self { jerk, time: limits.time_scale() }

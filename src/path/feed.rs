@@ -52,6 +52,12 @@ pub fn path_speed<S: Scalar, const N: usize>(
             most = axis.velocity / share;
         }
     }
+    for motor in limits.motors() {
+        let share = motor.of(&tangent).abs();
+        if segment.is_line() && share * most > motor.limits.velocity {
+            most = motor.limits.velocity / share;
+        }
+    }
     let wanted = match feed {
         Feed::Rapid => return most,
         Feed::Duration(seconds) => by_duration(whole.unwrap_or(segment.length), seconds),

@@ -188,7 +188,8 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// Changes the limits of the axes (feature `limits`): they bound every block that is pushed from now on, and jogs. What has
     /// been taken is run as it was meant: a block keeps the limits it was taken with, on either side of the place where they
     /// change the motion keeps both, and the change is planned ahead. For a tool or a load that bears less, or a part of
-    /// a program that is to be calm.
+    /// a program that is to be calm. Of motors (feature `kinematics`) only limits change: their factors stay, and so do the
+    /// limits of motors that are not named.
     ///
     /// Cost: a copy of the limits.
     ///
@@ -204,6 +205,8 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.builder.takes_curve() {
             return Err(PushError::Full);
         }
+        #[cfg(feature = "kinematics")]
+        let limits = limits.on_motors_of(&self.horizon.config.limits);
         if !self.builder.uses_limits() {
             self.horizon.config.limits = limits;
         } else if self.horizon.set_limits(limits) {

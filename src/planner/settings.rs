@@ -23,10 +23,17 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             && self.side.progress() == self.horizon.end()
     }
 
-    /// Changes the limits of the axes, for all that comes. `false`, and nothing has changed, unless [`Planner::is_empty`].
+    /// Changes the limits of the axes, for all that comes. `false`, and nothing has changed, unless [`Planner::is_empty`]. Limits
+    /// without motors (feature `kinematics`) leave these as they are; with motors, they come in the place of those before.
     pub fn set_limits_at_rest(&mut self, limits: Limits<S, N>) -> bool {
         let may = self.is_empty();
         if may {
+            #[cfg(feature = "kinematics")]
+            let limits = if limits.names_motors() {
+                limits
+            } else {
+                limits.on_motors_of(&self.horizon.config.limits)
+            };
             self.horizon.config.limits = limits;
             self.vain = None;
         }

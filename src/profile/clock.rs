@@ -9,7 +9,7 @@
 //! machine can run, it can run slower. Over a step the bend is constant; what an axis then does is a quintic that has
 //! velocity and acceleration of x(tau(t)) at both ends, and its jerk at the start.
 
-use crate::machine::Limits;
+use crate::machine::{AxisLimits, Limits};
 use crate::number::Scalar;
 use crate::number::vector::norm;
 use crate::servo::piece::Piece;
@@ -179,17 +179,27 @@ impl<S: Scalar> Clock<S> {
         let end = (r + g * time).greatest(S::ZERO);
         // By how much the rate at the end changes with the bend; its slope by `time`.
         let per_rate = time * time * S::of(0.5);
-        for (i, axis) in limits.axes().iter().enumerate() {
-            let (v, a, j) = (from.velocity[i], from.acceleration[i], from.jerk[i]);
+        let mut keep = |[from, to]: [[S; 3]; 2], axis: &AxisLimits<S>| {
+            let [v, a, j] = from;
             let even = j * r * r * r;
             range.keep(even + three * a * g * r, v, most(axis.jerk, even));
-            let (v, a, j) = (to.velocity[i], to.acceleration[i], to.jerk[i]);
+            let [v, a, j] = to;
             let per_bend = three * (a * (end * time + g * per_rate) + j * end * end * per_rate);
             let even = j * end * end * end;
             range.keep(even + three * a * g * end, v + per_bend, most(axis.jerk, even));
             let per_bend = v * time + two * a * end * per_rate;
             let even = a * end * end;
             range.keep(even + v * g, per_bend, most(axis.acceleration, even));
+        };
+        for (i, axis) in limits.axes().iter().enumerate() {
+            let at = |it: &Instant<S, N>| [it.velocity[i], it.acceleration[i], it.jerk[i]];
+            keep([from, to].map(at), axis);
+        }
+        for motor in limits.motors() {
+            let at = |it: &Instant<S, N>| {
+                [&it.velocity, &it.acceleration, &it.jerk].map(|of| motor.of(of))
+            };
+            keep([from, to].map(at), &motor.limits);
         }
         (range.least <= range.most).then_some([range.least, range.most])
     }
@@ -214,7 +224,6 @@ impl<S: Scalar, const N: usize> Shape<S, N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machine::AxisLimits;
     use std::vec::Vec;
 
     const SLOWS: Clock<f64> = Clock { rate: 0.8, slope: -9.0 };

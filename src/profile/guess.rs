@@ -16,6 +16,7 @@ use super::law::{Law, PathState};
 use super::problem::Problem;
 use super::problem::Stretch;
 use super::rows::{Axis, View};
+use crate::machine::AxisLimits;
 use crate::number::{Scalar, cube_root};
 use core::ops::Range;
 
@@ -44,8 +45,7 @@ fn steady_cubes<S: Scalar, const N: usize>(view: &View<'_, S, N>) -> [S; 2] {
         return cubes;
     }
     let law = Law::steady(view.cell.length);
-    for (i, limits) in view.limits.axes().iter().enumerate() {
-        let axis = Axis::new(view, &law, i);
+    let mut keep = |axis: &Axis<S>, limits: &AxisLimits<S>| {
         let [q0, q1, q2] = axis.jerks(&law);
         let half = S::of(0.5);
         let inner = ((q0 + q1) * half).abs().greatest(((q1 + q2) * half).abs());
@@ -59,6 +59,12 @@ fn steady_cubes<S: Scalar, const N: usize>(view: &View<'_, S, N>) -> [S; 2] {
             let square = acceleration / per_square.greatest(S::of(1.0e-12));
             *cube = cube.least(square * square.sqrt());
         }
+    };
+    for (i, limits) in view.limits.axes().iter().enumerate() {
+        keep(&Axis::new(view, &law, i), limits);
+    }
+    for motor in view.limits.motors() {
+        keep(&Axis::of_motor(view, &law, motor), &motor.limits);
     }
     cubes
 }

@@ -16,8 +16,9 @@
 
 use super::bounds::Bounds;
 use super::law::Law;
-use crate::machine::Limits;
+use crate::machine::{AxisLimits, Limits, Motor};
 use crate::number::Scalar;
+use crate::number::vector::sub;
 use crate::path::node::{Cell, Node};
 
 /// Gradient by (v0, a0, v1, a1).
@@ -121,7 +122,7 @@ const JERK_MIX: [JerkMix; 3] = [
     JerkMix { offset: 60.0, turn: -36.0, e0: -3.0, e1: 9.0 },
 ];
 
-/// Parts of an axis's motion that do not depend on which coefficient is wanted.
+/// Parts of an axis's motion, or a motor's, that do not depend on which coefficient is wanted.
 #[derive(Clone, Copy)]
 pub struct Axis<S> {
     pub tangent: S,
@@ -139,11 +140,29 @@ impl<S: Scalar> Axis<S> {
     pub fn new<const N: usize>(view: &View<'_, S, N>, law: &Law<S>, i: usize) -> Self {
         let tangent = view.from.tangent[i];
         let turn = view.to.tangent[i] - tangent;
-        let (k0, k1) = (view.from.curvature[i], view.to.curvature[i]);
+        let curvature = [view.from.curvature[i], view.to.curvature[i]];
+        Self::made(law, [tangent, turn, view.cell.tangent_offset[i]], curvature)
+    }
+
+    /// What a motor does is a sum of what the axes do, and so are all its parts.
+    #[inline]
+    pub fn of_motor<const N: usize>(
+        view: &View<'_, S, N>,
+        law: &Law<S>,
+        motor: &Motor<S, N>,
+    ) -> Self {
+        let (from, to) = (view.from, view.to);
+        let turn = sub(&to.tangent, &from.tangent);
+        let shape = [&from.tangent, &turn, &view.cell.tangent_offset].map(|of| motor.of(of));
+        Self::made(law, shape, [&from.curvature, &to.curvature].map(|of| motor.of(of)))
+    }
+
+    #[inline]
+    fn made(law: &Law<S>, [tangent, turn, tangent_offset]: [S; 3], [k0, k1]: [S; 2]) -> Self {
         Self {
             tangent,
             turn,
-            tangent_offset: view.cell.tangent_offset[i],
+            tangent_offset,
             k0,
             k1,
             e0: k0 * law.v0 * law.v0,
@@ -224,8 +243,12 @@ pub fn rows<S: Scalar, const N: usize, K: Sink<S>>(
     if view.cell.straight {
         straight_rows(view, law, &slopes, sink);
     } else {
-        for i in 0..N {
-            axis_rows(view, law, &slopes, i, sink);
+        for (i, limits) in view.limits.axes().iter().enumerate() {
+            axis_rows(view, law, &slopes, (&Axis::new(view, law, i), limits), sink);
+        }
+        for motor in view.limits.motors() {
+            let axis = Axis::of_motor(view, law, motor);
+            axis_rows(view, law, &slopes, (&axis, &motor.limits), sink);
         }
     }
 }
@@ -338,23 +361,21 @@ fn straight_rows<S: Scalar, const N: usize, K: Sink<S>>(
     acceleration_rows(law, slopes, &ends, sink);
 }
 
-/// One axis of a curved cell.
+/// One axis of a curved cell, or one motor.
 #[inline]
 fn axis_rows<S: Scalar, const N: usize, K: Sink<S>>(
     view: &View<'_, S, N>,
     law: &Law<S>,
     slopes: &Slopes<S>,
-    i: usize,
+    (axis, limits): (&Axis<S>, &AxisLimits<S>),
     sink: &mut K,
 ) {
     let zero = S::ZERO;
-    let axis = Axis::new(view, law, i);
     let bent =
         axis.turn != zero || axis.tangent_offset != zero || axis.k0 != zero || axis.k1 != zero;
     if !bent && axis.tangent == zero {
         return;
     }
-    let limits = &view.limits.axes()[i];
     let two = S::of(2.0);
     let gradients = if K::GRADIENT { axis.jerk_gradients(law, slopes) } else { [[zero; 4]; 3] };
     // The coefficients of either half of the cell: a kinked path swings the middle one of the whole
@@ -463,7 +484,7 @@ fn acceleration_rows<S: Scalar, K: Sink<S>>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machine::{AxisLimits, LimitSets};
+    use crate::machine::LimitSets;
     use crate::number::Coord;
     use crate::path::node::Programmed;
     use crate::profile::bounds::Pace;

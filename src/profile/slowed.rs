@@ -1,7 +1,7 @@
 //! The pieces of a motion that is run by another clock.
 
 use super::clock::{Clock, Instant};
-use crate::machine::Limits;
+use crate::machine::{AxisLimits, Limits};
 use crate::number::Scalar;
 use crate::servo::piece::{Piece, Sequel};
 use core::array::from_fn;
@@ -122,24 +122,36 @@ pub fn keeps<S: Scalar, const N: usize>(piece: &Piece<S, N>, limits: &Limits<S, 
     let half = S::of(0.5);
     let most = S::of(MOST);
     let felt = S::EPSILON * S::of(FELT) / h;
-    limits.axes().iter().zip(&piece.axes).all(|(axis, [_, c2, c3, c4, c5])| {
+    let keeps = |axis: &AxisLimits<S>, [_, c2, c3, c4, c5]: &[S; 5], rounded: S| {
         // Bernstein coefficients of the jerk, and of either half (see the rows); of the acceleration.
         let q0 = S::of(6.0) * *c3;
         let rise = S::of(12.0) * *c4 * h;
         let (q1, q2) = (q0 + rise, q0 + rise + rise + S::of(60.0) * *c5 * h * h);
         let (a0, third) = (*c2 + *c2, h * S::of(1.0 / 3.0));
         let a1 = a0 + (q0 + q1 + q2) * third;
-        let jerk = axis.jerk * most + a0.abs() * felt;
+        let jerk = axis.jerk * most + rounded * felt;
         let acceleration = axis.acceleration * most;
         [q0, (q0 + q1) * half, (q1 + q2) * half, q2].iter().all(|q| q.abs() <= jerk)
             && [a0, a0 + q0 * third, a1 - q2 * third, a1].iter().all(|a| a.abs() <= acceleration)
-    })
+    };
+    // The acceleration of an axis at the start.
+    let rounded = |[_, c2, ..]: &[S; 5]| (*c2 + *c2).abs();
+    limits.axes().iter().zip(&piece.axes).all(|(axis, c)| keeps(axis, c, rounded(c)))
+        && limits.motors().all(|motor| {
+            let (mut sum, mut all) = ([S::ZERO; 5], S::ZERO);
+            for (factor, c) in motor.factors.iter().zip(&piece.axes) {
+                for (sum, c) in sum.iter_mut().zip(c) {
+                    *sum += *factor * *c;
+                }
+                all += factor.abs() * rounded(c);
+            }
+            keeps(&motor.limits, &sum, all)
+        })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machine::AxisLimits;
     use crate::number::serial::NodeSerial;
     use crate::number::{ArcLength, Coord};
 

@@ -5,7 +5,6 @@
 //! been cut.
 
 use super::{Horizon, Moment};
-use crate::machine::UNLIMITED;
 use crate::number::Scalar;
 use crate::number::serial::CycleSerial;
 use crate::number::vector::{dot, norm, zero};
@@ -188,8 +187,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// Speed, mm/s, below which accelerations across the path are lost beside what jerk changes in
     /// a servo cycle.
     fn crawl(&self) -> S {
-        let jerk =
-            self.config.limits.axes().iter().fold(S::of(UNLIMITED), |j, axis| j.least(axis.jerk));
+        let jerk = self.config.limits.least_jerk();
         jerk * self.config.cycle * self.config.cycle * S::of(CRAWL)
     }
 

@@ -4,6 +4,7 @@ use super::Horizon;
 use crate::machine::Limits;
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
+use crate::number::vector::norm;
 use crate::path::node::Cell;
 use crate::profile::bounds::Bounds;
 use crate::profile::law::{Law, PathState};
@@ -173,6 +174,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let mut time = S::ZERO;
         for axis in limits.axes() {
             time = time.greatest(speed / axis.acceleration);
+        }
+        for motor in limits.motors() {
+            time = time.greatest(speed * norm(&motor.factors) / motor.limits.acceleration);
         }
         speed * (time + limits.time_scale()) * S::of(0.6)
     }
