@@ -175,6 +175,28 @@ impl AxisMotion {
         })
     }
 
+    /// Its greatest speed, acceleration and jerk.
+    #[cfg(feature = "kinematics")]
+    pub fn peaks(&self) -> Caps<f64> {
+        let Motion { velocity, acceleration } = self.start.motion;
+        let mut most =
+            Caps { velocity: velocity.abs(), acceleration: acceleration.abs(), jerk: 0.0 };
+        let mut motion = self.start.motion;
+        for phase in self.list() {
+            let (_, next) = after(&motion, phase.cycles, phase.until);
+            let (a, until) = (motion.acceleration, phase.until);
+            let jerk = (until - a) / f64::from(phase.cycles.max(1));
+            // Where the acceleration changes its sign the speed is greatest or least.
+            let turned =
+                if a * until < 0.0 { motion.velocity - 0.5 * a * a / jerk } else { next.velocity };
+            most.velocity = most.velocity.max(turned.abs()).max(next.velocity.abs());
+            most.acceleration = most.acceleration.max(until.abs());
+            most.jerk = most.jerk.max(jerk.abs());
+            motion = next;
+        }
+        most
+    }
+
     /// To a velocity, kept until `hold` servo cycles are over, then to rest. `None`: no such motion is found from here.
     pub fn at_velocity<S: Scalar>(
         from: State,

@@ -5,6 +5,7 @@
 //! - `ramp`: from any speed and acceleration to another speed, within the limits of one axis.
 //! - `reach`: the same to a place, at rest.
 //! - `axis`: what one axis does from a servo cycle on until it rests: phases of constant jerk.
+//! - `shares`: what each axis gets of motors that several of them have in common (feature `kinematics`, `docs/kinematics.md`).
 //! - `plan`: what all axes do, and the pieces that the interrupt runs.
 //! - `brake`: the shortest stop along a line, and `probe`: moves that end so on an input (feature `probe`, `docs/probe.md`).
 //! - `homing`: how an axis finds its switch (feature `home`, `docs/home.md`).
@@ -25,6 +26,8 @@ pub(crate) mod plan;
 pub(crate) mod probe;
 mod ramp;
 mod reach;
+#[cfg(feature = "kinematics")]
+mod shares;
 
 pub use command::{Jog, JogError};
 #[cfg(feature = "home")]

@@ -1,22 +1,31 @@
 //! What all axes do, until they rest; and the pieces of it that the interrupt runs.
 
+#[cfg(feature = "kinematics")]
+use super::axis::State;
 use super::axis::{AxisMotion, Cursor, Goal, Room};
 #[cfg(feature = "home")]
 use super::homing::AxisAim;
 pub use super::ramp::MOST_CYCLES;
 use super::ramp::{Caps, Motion, Steps};
 use super::reach::Reach;
-#[cfg(feature = "probe")]
-use crate::machine::Limits;
-use crate::machine::{AxisLimits, Config};
+#[cfg(feature = "kinematics")]
+use super::shares::{self, Want};
+use crate::machine::{AxisLimits, Config, Limits};
 use crate::number::serial::NodeSerial;
-use crate::number::vector::norm;
+use crate::number::vector::{dot, norm};
 use crate::number::{ArcLength, Coord, Scalar};
 use crate::servo::piece::{Piece, Sequel};
 use core::array::from_fn;
 
 /// Longest way of a piece for which there is room for another, mm: in an `f32`, rounded to a nanometre.
 const LONG: f64 = 8.0;
+
+/// Share of the speed of its share that an axis may have at least while it comes down to that.
+#[cfg(feature = "kinematics")]
+const LEAST_LESS: f64 = 0.02;
+/// Share of the speed it wants below which an axis that is homed rather waits for others.
+#[cfg(feature = "kinematics")]
+const LEAST_SHARE: f64 = 0.1;
 
 /// What a plan is made for.
 #[derive(Clone, Copy, Debug)]
@@ -95,37 +104,50 @@ impl<const N: usize> Plan<N> {
         match aim {
             Aim::Place(to, feed) if resting => self.along_line::<S>(to, *feed, config),
             Aim::Stop if self.straight => self.stopped_on_line::<S>(config),
-            _ => self.by_axes(aim, config),
+            #[cfg(feature = "kinematics")]
+            _ if config.limits.motors().next().is_some() => self.by_shares(aim, config),
+            _ => {
+                let caps = axis_caps(&config.limits, config.cycle);
+                let most = caps.map(|caps| Some(caps.velocity));
+                self.by_axes(aim, (&caps, &most), config, || stop_caps(config))
+            }
         }
     }
 
-    fn by_axes<S: Scalar>(&self, aim: &Aim<N>, config: &Config<S, N>) -> Planned<N> {
+    /// Every axis by itself, within limits of its own, and at a speed of so much at most; without one it goes on as it does.
+    fn by_axes<S: Scalar>(
+        &self,
+        aim: &Aim<N>,
+        (caps, most): (&[Caps<f64>; N], &[Option<f64>; N]),
+        config: &Config<S, N>,
+        stops: impl Fn() -> [Caps<f64>; N],
+    ) -> Planned<N> {
+        #[cfg(not(feature = "home"))]
+        let _ = &stops;
         let mut planned = Planned { plan: Self { straight: false, ..self.clone() }, whole: true };
         for (i, axis) in planned.plan.axes.iter_mut().enumerate() {
-            let Some(limits) = config.limits.axes().get(i) else { break };
-            let (caps, from) = (caps(limits, config.cycle), axis.start());
+            let (Some(caps), Some(Some(most))) = (caps.get(i), most.get(i)) else { continue };
+            let from = axis.start();
             let room = room(config, i, [from.at, axis.end()]);
             let turned = match aim {
                 Aim::Velocity(velocity, hold) => {
                     let wanted = velocity.get(i).copied().unwrap_or(0.0);
-                    let velocity = wanted.max(-caps.velocity).min(caps.velocity);
-                    at_velocity::<S>(axis, velocity, *hold, &caps, room)
+                    let velocity = wanted.max(-most).min(*most);
+                    at_velocity::<S>(axis, velocity, *hold, caps, room)
                 }
                 Aim::Place(to, feed) => {
                     let at = to.get(i).copied().unwrap_or(axis.end());
-                    let goal = Goal { at, speed: feed.min(caps.velocity) };
-                    AxisMotion::to_place::<S>(from, goal, &caps, room)
+                    let goal = Goal { at, speed: feed.min(*most) };
+                    AxisMotion::to_place::<S>(from, goal, caps, room)
                 }
-                Aim::Stop => at_velocity::<S>(axis, 0.0, 0, &caps, room),
+                Aim::Stop => at_velocity::<S>(axis, 0.0, 0, caps, room),
                 #[cfg(feature = "home")]
                 Aim::Each(aims) => match aims.get(i) {
                     Some(AxisAim::Place(at, speed)) => {
-                        let goal = Goal { at: *at, speed: speed.min(caps.velocity) };
-                        AxisMotion::to_place::<S>(from, goal, &caps, Room::OPEN)
+                        let goal = Goal { at: *at, speed: speed.min(*most) };
+                        AxisMotion::to_place::<S>(from, goal, caps, Room::OPEN)
                     }
-                    Some(AxisAim::Halt) => {
-                        stop_caps(config).get(i).and_then(|stop| axis.halted(stop))
-                    }
+                    Some(AxisAim::Halt) => stops().get(i).and_then(|stop| axis.halted(stop)),
                     _ => Some(*axis),
                 },
             };
@@ -135,6 +157,98 @@ impl<const N: usize> Plan<N> {
             }
         }
         planned
+    }
+
+    /// The speed that an axis is asked for, mm per cycle; 0 if it is to rest.
+    #[cfg(feature = "kinematics")]
+    fn asked(&self, aim: &Aim<N>, i: usize) -> f64 {
+        let axis = self.axes.get(i);
+        match aim {
+            Aim::Velocity(velocity, _) => velocity.get(i).map_or(0.0, |velocity| velocity.abs()),
+            Aim::Place(to, feed) => {
+                let there = to.get(i).copied().map(State::rest);
+                if axis.map(AxisMotion::start) == there { 0.0 } else { *feed }
+            }
+            Aim::Stop => 0.0,
+            #[cfg(feature = "home")]
+            Aim::Each(aims) => match aims.get(i) {
+                Some(AxisAim::Place(_, speed)) => *speed,
+                Some(AxisAim::Halt) | None => 0.0,
+                Some(AxisAim::Keep) => axis.map_or(0.0, |axis| axis.peaks().velocity),
+            },
+        }
+    }
+
+    /// Every axis by itself, with its share of what the motors give. Where that does not lead from what is under way - an axis
+    /// had more of them before others were asked to move too - those that move come down to it first, and are asked again.
+    #[cfg(feature = "kinematics")]
+    fn by_shares<S: Scalar>(&self, aim: &Aim<N>, config: &Config<S, N>) -> Planned<N> {
+        let own = shares::alone(config);
+        let moves = self.axes.each_ref().map(|axis| axis.start().motion != Motion::REST);
+        let asked: [Option<f64>; N] = from_fn(|i| {
+            let asked = self.asked(aim, i).min(own[i].velocity);
+            (moves[i] || asked > 0.0).then_some(asked)
+        });
+        // What changes nothing is not made into a plan again: every one is rounded.
+        let nothing = || Planned { plan: Self::rest(&self.end()), whole: false };
+        let (caps, planned) = self.shared_out(aim, &asked, &[f64::MAX; N], config);
+        if let Some(planned) = planned {
+            let same = is_of_each(aim) && planned.plan.axes == self.axes;
+            return if same { nothing() } else { planned };
+        }
+        let alone = moves.iter().filter(|moves| **moves).count() == 1;
+        let most = from_fn(|i| {
+            let (least, speed) =
+                (caps[i].velocity * LEAST_LESS, self.axes[i].start().motion.velocity.abs());
+            caps[i].velocity.min(if alone { f64::MAX } else { speed.max(least) })
+        });
+        let less = from_fn(|i| asked[i].filter(|_| moves[i]).map(|asked| asked.min(most[i])));
+        let (_, planned) = self.shared_out(aim, &less, &most, config);
+        match planned {
+            Some(planned) => Planned { whole: false, ..planned },
+            None if self.straight => Planned { whole: false, ..self.stopped_on_line::<S>(config) },
+            None => nothing(),
+        }
+    }
+
+    /// With shares for axes that are asked for such speeds, of which they use so much at most. What they may do, and the plan if
+    /// it keeps that.
+    #[cfg(feature = "kinematics")]
+    fn shared_out<S: Scalar>(
+        &self,
+        aim: &Aim<N>,
+        asked: &[Option<f64>; N],
+        most: &[f64; N],
+        config: &Config<S, N>,
+    ) -> ([Caps<f64>; N], Option<Planned<N>>) {
+        let own = shares::alone(config);
+        let wants = from_fn(|i| {
+            let axis = &self.axes[i];
+            let bound = shares::bound_for(&axis.start().motion, &own[i]);
+            // What it has it keeps, where it is not asked for anything else.
+            let kept = goes_on(aim, i);
+            let speed = asked[i]?.max(if kept { axis.peaks().velocity } else { bound });
+            Some(Want { speed, kept })
+        });
+        let caps = shares::shared(&wants, config);
+        let stops = shares::stopping(&caps, config);
+        let is_enough = |i: usize| {
+            wants[i].is_some_and(|want| want.kept || caps[i].velocity > LEAST_SHARE * want.speed)
+        };
+        let each = is_of_each(aim);
+        let speeds: [Option<f64>; N] = from_fn(|i| {
+            asked[i].filter(|_| !each || is_enough(i)).map(|_| caps[i].velocity.min(most[i]))
+        });
+        // One that waits rests where it is, and is asked for its way again.
+        let planned = self.by_axes(aim, (&caps, &speeds), config, || stops);
+        let stays = planned.plan.stays(if each { &stops } else { &caps });
+        (caps, stays.then_some(planned))
+    }
+
+    /// Whether every axis that moves keeps such limits.
+    #[cfg(feature = "kinematics")]
+    fn stays(&self, caps: &[Caps<f64>; N]) -> bool {
+        self.axes.iter().zip(caps).all(|(axis, caps)| axis.total() == 0 || axis.stays(caps))
     }
 
     /// From rest to a place, straight.
@@ -150,7 +264,7 @@ impl<const N: usize> Plan<N> {
         if !(length > 0.0) {
             return Planned { plan: Self::rest(&from), whole: true };
         }
-        let caps = caps_along(&by.map(|by| by / length), &axis_caps(config));
+        let caps = caps_along(&by.map(|by| by / length), &config.limits, config.cycle);
         let feed = feed_along(&by, feed, config);
         let Some(reach) = Reach::new::<S>(&Motion::REST, length, feed.min(caps.velocity), &caps)
         else {
@@ -170,7 +284,7 @@ impl<const N: usize> Plan<N> {
             return failed();
         }
         let unit = by.map(|by| by / length);
-        let caps = caps_along(&unit, &axis_caps(config));
+        let caps = caps_along(&unit, &config.limits, config.cycle);
         let over = |of: fn(&Motion<f64>) -> f64| -> f64 {
             states.iter().zip(&unit).map(|(state, unit)| of(&state.motion) * unit).sum()
         };
@@ -277,8 +391,31 @@ impl<S: Scalar> Frame<S> {
     }
 }
 
+/// Whether an aim is one for every axis by itself, where stops are by the limits of stops.
+#[cfg(feature = "kinematics")]
+fn is_of_each<const N: usize>(aim: &Aim<N>) -> bool {
+    #[cfg(feature = "home")]
+    return matches!(aim, Aim::Each(_));
+    #[cfg(not(feature = "home"))]
+    {
+        let _ = aim;
+        false
+    }
+}
+
+/// Whether an axis moves on as it does, or stops as short as can be.
+#[cfg(feature = "kinematics")]
+fn goes_on<const N: usize>(aim: &Aim<N>, i: usize) -> bool {
+    #[cfg(feature = "home")]
+    if let Aim::Each(aims) = aim {
+        return !matches!(aims.get(i), Some(AxisAim::Place(..)));
+    }
+    let _ = (aim, i);
+    false
+}
+
 /// Limits of an axis in servo cycles.
-fn caps<S: Scalar>(limits: &AxisLimits<S>, cycle: S) -> Caps<f64> {
+pub(super) fn caps<S: Scalar>(limits: &AxisLimits<S>, cycle: S) -> Caps<f64> {
     let cycle = cycle.to_f64();
     Caps {
         velocity: limits.velocity.to_f64() * cycle,
@@ -299,35 +436,52 @@ pub(super) fn feed_along<S: Scalar, const N: usize>(
 }
 
 /// Limits of the axes in servo cycles.
-pub(super) fn axis_caps<S: Scalar, const N: usize>(config: &Config<S, N>) -> [Caps<f64>; N] {
-    config.limits.axes().each_ref().map(|limits| caps(limits, config.cycle))
+pub(super) fn axis_caps<S: Scalar, const N: usize>(
+    limits: &Limits<S, N>,
+    cycle: S,
+) -> [Caps<f64>; N] {
+    limits.axes().each_ref().map(|limits| caps(limits, cycle))
 }
 
-/// The same for stops that must be short.
-#[cfg(feature = "probe")]
-pub(super) fn stop_caps<S: Scalar, const N: usize>(config: &Config<S, N>) -> [Caps<f64>; N] {
-    let mut own = axis_caps(config);
-    let stop = config.stop_limits.as_ref().map(Limits::axes);
-    for (own, stop) in own.iter_mut().zip(stop.into_iter().flatten()) {
-        let stop = caps(stop, config.cycle);
-        own.acceleration = own.acceleration.max(stop.acceleration);
-        own.jerk = own.jerk.max(stop.jerk);
+/// Limits of stops that must be short.
+#[cfg(any(feature = "probe", feature = "kinematics"))]
+pub(super) fn stop_limits<S: Scalar, const N: usize>(config: &Config<S, N>) -> Limits<S, N> {
+    match &config.stop_limits {
+        Some(stop) => config.limits.with_more(stop),
+        None => config.limits,
     }
-    own
+}
+
+/// The same of the axes in servo cycles.
+fn stop_caps<S: Scalar, const N: usize>(config: &Config<S, N>) -> [Caps<f64>; N] {
+    #[cfg(feature = "probe")]
+    return axis_caps(&stop_limits(config), config.cycle);
+    #[cfg(not(feature = "probe"))]
+    axis_caps(&config.limits, config.cycle)
 }
 
 /// Limits along a unit direction.
-pub(super) fn caps_along<const N: usize>(unit: &[f64; N], axes: &[Caps<f64>; N]) -> Caps<f64> {
+pub(super) fn caps_along<S: Scalar, const N: usize>(
+    unit: &[f64; N],
+    limits: &Limits<S, N>,
+    cycle: S,
+) -> Caps<f64> {
     let none = f64::MAX;
     let mut along = Caps { velocity: none, acceleration: none, jerk: none };
-    for (caps, share) in axes.iter().zip(unit) {
-        let share = share.abs();
+    let mut keep = |caps: &Caps<f64>, share: f64| {
         let least = |along: f64, cap: f64| if along * share > cap { cap / share } else { along };
         along = Caps {
             velocity: least(along.velocity, caps.velocity),
             acceleration: least(along.acceleration, caps.acceleration),
             jerk: least(along.jerk, caps.jerk),
         };
+    };
+    for (axis, share) in limits.axes().iter().zip(unit) {
+        keep(&caps(axis, cycle), share.abs());
+    }
+    for motor in limits.motors() {
+        let share = dot(&motor.factors.map(Scalar::to_f64), unit);
+        keep(&caps(&motor.limits, cycle), share.abs());
     }
     along
 }
@@ -377,7 +531,11 @@ fn at_velocity<S: Scalar>(
     if velocity == 0.0 || !is_beyond {
         return None;
     }
-    if axis.end() == at && from.motion != Motion::REST {
+    #[cfg(feature = "kinematics")]
+    let stays = axis.stays(caps);
+    #[cfg(not(feature = "kinematics"))]
+    let stays = true;
+    if axis.end() == at && from.motion != Motion::REST && stays {
         // It is on its way.
         return Some(*axis);
     }

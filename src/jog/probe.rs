@@ -2,7 +2,7 @@
 
 use super::axis::{AxisMotion, State};
 use super::brake::Brake;
-use super::plan::{Plan, Planned, axis_caps, caps_along, feed_along, stop_caps};
+use super::plan::{Plan, Planned, caps_along, feed_along, stop_limits};
 use super::ramp::{Caps, Motion};
 use crate::block::range::{check_coordinates, in_range};
 use crate::jog::JogError;
@@ -153,7 +153,7 @@ impl<const N: usize> Plan<N> {
             velocity: over(|motion| motion.velocity),
             acceleration: over(|motion| motion.acceleration),
         };
-        let caps = caps_along(unit, &stop_caps(config));
+        let caps = caps_along(unit, &stop_limits(config), config.cycle);
         match Brake::new(&from, &caps) {
             Some(brake) if !brake.phases().is_empty() => {
                 let axes = from_fn(|i| AxisMotion::braked(states[i], &brake, unit[i]));
@@ -204,8 +204,8 @@ impl<S: Scalar> Overshoot<S> {
         cycles: u32,
         config: &Config<S, N>,
     ) -> Self {
-        let start = caps_along(direction, &axis_caps(config));
-        let stop = caps_along(direction, &stop_caps(config));
+        let start = caps_along(direction, &config.limits, config.cycle);
+        let stop = caps_along(direction, &stop_limits(config), config.cycle);
         let feed = feed_along(direction, feed, config).min(start.velocity);
         let wait = feed * f64::from(cycles);
         let at = |velocity: f64, acceleration: f64, caps: &Caps<f64>| {
