@@ -10,6 +10,8 @@
 //! - [`Drive`]: whatever else there is - a DAC, CAN, EtherCAT - as one function of the setpoint.
 
 mod analogue;
+#[cfg(feature = "kinematics")]
+mod motors;
 mod scale;
 mod step_dir;
 
