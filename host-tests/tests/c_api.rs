@@ -27,6 +27,9 @@ const PRELUDE: &str = "\
 #ifndef SPLINEWAY_OUTPUTS
 #define SPLINEWAY_OUTPUTS 0
 #endif
+#ifndef SPLINEWAY_KINEMATICS
+#define SPLINEWAY_KINEMATICS 0
+#endif
 /* With this header's size and version, so that a library of another touches nothing. */
 #define splineway_config_init(config, velocity, acceleration, jerk) \\
     splineway_config_init_sized((config), sizeof(splineway_config), SPLINEWAY_INTERFACE, (velocity), \\
@@ -50,16 +53,16 @@ fn header() -> String {
     };
     config.enumeration.rename_variants = cbindgen::RenameRule::QualifiedScreamingSnakeCase;
     // Made from the size by the prelude, not numbers of this build.
-    config.export.exclude =
-        ["SPLINEWAY_AXES", "SPLINEWAY_BLOCKS", "SPLINEWAY_NODES", "SPLINEWAY_OUTPUTS"]
-            .map(str::to_owned)
-            .to_vec();
+    config.export.exclude = ["AXES", "BLOCKS", "NODES", "OUTPUTS", "KINEMATICS"]
+        .map(|name| format!("SPLINEWAY_{name}"))
+        .to_vec();
     let mut out = Vec::new();
     cbindgen::Builder::new()
         .with_config(config)
         .with_src(sources.join("types.rs"))
         .with_src(sources.join("mod.rs"))
         .with_src(sources.join("outputs.rs"))
+        .with_src(sources.join("motors.rs"))
         .with_src(sources.join("seeking.rs"))
         .generate()
         .unwrap()
@@ -92,11 +95,22 @@ fn run(command: &mut Command) -> String {
 
 /// Builds the library for a number of axes and a C program for another, and runs it.
 fn program(name: &str, sources: &[&str], library: u32, header: u32) -> String {
+    program_with(name, sources, [library, header], "c-lib", &[])
+}
+
+/// The same of a library with some features, and with what the header is told of them.
+fn program_with(
+    name: &str,
+    sources: &[&str],
+    [library, header]: [u32; 2],
+    features: &str,
+    told: &[&str],
+) -> String {
     let root = root();
-    let out = root.join("target/c").join(library.to_string());
+    let out = root.join("target/c").join(format!("{library}-{features}"));
     run(Command::new(env!("CARGO"))
         .args(["rustc", "--quiet", "--locked", "--profile", "firmware", "--package", "splineway"])
-        .args(["--lib", "--features", "c-lib", "--crate-type", "staticlib", "--target-dir"])
+        .args(["--lib", "--features", features, "--crate-type", "staticlib", "--target-dir"])
         .arg(&out)
         .env("SPLINEWAY_AXES", library.to_string())
         .current_dir(&root));
@@ -104,6 +118,7 @@ fn program(name: &str, sources: &[&str], library: u32, header: u32) -> String {
     run(Command::new("cc")
         .args(["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O1"])
         .arg(format!("-DSPLINEWAY_AXES={header}"))
+        .args(told)
         .arg("-I")
         .arg(root.join("src/c"))
         .args(sources.iter().map(|source| root.join("host-tests/c").join(source)))
@@ -130,4 +145,13 @@ fn a_library_of_another_size_touches_nothing() {
         let text = program(&format!("mismatch{header}"), &["mismatch.c"], 3, header);
         assert_eq!(text.trim(), "refused", "header of {header} axes: {text}");
     }
+}
+
+/// Motors that follow several axes, by name of their feature: 200 mm of belt at 200 mm/s, and 0.14 s to get going.
+#[test]
+fn a_machine_with_belts_runs_by_its_motors() {
+    let told = ["-DSPLINEWAY_KINEMATICS=1"];
+    let text = program_with("motors", &["motors.c"], [3, 3], "c-lib,kinematics", &told);
+    assert!(text.contains("at most 200.0 mm/s"), "{text}");
+    assert!(text.contains("motors at 0 and 200000000 nm"), "{text}");
 }

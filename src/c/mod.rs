@@ -3,7 +3,8 @@
 //! `cargo rustc --release --lib --features c-lib --crate-type staticlib` makes the library. It is built
 //! for one machine: the environment variables `SPLINEWAY_AXES`, `SPLINEWAY_BLOCKS` and `SPLINEWAY_NODES` set
 //! its size (3, 16 and 64 if they are not set), and C code that includes the header defines the same. With the feature `outputs`
-//! it has outputs in time with the path too, and C code defines `SPLINEWAY_OUTPUTS` as 1.
+//! it has outputs in time with the path too, and C code defines `SPLINEWAY_OUTPUTS` as 1; with `kinematics` motors that follow several
+//! axes, and `SPLINEWAY_KINEMATICS` is 1.
 //! The library knows what it was built for and refuses anything else before it touches it: the header passes
 //! its sizes and its version.
 //!
@@ -15,6 +16,8 @@
 #![allow(clippy::missing_safety_doc, clippy::undocumented_unsafe_blocks)]
 
 mod convert;
+#[cfg(feature = "kinematics")]
+mod motors;
 #[cfg(feature = "outputs")]
 mod outputs;
 #[cfg(all(feature = "c-lib", not(test)))]
@@ -22,6 +25,8 @@ mod runtime;
 mod seeking;
 mod types;
 
+#[cfg(feature = "kinematics")]
+pub use motors::*;
 #[cfg(feature = "outputs")]
 pub use outputs::*;
 pub use seeking::*;

@@ -23,6 +23,9 @@
 #ifndef SPLINEWAY_OUTPUTS
 #define SPLINEWAY_OUTPUTS 0
 #endif
+#ifndef SPLINEWAY_KINEMATICS
+#define SPLINEWAY_KINEMATICS 0
+#endif
 /* With this header's size and version, so that a library of another touches nothing. */
 #define splineway_config_init(config, velocity, acceleration, jerk) \
     splineway_config_init_sized((config), sizeof(splineway_config), SPLINEWAY_INTERFACE, (velocity), \
@@ -32,7 +35,7 @@
 /*
  Bytes that a core takes at most; the build fails if it were more.
  */
-#define SPLINEWAY_STORAGE_BYTES ((((13600 + (4900 * SPLINEWAY_AXES)) + (SPLINEWAY_NODES * (200 + (80 * SPLINEWAY_AXES)))) + (SPLINEWAY_BLOCKS * (136 + (20 * SPLINEWAY_AXES)))) + (SPLINEWAY_OUTPUTS * 13000))
+#define SPLINEWAY_STORAGE_BYTES (((((13600 + (4900 * SPLINEWAY_AXES)) + (SPLINEWAY_NODES * (200 + (80 * SPLINEWAY_AXES)))) + (SPLINEWAY_BLOCKS * (136 + (20 * SPLINEWAY_AXES)))) + (SPLINEWAY_OUTPUTS * 13000)) + (SPLINEWAY_KINEMATICS * (1200 + (256 * SPLINEWAY_AXES))))
 
 /*
  The same in words of 64 bits.
@@ -490,6 +493,28 @@ typedef struct {
 } splineway_report;
 
 /*
+ A motor that follows several axes.
+ */
+typedef struct {
+  /*
+   How far it goes for one of each axis: mm, or degrees, each.
+   */
+  float factors[SPLINEWAY_AXES];
+  /*
+   mm/s.
+   */
+  float velocity;
+  /*
+   mm/s2.
+   */
+  float acceleration;
+  /*
+   mm/s3.
+   */
+  float jerk;
+} splineway_motor;
+
+/*
  An output that takes a value at a place of the program.
  */
 typedef struct {
@@ -837,6 +862,24 @@ splineway_result splineway_single_block(splineway_core *core, bool on);
 const char *splineway_result_text(int32_t result);
 
 /*
+ The motors of the machine, `count` of them, 8 at most, at rest with nothing to run: after `splineway_init`, as a rule. They keep their
+ limits from then on, and `splineway_set_limits` leaves them as they are. `RUNNING` if the machine is not at rest; `CONFIG`, and nothing
+ has changed, if a limit or a factor is out of its range, or an axis could move with others without a motor.
+ */
+splineway_result splineway_set_motors(splineway_core *core,
+                                      const splineway_motor *motors,
+                                      uint32_t count);
+
+/*
+ Where `count` motors are with the axes at `axes` (one number per axis, nm): in `positions`, nm. From any context; the position of a
+ setpoint is what a drive is to be given.
+ */
+splineway_result splineway_motor_positions(const splineway_motor *motors,
+                                           uint32_t count,
+                                           const int64_t *axes,
+                                           int64_t *positions);
+
+/*
  Has an output switch at or about the end of the block that was pushed last. `FULL`: poll, and push the same switch again.
  */
 splineway_result splineway_push_switch(splineway_core *core,
@@ -958,6 +1001,24 @@ splineway_result splineway_tick_outputs(splineway_core *core,
                                         uint32_t room,
                                         uint32_t *count,
                                         float *level);
+
+/*
+ The motors of the machine, `count` of them, 8 at most, at rest with nothing to run: after `splineway_init`, as a rule. They keep their
+ limits from then on, and `splineway_set_limits` leaves them as they are. `RUNNING` if the machine is not at rest; `CONFIG`, and nothing
+ has changed, if a limit or a factor is out of its range, or an axis could move with others without a motor.
+ */
+splineway_result splineway_set_motors(splineway_core *core,
+                                      const splineway_motor *motors,
+                                      uint32_t count);
+
+/*
+ Where `count` motors are with the axes at `axes` (one number per axis, nm): in `positions`, nm. From any context; the position of a
+ setpoint is what a drive is to be given.
+ */
+splineway_result splineway_motor_positions(const splineway_motor *motors,
+                                           uint32_t count,
+                                           const int64_t *axes,
+                                           int64_t *positions);
 
 /*
  Tells the level of an input, `fraction` of a servo cycle after the last `splineway_tick`: to be called from the interrupt of its

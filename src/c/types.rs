@@ -26,12 +26,15 @@ pub const SPLINEWAY_BLOCKS: usize = setting(option_env!("SPLINEWAY_BLOCKS"), cra
 pub const SPLINEWAY_NODES: usize = setting(option_env!("SPLINEWAY_NODES"), crate::NODES);
 /// 1 of a library with outputs (feature `outputs`), else 0.
 pub const SPLINEWAY_OUTPUTS: usize = cfg!(feature = "outputs") as usize;
+/// 1 of a library with motors that follow several axes (feature `kinematics`), else 0.
+pub const SPLINEWAY_KINEMATICS: usize = cfg!(feature = "kinematics") as usize;
 /// Bytes that a core takes at most; the build fails if it were more.
 pub const SPLINEWAY_STORAGE_BYTES: usize = 13_600
     + 4_900 * SPLINEWAY_AXES
     + SPLINEWAY_NODES * (200 + 80 * SPLINEWAY_AXES)
     + SPLINEWAY_BLOCKS * (136 + 20 * SPLINEWAY_AXES)
-    + SPLINEWAY_OUTPUTS * 13_000;
+    + SPLINEWAY_OUTPUTS * 13_000
+    + SPLINEWAY_KINEMATICS * (1_200 + 256 * SPLINEWAY_AXES);
 
 /// The same in words of 64 bits.
 pub const SPLINEWAY_STORAGE_WORDS: usize = SPLINEWAY_STORAGE_BYTES / 8 + 1;
