@@ -1,5 +1,9 @@
 //! Machine descriptions: TOML, a built-in default, and what flags and path files override.
 
+mod motors;
+
+pub use motors::{Motor, MotorRow};
+
 use crate::program::{AXES, Header, LETTERS, Program};
 use crate::run::{Beyond, Seeker};
 use anyhow::{Context, Result, anyhow, bail};
@@ -75,6 +79,8 @@ pub struct Machine {
     pub axes: BTreeMap<String, Axis>,
     /// Limits for quick stops by axis letter, or "default"; of an axis that is not named, its usual ones.
     pub stop: BTreeMap<String, StopLimits>,
+    /// Motors that follow several axes.
+    pub motor: Vec<Motor>,
     /// Limits of travel by axis letter; an axis that is not named has none.
     pub travel: BTreeMap<String, Ends>,
     /// Work offsets by code (G54 to G59.3), mm or degrees by axis letter.
@@ -103,6 +109,7 @@ impl Default for Machine {
             sweeps: defaults::SWEEPS,
             axes: BTreeMap::from([("default".to_owned(), axis)]),
             stop: BTreeMap::new(),
+            motor: Vec::new(),
             travel: BTreeMap::new(),
             work: BTreeMap::new(),
             reference: BTreeMap::new(),
@@ -159,6 +166,7 @@ impl Machine {
             let limits = AxisLimits::linear(1.0, stop.acceleration, stop.jerk);
             Limits::new([limits]).map_err(|error| anyhow!("stop.{key}: {error}"))?;
         }
+        self.check_motors()?;
         for (key, ends) in &self.travel {
             if axis_index(key).is_none() {
                 bail!("travel.{key}: no such axis; axes are X Y Z A B C U V W");
@@ -282,8 +290,11 @@ impl Machine {
             travel[n] = self.travel(index)?;
             (limits[n], stops[n]) = (of(self.axis(index)?), of(self.stop_axis(index)?));
         }
-        let mut config = Config::new(Limits::new(limits)?);
-        config.stop_limits = (!self.stop.is_empty()).then_some(Limits::new(stops)?);
+        let mut config = Config::new(self.on_motors(Limits::new(limits)?, axes, false)?);
+        let stops = self.on_motors(Limits::new(stops)?, axes, true)?;
+        let stop_sooner =
+            !self.stop.is_empty() || self.motor.iter().any(|motor| motor.stop.is_some());
+        config.stop_limits = stop_sooner.then_some(stops);
         config.travel = Travel::new(travel)?;
         config.tolerance = S::of(self.tolerance);
         config.cycle = S::of(self.cycle);
@@ -303,6 +314,11 @@ impl Machine {
     /// If the machine lacks one of them.
     pub fn stop_axes_of(&self, program: &Program) -> Result<Vec<Axis>> {
         program.axes().into_iter().map(|index| self.stop_axis(index)).collect()
+    }
+
+    /// The motors that move with the axes of a program.
+    pub fn motors_for(&self, program: &Program) -> Vec<MotorRow> {
+        self.motors_of(&program.axes())
     }
 
     /// Limits of the axes a program uses, in its order.
@@ -343,7 +359,7 @@ fn coordinates(key: &str, place: &BTreeMap<String, f64>) -> Result<Place> {
 /// Depths the simulator is built for.
 pub const LOOKAHEADS: [usize; 3] = [16, 64, 256];
 
-fn axis_index(key: &str) -> Option<usize> {
+pub(crate) fn axis_index(key: &str) -> Option<usize> {
     let mut letters = key.chars();
     let letter = letters.next()?.to_ascii_uppercase();
     if letters.next().is_some() {

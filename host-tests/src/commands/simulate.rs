@@ -150,14 +150,15 @@ impl Simulate {
         let letters: Vec<char> = program.axes().into_iter().map(|axis| LETTERS[axis]).collect();
         let track = Track::new(&program);
         let judge = Judge::new(&track, &limits, machine.cycle, machine.tolerance)
-            .stopping(&machine.stop_axes_of(&program)?);
+            .stopping(&machine.stop_axes_of(&program)?)
+            .driven_by(&machine.motors_for(&program));
         let stops = Stops::new(&program, &machine)?;
         let mut judge = judge.timed(&stops, 0.0);
         let mut happenings = Happenings::new(&program);
         let mut trace = Trace::new(machine.cycle);
         let mut progress = Progress::new(track.length(), self.quiet || self.json);
         let mut csv = match &self.setpoints {
-            Some(path) => Some(CsvOut::new(path, &letters)?),
+            Some(path) => Some(CsvOut::new(path, &letters, machine.motors_for(&program))?),
             None => None,
         };
         let mut observers: Vec<&mut dyn Observer> =
@@ -335,6 +336,12 @@ fn print_summary(report: &Report) {
         println!(
             "  {letter}             {:>8.4}   {:>12.4} {:>6.4}",
             axis.velocity.ratio, axis.acceleration.ratio, axis.jerk.ratio
+        );
+    }
+    for (name, motor) in &report.motors {
+        println!(
+            "  {name:<13} {:>8.4}   {:>12.4} {:>6.4}",
+            motor.velocity.ratio, motor.acceleration.ratio, motor.jerk.ratio
         );
     }
     println!(

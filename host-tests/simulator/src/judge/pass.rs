@@ -79,7 +79,8 @@ pub fn judged(
     let limits = machine.axes_of(program)?;
     let track = Track::new(program);
     let mut judge = Judge::new(&track, &limits, machine.cycle, machine.tolerance)
-        .stopping(&machine.stop_axes_of(program)?);
+        .stopping(&machine.stop_axes_of(program)?)
+        .driven_by(&machine.motors_for(program));
     let observers: &mut [&mut dyn Observer] = &mut [&mut judge, &mut Patience];
     let stats = run_with(program, machine, precision, events, observers)?;
     Ok((judge.verdict(), stats))

@@ -2,7 +2,7 @@
 
 use super::track::{Follower, Outside, Track};
 use super::witness::{Peaks, Witness};
-use crate::machine::Axis;
+use crate::machine::{Axis, MotorRow};
 use crate::run::{Observer, Overtime, Sample, Stops, Stopwatch};
 use splineway::Activity;
 
@@ -20,7 +20,7 @@ pub struct Verdict {
     pub outside: Outside,
     /// Largest speed along the path, mm/s.
     pub path_speed: f64,
-    /// Peaks per axis by differences of positions, less rounding: mm and s.
+    /// Peaks per axis, then per motor, by differences of positions, less rounding: mm and s.
     pub peaks: Vec<Peaks>,
     /// The same over the limits.
     pub ratios: Vec<Peaks>,
@@ -35,12 +35,12 @@ pub struct Verdict {
 }
 
 impl Verdict {
-    /// Largest ratio of any axis, by differences.
+    /// Largest ratio of any axis or motor, by differences.
     pub fn worst(&self) -> Peaks {
         self.ratios.iter().fold(Peaks::default(), |worst, ratio| worst.greater(*ratio))
     }
 
-    /// Largest ratio of any axis, by what setpoints say.
+    /// Largest ratio of any axis or motor, by what setpoints say.
     pub fn worst_reported(&self) -> Peaks {
         self.reported.iter().fold(Peaks::default(), |worst, ratio| worst.greater(*ratio))
     }
@@ -51,6 +51,8 @@ impl Verdict {
 pub struct Judge<'a> {
     track: &'a Track,
     limits: &'a [Axis],
+    /// Of the motors.
+    driven: Vec<Axis>,
     cycle: f64,
     tolerance: f64,
     reach: f64,
@@ -69,6 +71,7 @@ impl<'a> Judge<'a> {
         Self {
             track,
             limits,
+            driven: Vec::new(),
             cycle,
             tolerance,
             // A sharp corner inside the band cuts off this much of the path.
@@ -89,6 +92,14 @@ impl<'a> Judge<'a> {
         self
     }
 
+    /// Motors that follow the axes keep limits of their own. To be said behind those of stops.
+    #[must_use]
+    pub fn driven_by(mut self, motors: &[MotorRow]) -> Self {
+        self.driven = motors.iter().map(|motor| motor.limits).collect();
+        self.witness = self.witness.driven_by(motors);
+        self
+    }
+
     /// Holds the run against the time with stops, too; `slack` (s) is what late planning may add to
     /// every command.
     #[must_use]
@@ -102,7 +113,11 @@ impl<'a> Judge<'a> {
         let mut verdict = self.verdict.clone();
         verdict.time = verdict.cycles.saturating_sub(1) as f64 * self.cycle;
         let over = |peaks: &[Peaks]| {
-            peaks.iter().zip(self.limits).map(|(peak, limit)| peak.over(limit)).collect()
+            peaks
+                .iter()
+                .zip(self.limits.iter().chain(&self.driven))
+                .map(|(peak, limit)| peak.over(limit))
+                .collect()
         };
         verdict.peaks = self.witness.differences();
         verdict.ratios = over(&verdict.peaks);

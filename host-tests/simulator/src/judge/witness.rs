@@ -19,9 +19,10 @@
 //! S <= v tau + 1.5 a tau^2 + 1.7 J tau^3 for the position, v + 2 a tau + 3.5 J tau^2 for the velocity,
 //! a + 9 J tau for the acceleration. The coefficients of a polynomial of degree 5, 4, 3 that is at most M
 //! sum to 3363, 577, 99 M at most (Chebyshev again): the lesser bound counts. The origin is rounded to 1e-12 mm.
-//! What is left of the piece before counts too, since the time carries over.
+//! What is left of the piece before counts too, since the time carries over. What a motor does is a sum of what the axes do,
+//! and so is its rounding.
 
-use crate::machine::Axis;
+use crate::machine::{Axis, MotorRow};
 use crate::run::Sample;
 use splineway::Activity;
 
@@ -128,6 +129,9 @@ struct Record {
 /// Watches the axes of a run.
 #[derive(Clone, Debug)]
 pub struct Witness {
+    /// Motors, which are watched like axes behind these.
+    motors: Vec<MotorRow>,
+    /// Limits of the axes, and of the motors.
     limits: Vec<Axis>,
     /// Those of stops by the stop limits.
     stops: Vec<Axis>,
@@ -150,6 +154,7 @@ impl Witness {
         let size = (3 * longest + 1).next_power_of_two();
         let (limits, stops) = (limits.to_vec(), limits.to_vec());
         Self {
+            motors: Vec::new(),
             limits,
             stops,
             since_stop: usize::MAX,
@@ -165,6 +170,15 @@ impl Witness {
     #[must_use]
     pub fn stopping(mut self, stops: &[Axis]) -> Self {
         self.stops = stops.to_vec();
+        self
+    }
+
+    /// Watches motors too; to be said last.
+    #[must_use]
+    pub fn driven_by(mut self, motors: &[MotorRow]) -> Self {
+        self.motors = motors.to_vec();
+        self.limits.extend(motors.iter().map(|motor| motor.limits));
+        self.stops.extend(motors.iter().map(|motor| motor.stop));
         self
     }
 
@@ -192,15 +206,20 @@ impl Witness {
         let first = self.axes.is_empty();
         self.head = self.head.wrapping_add(1) & self.mask;
         self.since_stop = if sample.pace.quick { 0 } else { self.since_stop.saturating_add(1) };
+        let count = self.limits.len() - self.motors.len();
+        let mut rounded: Vec<[f64; 3]> = Vec::with_capacity(count);
         for (n, (limit, stop)) in self.limits.iter().zip(&self.stops).enumerate() {
+            let motor = n.checked_sub(count).map(|motor| &self.motors[motor]);
+            let of = |all: &[f64]| motor.map_or_else(|| all[n], |motor| motor.of(all));
             let mut now = State {
-                position: sample.position[n],
-                velocity: sample.velocity[n],
-                acceleration: sample.acceleration[n],
+                position: of(sample.position),
+                velocity: of(sample.velocity),
+                acceleration: of(sample.acceleration),
                 ..State::default()
             };
             if first {
-                now.rounding = [FIXED, 0.0, 0.0];
+                let sum = |motor: &MotorRow| motor.factors.iter().map(|k| k.abs()).sum::<f64>();
+                now.rounding = [FIXED * motor.map_or(1.0, sum), 0.0, 0.0];
                 let from = Reach { from: now.position, ..Reach::default() };
                 self.axes.push(Record {
                     ring: vec![now; self.mask + 1],
@@ -227,7 +246,16 @@ impl Witness {
             // As long as the longest stride and the piece under way may reach back.
             let recent = self.since_stop <= 4 * self.longest;
             let jerk = if recent { stop.jerk } else { limit.jerk };
-            now.rounding = rounding(&axis.pieces, &now, jerk, sample);
+            now.rounding = match motor {
+                None => rounding(&axis.pieces, &now, jerk, sample),
+                Some(motor) => [0, 1, 2].map(|k| {
+                    let parts = motor.factors.iter().zip(&rounded);
+                    // The sum is rounded once more, in the host's numbers.
+                    let own = if k == 0 { 4.0 * f64::EPSILON * now.position.abs() } else { 0.0 };
+                    parts.map(|(factor, axis)| factor.abs() * axis[k]).sum::<f64>() + own
+                }),
+            };
+            rounded.push(now.rounding);
             let h = self.cycle;
             now.sums = [
                 before.sums[0] + (before.velocity + now.velocity) * h / 2.0,

@@ -77,6 +77,9 @@ pub struct Report {
     pub scalar: &'static str,
     /// Peaks by axis letter.
     pub axes: BTreeMap<char, AxisReport>,
+    /// Peaks by motor.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub motors: BTreeMap<String, AxisReport>,
     /// Speed along the path.
     pub feed: FeedReport,
     /// Planning, per block.
@@ -109,21 +112,17 @@ impl Report {
         verdict: &Verdict,
         stats: &Stats,
     ) -> Self {
+        let peaks = verdict.peaks.iter().zip(&verdict.ratios);
+        let mut peaks = peaks.map(|(peak, ratio)| AxisReport {
+            velocity: Peak { peak: peak.velocity, ratio: ratio.velocity },
+            acceleration: Peak { peak: peak.acceleration, ratio: ratio.acceleration },
+            jerk: Peak { peak: peak.jerk, ratio: ratio.jerk },
+            jerk_every_fourth_cycle: Peak { peak: peak.jerk4, ratio: ratio.jerk4 },
+        });
         let letters = program.axes().into_iter().map(|axis| crate::program::LETTERS[axis]);
-        let axes = letters
-            .zip(verdict.peaks.iter().zip(&verdict.ratios))
-            .map(|(letter, (peak, ratio))| {
-                (
-                    letter,
-                    AxisReport {
-                        velocity: Peak { peak: peak.velocity, ratio: ratio.velocity },
-                        acceleration: Peak { peak: peak.acceleration, ratio: ratio.acceleration },
-                        jerk: Peak { peak: peak.jerk, ratio: ratio.jerk },
-                        jerk_every_fourth_cycle: Peak { peak: peak.jerk4, ratio: ratio.jerk4 },
-                    },
-                )
-            })
-            .collect();
+        let axes = letters.zip(peaks.by_ref()).collect();
+        let names = machine.motors_for(program).into_iter().map(|motor| motor.name);
+        let motors = names.zip(peaks).collect();
         let steps = f64::from(stats.counters.plans.max(1));
         let blocks_per_step = (stats.blocks as f64 / steps).max(1e-9);
         Self {
@@ -139,6 +138,7 @@ impl Report {
                 Precision::F64 => "f64",
             },
             axes,
+            motors,
             feed: FeedReport {
                 mean: if verdict.time > 0.0 { track.length() / verdict.time } else { 0.0 },
                 max: verdict.path_speed,

@@ -1,7 +1,7 @@
 //! How long a run may take: what it would take with a stop after every move, and something for every
 //! command. A run that takes longer crawls, or does not end at all.
 
-use crate::machine::{Axis, Machine, is_rotary};
+use crate::machine::{Axis, Machine, MotorRow, is_rotary};
 use crate::program::arc::Spiral;
 use crate::program::{Course, Move, Point, Program, Speed, on_cubic};
 use crate::scurve::{Leg, Limit};
@@ -36,12 +36,14 @@ impl Stops {
     /// The machine lacks an axis.
     pub fn new(program: &Program, machine: &Machine) -> Result<Self> {
         let axes = program.axes();
-        let limits = machine.axes_of(program)?;
+        let mut limits = machine.axes_of(program)?;
+        let motors = machine.motors_for(program);
+        limits.extend(motors.iter().map(|motor| motor.limits));
         let mut here = program.start;
         let mut time = 0.0;
         let mut ends = Vec::with_capacity(program.moves.len());
         for step in &program.moves {
-            time += duration(step, &here, &axes, &limits);
+            time += duration(step, &here, &axes, (&limits, &motors));
             ends.push((step.line, time));
             if let Some(to) = step.path.end() {
                 here = *to;
@@ -160,7 +162,7 @@ fn norm(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// A stretch without a stop: its length, the part of it over the axes that the feed is for, the least
-/// radius of curvature, and for each axis the greatest share it has in the tangent.
+/// radius of curvature, and for each axis, then each motor, the greatest share it has in the tangent.
 struct Stretch {
     length: f64,
     fed: f64,
@@ -205,14 +207,21 @@ fn fed(way: &[f64], axes: &[usize]) -> f64 {
 }
 
 /// Time of a move from rest to rest, s.
-fn duration(step: &Move, here: &Point, axes: &[usize], limits: &[Axis]) -> f64 {
+fn duration(
+    step: &Move,
+    here: &Point,
+    axes: &[usize],
+    (limits, motors): (&[Axis], &[MotorRow]),
+) -> f64 {
     match &step.path {
         Course::Dwell { seconds } => *seconds,
         Course::Event { .. } => 0.0,
         Course::Line { to } => {
             let way: Vec<f64> = axes.iter().map(|&axis| to[axis] - here[axis]).collect();
             let length = norm(way.iter().copied());
-            let shares = way.iter().map(|x| x.abs() / length.max(1e-12)).collect();
+            let driven = motors.iter().map(|motor| motor.of(&way));
+            let all = way.iter().copied().chain(driven);
+            let shares = all.map(|x| x.abs() / length.max(1e-12)).collect();
             let line = Stretch { length, fed: fed(&way, axes), radius: f64::INFINITY, shares };
             line.time(limits, step.speed)
         }
@@ -235,7 +244,19 @@ fn duration(step: &Move, here: &Point, axes: &[usize], limits: &[Axis]) -> f64 {
             let share = |(x, axis): (&f64, &usize)| {
                 if axis == p || axis == q { round / length } else { x.abs() / length }
             };
-            let shares = way.iter().zip(axes).map(share).collect();
+            let mut shares: Vec<f64> = way.iter().zip(axes).map(share).collect();
+            // Of a motor, the two of the plane at the angle where it moves most.
+            let most = |motor: &MotorRow| {
+                let parts = motor.factors.iter().zip(&shares).zip(axes);
+                let (mut round, mut along) = (0.0f64, 0.0);
+                for ((factor, share), axis) in parts {
+                    let part = factor.abs() * share;
+                    if axis == p || axis == q { round = round.hypot(part) } else { along += part }
+                }
+                round + along
+            };
+            let driven: Vec<f64> = motors.iter().map(most).collect();
+            shares.extend(driven);
             // Of a helix, the curvature is less than that of its circle.
             let radius = radius * (length / round.max(1e-12)).powi(2);
             let arc = Stretch { length, fed: fed(&way, axes), radius, shares };
@@ -251,7 +272,7 @@ fn duration(step: &Move, here: &Point, axes: &[usize], limits: &[Axis]) -> f64 {
             // One leg with the speed that its sharpest bend allows, or more with stops between.
             while count >= 1 {
                 let parts = (0..FINEST).step_by(count).map(|k| &points[k..=k + count]);
-                let times = parts.map(|part| stretch(part, axes).time(limits, step.speed));
+                let times = parts.map(|part| stretch(part, axes, motors).time(limits, step.speed));
                 best = best.min(times.sum());
                 count /= 2;
             }
@@ -261,9 +282,9 @@ fn duration(step: &Move, here: &Point, axes: &[usize], limits: &[Axis]) -> f64 {
 }
 
 /// A stretch of a curve by points of it.
-fn stretch(points: &[Vec<f64>], axes: &[usize]) -> Stretch {
-    let mut out =
-        Stretch { length: 0.0, fed: 0.0, radius: f64::INFINITY, shares: vec![0.0; axes.len()] };
+fn stretch(points: &[Vec<f64>], axes: &[usize], motors: &[MotorRow]) -> Stretch {
+    let shares = vec![0.0; axes.len() + motors.len()];
+    let mut out = Stretch { length: 0.0, fed: 0.0, radius: f64::INFINITY, shares };
     let mut before: Option<(f64, Vec<f64>)> = None;
     for pair in points.windows(2) {
         let way: Vec<f64> = pair[0].iter().zip(&pair[1]).map(|(a, b)| b - a).collect();
@@ -274,7 +295,8 @@ fn stretch(points: &[Vec<f64>], axes: &[usize]) -> Stretch {
         out.length += length;
         out.fed += fed(&way, axes);
         let tangent: Vec<f64> = way.iter().map(|x| x / length).collect();
-        for (share, x) in out.shares.iter_mut().zip(&tangent) {
+        let driven = motors.iter().map(|motor| motor.of(&tangent));
+        for (share, x) in out.shares.iter_mut().zip(tangent.iter().copied().chain(driven)) {
             *share = share.max(x.abs());
         }
         if let Some((last, other)) = before.replace((length, tangent.clone())) {
