@@ -1,5 +1,9 @@
 //! Jogs: random commands at random servo cycles, against a check of the limits that knows setpoints alone.
 
+#[path = "common/motors.rs"]
+mod motors;
+
+use motors::{motor_shares, with_motors};
 use proptest::prelude::*;
 use splineway::machine::Quantity;
 use splineway::{
@@ -63,6 +67,9 @@ impl<S: Scalar, const N: usize> Watch<S, N> {
     fn see(&mut self, now: Setpoint<S, N>) {
         let h = self.config.cycle.to_f64();
         if let Some(before) = self.before.replace(now) {
+            let (limits, e) = (&self.config.limits, Self::rounding());
+            let seen = motor_shares((limits, &[]), [&before, &now], (h, e));
+            assert!(seen.iter().all(|seen| *seen < 1.0 + e), "a motor at {seen:?} of its limits");
             for (i, axis) in self.config.limits.axes().iter().enumerate() {
                 let [v0, v1] = [before.velocity[i], now.velocity[i]].map(S::to_f64);
                 let [a0, a1] = [before.acceleration[i], now.acceleration[i]].map(S::to_f64);
@@ -113,7 +120,7 @@ fn machine<S: Scalar>(draw: &mut Draw) -> Config<S, AXES> {
         let a = v * draw.scale(1.0, 100.0);
         AxisLimits::linear(S::of(v), S::of(a), S::of(a * draw.scale(2.0, 1000.0)))
     });
-    let mut config = Config::new(Limits::new(axis).unwrap());
+    let mut config = Config::new(with_motors(Limits::new(axis).unwrap(), || draw.share()));
     config.cycle = S::of(if draw.chance(0.5) { 1.0e-3 } else { 2.5e-4 });
     config.start_delay = S::ZERO;
     config

@@ -1,6 +1,10 @@
 //! Limits that change between blocks, and stops by the stop limits: random programs on random machines, against a check of
 //! the limits that knows setpoints and the blocks they belong to.
 
+#[path = "common/motors.rs"]
+mod motors;
+
+use motors::{motor_shares, with_motors, with_stops};
 use proptest::prelude::*;
 use splineway::{
     Activity, AxisLimits, Block, Config, Coord, Feed, Interpolator, Limits, Link, Motion, Planner,
@@ -48,6 +52,12 @@ fn limits<S: Scalar>(draw: &mut Draw) -> Limits<S, AXES> {
     Limits::new(axes).unwrap()
 }
 
+/// Others for the same machine, as often as not for its motors too.
+fn changed<S: Scalar>(draw: &mut Draw, now: &Limits<S, AXES>) -> Limits<S, AXES> {
+    let new = limits(draw);
+    with_stops(new, now, || draw.share())
+}
+
 /// The greater of two limits of acceleration and jerk.
 fn greater<S: Scalar>(a: &Limits<S, AXES>, b: &Limits<S, AXES>) -> Limits<S, AXES> {
     let axes = std::array::from_fn(|i| {
@@ -61,22 +71,33 @@ fn greater<S: Scalar>(a: &Limits<S, AXES>, b: &Limits<S, AXES>) -> Limits<S, AXE
 /// The greatest shares of limits that were seen.
 struct Watch<S> {
     cycle: f64,
-    before: Option<(Setpoint<S, AXES>, Limits<S, AXES>)>,
+    before: Option<(Setpoint<S, AXES>, [Limits<S, AXES>; 2])>,
     most: [f64; 3],
+    /// Of a motor.
+    motor: [f64; 3],
 }
 
 impl<S: Scalar> Watch<S> {
     fn new(config: &Config<S, AXES>) -> Self {
-        Self { cycle: config.cycle.to_f64(), before: None, most: [0.0; 3] }
+        Self { cycle: config.cycle.to_f64(), before: None, most: [0.0; 3], motor: [0.0; 3] }
     }
 
     fn rounding() -> f64 {
         if S::NAME == "f32" { 3.0e-3 } else { 1.0e-6 }
     }
 
-    /// A setpoint, and the limits of its block.
-    fn see(&mut self, now: &Setpoint<S, AXES>, limits: Limits<S, AXES>) {
-        let Some((before, earlier)) = self.before.replace((*now, limits)) else { return };
+    /// A setpoint, the limits of its block, and what counts of others.
+    fn see(&mut self, now: &Setpoint<S, AXES>, limits: Limits<S, AXES>, more: &Limits<S, AXES>) {
+        let both = [limits, *more];
+        let Some((before, earlier)) = self.before.replace((*now, both)) else { return };
+        // Within the cycle another block may have begun.
+        let others = [more, &earlier[0], &earlier[1]];
+        let seen = (self.cycle, Self::rounding());
+        let motor = motor_shares((&limits, &others), [&before, now], seen);
+        let (limits, earlier) = (greater(&limits, more), greater(&earlier[0], &earlier[1]));
+        for (most, seen) in self.motor.iter_mut().zip(motor) {
+            *most = most.max(seen);
+        }
         for i in 0..AXES {
             let (axis, other) = (&limits.axes()[i], &earlier.axes()[i]);
             let gain = (now.acceleration[i] - before.acceleration[i]).to_f64() / self.cycle;
@@ -97,11 +118,12 @@ impl<S: Scalar> Watch<S> {
         let [v, a, j] = self.most;
         let most = 1.0 + Self::rounding();
         assert!(v <= most && a <= most && j <= most, "{what}: {:?}", self.most);
+        assert!(self.motor.iter().all(|seen| *seen <= most), "{what}, motor: {:?}", self.motor);
     }
 }
 
 fn machine<S: Scalar>(draw: &mut Draw) -> Config<S, AXES> {
-    let mut config = Config::new(limits(draw));
+    let mut config = Config::new(with_motors(limits(draw), || draw.share()));
     config.cycle = S::of([1.0e-3, 0.5e-3][draw.below(2)]);
     config.tolerance = S::of(draw.scale(0.005, 0.2));
     config
@@ -163,7 +185,7 @@ fn press(draw: &mut Draw, controls: splineway::Controls<'_>, presses: Presses) -
 fn random_changes<S: Scalar>(seed: u64, presses: Presses) {
     let mut draw = Draw(seed | 1);
     let mut config = machine::<S>(&mut draw);
-    let stop = limits::<S>(&mut draw);
+    let stop = changed(&mut draw, &config.limits);
     config.stop_limits = (presses != Presses::Nothing).then_some(stop);
     let mut link = Box::new(Link::<S, AXES, 16, 64>::new());
     let (mut planner, mut interpolator): Core<'_, S> =
@@ -180,7 +202,9 @@ fn random_changes<S: Scalar>(seed: u64, presses: Presses) {
     for _ in 0..2_000_000 {
         while sets.len() <= count {
             let block = wanted.get_or_insert_with(|| {
-                if draw.chance(often) && planner.set_limits(limits(&mut draw)).is_err() {
+                if draw.chance(often)
+                    && planner.set_limits(changed(&mut draw, planner.limits())).is_err()
+                {
                     refused += 1;
                 }
                 block::<S>(&mut draw, planner.end(), sets.len() as u32, feed)
@@ -206,7 +230,7 @@ fn random_changes<S: Scalar>(seed: u64, presses: Presses) {
         let running = setpoint.activity == Activity::Running;
         braking &= running;
         let limits = sets[setpoint.tag as usize];
-        watch.see(&setpoint, if braking { greater(&limits, &stop) } else { limits });
+        watch.see(&setpoint, limits, if braking { &stop } else { &limits });
         match progress {
             Progress::Held => {
                 held += 1;
