@@ -6,11 +6,13 @@ use splineway::{
     Activity, AxisLimits, Block, Config, ConfigError, Controls, Coord, Feed, Interpolator, Limits,
     Link, Motion, Planner, Progress, PushError, Setpoint, Turn,
 };
+#[cfg(feature = "kinematics")]
+use splineway::{Kinematics, Linear};
 use splineway_proof as _;
 
 /// The entry points of a machine with a number of axes, under names that the measurement knows.
 macro_rules! machine {
-    ($axes:literal, $blocks:literal, $nodes:literal, $link:ident, $split:ident, $tick:ident, $poll:ident, $push:ident, $run:ident) => {
+    ($axes:literal, $blocks:literal, $nodes:literal, $link:ident, $split:ident, $tick:ident, $poll:ident, $push:ident, $motors:ident, $run:ident) => {
         static mut $link: Link<f32, $axes, $blocks, $nodes> = Link::new();
 
         #[inline(never)]
@@ -47,6 +49,16 @@ macro_rules! machine {
             planner.push(block)
         }
 
+        #[cfg(feature = "kinematics")]
+        #[inline(never)]
+        #[unsafe(no_mangle)]
+        fn $motors(
+            motors: &Linear<f32, $axes, $axes>,
+            axes: &Setpoint<f32, $axes>,
+        ) -> Setpoint<f32, $axes> {
+            motors.setpoint(axes)
+        }
+
         fn $run() -> Option<()> {
             let axis = AxisLimits {
                 rotary: black_box(false),
@@ -54,6 +66,12 @@ macro_rules! machine {
             };
             let mut config = black_box(Config::new(Limits::new([axis; $axes]).ok()?));
             config.tolerance = black_box(0.01);
+            #[cfg(feature = "kinematics")]
+            let belts = black_box(Linear::new(*Linear::core_xy().factors()).ok()?);
+            #[cfg(feature = "kinematics")]
+            {
+                config.limits = config.limits.with_motors(&belts, black_box([axis; $axes])).ok()?;
+            }
             // SAFETY: called once, and nothing else knows the link.
             let link = unsafe { &mut *(&raw mut $link) };
             let start = black_box([Coord::ZERO; $axes]);
@@ -82,6 +100,8 @@ macro_rules! machine {
             loop {
                 black_box($poll(&mut planner));
                 let setpoint = black_box($tick(&mut interpolator));
+                #[cfg(feature = "kinematics")]
+                black_box($motors(&belts, &setpoint));
                 black_box((planner.counters(), planner.end(), planner.nodes_ahead()));
                 black_box((planner.is_full(), planner.blocks_waiting()));
                 black_box(planner.acknowledge_abort());
@@ -96,9 +116,19 @@ macro_rules! machine {
     };
 }
 
-machine!(3, 16, 64, LINK_3, split_3, tick_3, poll_3, push_3, run_3);
+machine!(3, 16, 64, LINK_3, split_3, tick_3, poll_3, push_3, motors_3, run_3);
 // Smaller: both must fit.
-machine!(6, 8, 56, LINK_6, split_6, tick_6, poll_6, push_6, run_6);
+machine!(6, 8, 56, LINK_6, split_6, tick_6, poll_6, push_6, motors_6, run_6);
+
+/// Motors of other machines.
+#[cfg(feature = "kinematics")]
+fn others() -> Option<()> {
+    let skewed = Linear::<f32, 3, 3>::skew(black_box(0), black_box(1), black_box(0.01)).ok()?;
+    let gantry = Linear::<f32, 3, 4>::gantry(black_box(1)).ok()?;
+    let at = black_box([Coord::ZERO; 3]);
+    black_box((skewed.positions(&at), gantry.positions(&at), Linear::<f32, 3, 3>::direct()));
+    Some(())
+}
 
 /// Every command of an operator.
 fn operate(controls: Controls<'_>) {
@@ -114,6 +144,8 @@ fn operate(controls: Controls<'_>) {
 #[entry]
 fn main() -> ! {
     black_box((run_3(), run_6()));
+    #[cfg(feature = "kinematics")]
+    black_box(others());
     loop {
         black_box(());
     }
