@@ -1,5 +1,7 @@
 //! How the core is set up for a machine.
 
+#[cfg(feature = "shaping")]
+use super::Follower;
 #[cfg(feature = "travel")]
 use super::Travel;
 use super::{ConfigError, Limits, Quantity, defaults};
@@ -48,6 +50,12 @@ pub struct Config<S, const N: usize> {
     /// How far the axes may go (feature `travel`). [`Planner::set_travel`](crate::Planner::set_travel) changes it.
     #[cfg(feature = "travel")]
     pub travel: Travel<N>,
+    /// What follows the setpoints late or not exactly (feature `shaping`).
+    #[cfg(feature = "shaping")]
+    pub follower: Follower<S, N>,
+    /// The limits before what follows bounds them: set by the core.
+    #[cfg(feature = "shaping")]
+    pub(crate) free: Limits<S, N>,
     /// Servo cycle, s: the time between two calls of `tick`.
     pub cycle: S,
     /// Tolerance of blocks that name none, mm: greatest distance from the programmed path.
@@ -79,6 +87,10 @@ impl<S: Scalar, const N: usize> Config<S, N> {
         stop_limits: Some(Limits::UNSET),
         #[cfg(feature = "travel")]
         travel: Travel::UNSET,
+        #[cfg(feature = "shaping")]
+        follower: Follower::NONE,
+        #[cfg(feature = "shaping")]
+        free: Limits::UNSET,
         cycle: S::ZERO,
         tolerance: S::ZERO,
         corner: CornerMode::Band,
@@ -95,6 +107,10 @@ impl<S: Scalar, const N: usize> Config<S, N> {
             stop_limits: None,
             #[cfg(feature = "travel")]
             travel: Travel::OPEN,
+            #[cfg(feature = "shaping")]
+            follower: Follower::NONE,
+            #[cfg(feature = "shaping")]
+            free: limits,
             cycle: S::of(defaults::CYCLE),
             tolerance: S::of(defaults::TOLERANCE),
             corner: CornerMode::Band,
@@ -114,7 +130,98 @@ impl<S: Scalar, const N: usize> Config<S, N> {
             let named = |error| ConfigError::Setting { quantity, error };
             quantity.check(self.setting(quantity)).map_err(named)?;
         }
+        #[cfg(feature = "shaping")]
+        self.check_follower()?;
         Ok(())
+    }
+
+    #[cfg(feature = "shaping")]
+    fn check_follower(&self) -> Result<(), ConfigError> {
+        let Follower { reserve, settle, acceleration, .. } = &self.follower;
+        for (quantity, value) in [(Quantity::Reserve, *reserve), (Quantity::Settle, *settle)] {
+            let named = |error| ConfigError::Setting { quantity, error };
+            quantity.check(value).map_err(named)?;
+        }
+        // The mean of a sum is the sum of means only where these are the same.
+        #[cfg(feature = "kinematics")]
+        if self.limits.names_motors() && *settle > S::ZERO && !self.follower.alike {
+            return Err(ConfigError::Unlike);
+        }
+        for (axis, value) in acceleration.iter().enumerate() {
+            let quantity = Quantity::Acceleration;
+            let named = |error| ConfigError::AxisLimit { axis, quantity, error };
+            if *value != S::ZERO {
+                quantity.check(*value).map_err(named)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Limits from now on: those that what follows the setpoints can bear, and the limits themselves where it need not.
+    pub(crate) fn limit(&mut self, limits: &Limits<S, N>) {
+        self.limits = self.bearable(limits);
+        #[cfg(feature = "shaping")]
+        {
+            self.free = *limits;
+        }
+    }
+
+    /// Limits that what follows the setpoints can bear.
+    #[cfg(feature = "shaping")]
+    pub(crate) fn bearable(&self, limits: &Limits<S, N>) -> Limits<S, N> {
+        self.follower.bound(limits, self.cycle)
+    }
+
+    /// The same where everything follows.
+    #[cfg(not(feature = "shaping"))]
+    #[allow(clippy::unused_self)]
+    pub(crate) fn bearable(&self, limits: &Limits<S, N>) -> Limits<S, N> {
+        *limits
+    }
+
+    /// Whether a line of that direction stays straight though it be run by more than can be borne at its ends.
+    #[cfg(feature = "shaping")]
+    pub(crate) fn bears_less(&self, direction: &[S; N]) -> bool {
+        self.free != self.limits && self.keeps_straight(direction)
+    }
+
+    /// What it takes of every tolerance, mm.
+    #[cfg(feature = "shaping")]
+    pub(crate) fn reserve(&self) -> S {
+        self.follower.reserve
+    }
+
+    /// The same where everything follows.
+    #[cfg(not(feature = "shaping"))]
+    #[allow(clippy::unused_self)]
+    pub(crate) const fn reserve(&self) -> S {
+        S::ZERO
+    }
+
+    /// Whether a line of that direction stays straight.
+    #[cfg(feature = "shaping")]
+    pub(crate) fn keeps_straight(&self, direction: &[S; N]) -> bool {
+        self.follower.alike || direction.iter().filter(|share| **share != S::ZERO).count() <= 1
+    }
+
+    /// The same where everything follows.
+    #[cfg(not(feature = "shaping"))]
+    #[allow(clippy::unused_self)]
+    pub(crate) const fn keeps_straight(&self, _: &[S; N]) -> bool {
+        true
+    }
+
+    /// How long it comes to rest after the setpoints, s.
+    #[cfg(feature = "shaping")]
+    pub(crate) fn settle(&self) -> S {
+        self.follower.settle
+    }
+
+    /// The same where everything follows.
+    #[cfg(not(feature = "shaping"))]
+    #[allow(clippy::unused_self)]
+    pub(crate) const fn settle(&self) -> S {
+        S::ZERO
     }
 
     /// The value of a setting; that of one which does not count is one that is accepted.

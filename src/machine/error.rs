@@ -66,6 +66,10 @@ pub enum ConfigError {
         /// Index of the motor.
         motor: usize,
     },
+    /// Motors follow several axes (feature `kinematics`), and what follows the setpoints (feature `shaping`) does so unlike in
+    /// different axes: the limits of motors would not hold.
+    #[cfg(all(feature = "kinematics", feature = "shaping"))]
+    Unlike,
     /// A setting of the whole machine is outside its range.
     Setting {
         /// Which setting.
@@ -119,6 +123,10 @@ impl fmt::Display for ConfigError {
             #[cfg(feature = "kinematics")]
             Self::NotLinear { motor } => {
                 write!(f, "motor {motor} is not linear in the axes")
+            }
+            #[cfg(all(feature = "kinematics", feature = "shaping"))]
+            Self::Unlike => {
+                f.write_str("motors follow several axes, which must then be shaped alike")
             }
             Self::Setting { quantity, error: RangeError { value, least, greatest } } => {
                 let (name, unit) = quantity.words();

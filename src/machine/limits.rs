@@ -178,6 +178,16 @@ impl<S: Scalar, const N: usize> Limits<S, N> {
         })
     }
 
+    /// With every axis changed, to what is in range.
+    #[cfg(feature = "shaping")]
+    #[must_use]
+    pub(crate) fn map(mut self, change: impl Fn(usize, AxisLimits<S>) -> AxisLimits<S>) -> Self {
+        for (i, axis) in self.axes.iter_mut().enumerate() {
+            *axis = change(i, *axis);
+        }
+        self
+    }
+
     /// The lesser of them.
     #[must_use]
     pub(crate) fn with_less(self, other: &Self) -> Self {

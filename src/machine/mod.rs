@@ -3,6 +3,8 @@
 mod config;
 pub mod defaults;
 mod error;
+#[cfg(feature = "shaping")]
+mod follower;
 #[cfg(feature = "kinematics")]
 mod kinematics;
 mod limits;
@@ -16,6 +18,8 @@ mod travel;
 
 pub use config::{Config, CornerMode};
 pub use error::ConfigError;
+#[cfg(feature = "shaping")]
+pub use follower::Follower;
 #[cfg(feature = "kinematics")]
 use kinematics::{Everywhere, check_factors};
 #[cfg(feature = "kinematics")]

@@ -40,6 +40,10 @@ pub enum Quantity {
     Dwell,
     /// Time after which a jog at a velocity ends, s.
     JogTime,
+    /// Tolerance that is kept free for what follows the setpoints, mm.
+    Reserve,
+    /// Time in which what follows the setpoints comes to rest, s.
+    Settle,
 }
 
 impl Quantity {
@@ -76,6 +80,8 @@ impl Quantity {
             Self::Duration => Range::new(1.0e-6, 1.0e6),
             Self::Dwell => Range::new(0.0, 1.0e6),
             Self::JogTime => Range::new(1.0e-3, 60.0),
+            Self::Reserve => Range::new(0.0, GREATEST_TOLERANCE),
+            Self::Settle => Range::new(0.0, 10.0),
         }
     }
 
@@ -101,6 +107,8 @@ impl Quantity {
             Self::Duration => ("duration", "s"),
             Self::Dwell => ("dwell", "s"),
             Self::JogTime => ("time of a jog", "s"),
+            Self::Reserve => ("reserve of the tolerance", "mm"),
+            Self::Settle => ("time to settle", "s"),
         }
     }
 }

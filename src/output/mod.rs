@@ -13,10 +13,14 @@ mod analogue;
 #[cfg(feature = "kinematics")]
 mod motors;
 mod scale;
+#[cfg(feature = "shaping")]
+mod shaper;
 mod step_dir;
 
 pub use analogue::{Analogue, FollowingError, PositionLoop};
 pub use scale::{Scale, ScaleError};
+#[cfg(feature = "shaping")]
+pub use shaper::{Shape, Shaper, ShaperError, ShaperKind};
 pub use step_dir::{EdgeTimes, StepDir, StepError, StepTiming};
 
 use crate::servo::Setpoint;

@@ -4,7 +4,7 @@
 //! use it up, and at one place they add up. They are of two kinds.
 //!
 //! *Taken off first.* What is known as a length when a line or curve is taken in is subtracted, and what comes after
-//! shares the rest: the chords of a curve ([`Chords`]), the vertices of lines that became one ([`Straightened`],
+//! shares the rest: what follows the setpoints ([`Config::reserve`]), the chords of a curve ([`Chords`]), the vertices of lines that became one ([`Straightened`],
 //! [`THINNED`], [`SPIKE`]). These cannot exceed the tolerance together, whatever they are.
 //!
 //! *Shares of the rest*, which is called the band. Every place of the path is of one of these kinds:
@@ -99,6 +99,12 @@ pub const BACKWARDS: f64 = 1.0e-3;
 /// The tolerance of a block, mm: its own, or the machine's.
 pub fn tolerance<S: Scalar, const N: usize>(block: &Block<S, N>, config: &Config<S, N>) -> S {
     block.tolerance.unwrap_or(config.tolerance)
+}
+
+/// What is left of a tolerance for the setpoints, mm; none for a line of a tolerance that what follows them needs whole, which is
+/// run by itself.
+pub fn of_setpoints<S: Scalar, const N: usize>(tolerance: S, config: &Config<S, N>) -> S {
+    (tolerance - config.reserve()).greatest(S::ZERO)
 }
 
 /// What the chords of a curve take of its tolerance.

@@ -59,8 +59,15 @@ impl<S: Scalar, const N: usize> Chords<S, N> {
         for point in [&controls[0], &controls[1], &to] {
             check_coordinates(point)?;
         }
-        let tolerance = budget::tolerance(block, config);
-        in_range(Quantity::CurveTolerance, tolerance)?;
+        let asked = budget::tolerance(block, config);
+        let tolerance = budget::of_setpoints(asked, config);
+        let quantity = Quantity::CurveTolerance;
+        if tolerance < S::of(quantity.range().least) {
+            let least = quantity.range().least + config.reserve().to_f64();
+            let error = Range { least, ..quantity.range() }.refused(asked.to_f64());
+            return Err(BlockError::OutOfRange { quantity, error });
+        }
+        in_range(quantity, tolerance)?;
         let offsets =
             [controls[0], controls[1], to].map(|point| from_fn(|i| point[i].minus::<f64>(from[i])));
         #[cfg(feature = "travel")]

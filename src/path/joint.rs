@@ -165,6 +165,9 @@ pub fn joint<S: Scalar, const N: usize>(
     let (Some(a), Some(b)) = (&before.segment, &after.segment) else {
         return (Joint::Stop, Length::ZERO);
     };
+    if before.alone != after.alone {
+        return (Joint::Stop, Length::ZERO);
+    }
     let mode = corner_mode(before, after, config.corner);
     let tolerance = before.band_with(after);
     let (frame_in, frame_out) = (a.end_frame(), b.start_frame());

@@ -11,7 +11,7 @@ use super::swing::CornerBand;
 use crate::block::range::{check_coordinate, check_coordinates, in_range};
 use crate::block::{Block, BlockError, Feed, Motion};
 use crate::machine::{Config, Quantity, SetNumber};
-use crate::number::{Coord, Length, Scalar};
+use crate::number::{Coord, Length, Range, Scalar};
 
 /// How two segments meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,6 +49,9 @@ pub struct QueuedBlock<S, const N: usize> {
     #[cfg(feature = "travel")]
     pub inner: S,
     pub stop_after: bool,
+    /// Whether what follows the setpoints must have come to rest before it begins and when it has ended, at stops: it has no
+    /// tolerance for that.
+    pub alone: bool,
     /// Whether it is a chord of a curve.
     pub chord: bool,
     /// Of a line made of several, the tag of the last.
@@ -86,6 +89,7 @@ impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
             && self.rapid == next.rapid
             && self.limits == next.limits
             && self.chord == next.chord
+            && self.alone == next.alone
             && self.tolerance == next.tolerance
             && self.inner() == next.inner()
             && (self.rapid || feed::alike(self.feed, next.feed, feed::ROUNDED))
@@ -125,9 +129,12 @@ impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
         whole: Option<S>,
         config: &Config<S, N>,
     ) -> Result<Option<Self>, BlockError> {
-        let tolerance = budget::tolerance(block, config);
-        in_range(Quantity::Tolerance, tolerance)?;
+        let asked = budget::tolerance(block, config);
+        in_range(Quantity::Tolerance, asked)?;
         feed::check(block.feed)?;
+        // A chord's is what its curve has left.
+        let tolerance = if whole.is_some() { asked } else { budget::of_setpoints(asked, config) };
+        let alone = whole.is_none() && config.settle() > S::ZERO && asked <= config.reserve();
         let mut item = Self {
             segment: None,
             dwell: S::ZERO,
@@ -139,6 +146,7 @@ impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
             #[cfg(feature = "travel")]
             inner: tolerance,
             stop_after: block.exact_stop,
+            alone,
             chord: whole.is_some(),
             tag: block.tag,
             marks: 0,
@@ -152,12 +160,12 @@ impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
         let segment = match block.motion {
             Motion::Dwell { seconds } => {
                 in_range(Quantity::Dwell, seconds)?;
-                item.dwell = seconds;
+                item.dwell = seconds + config.settle();
                 item.stop_after = true;
                 return Ok((seconds > S::ZERO).then_some(item));
             }
             Motion::Event { pause } => {
-                item.dwell = config.cycle * S::of(EVENT_CYCLES);
+                item.dwell = config.cycle * S::of(EVENT_CYCLES) + config.settle();
                 item.event = Some(if pause { Event::Pause } else { Event::Pass });
                 item.stop_after = true;
                 return Ok(Some(item));
@@ -175,6 +183,12 @@ impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
             }
         };
         let Some(segment) = segment else { return Ok(None) };
+        if alone && !(segment.is_line() && config.keeps_straight(&segment.start_frame().tangent)) {
+            let quantity = Quantity::Tolerance;
+            let least = config.reserve().to_f64();
+            let error = Range { least, ..quantity.range() }.refused(asked.to_f64());
+            return Err(BlockError::OutOfRange { quantity, error });
+        }
         // A curve has been looked at as a whole.
         #[cfg(feature = "travel")]
         if whole.is_none() {

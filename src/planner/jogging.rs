@@ -246,7 +246,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let Some(here) = self.horizon.window.get(self.horizon.end_index()) else {
             return Err(JogError::Running);
         };
-        if self.side.progress() != self.horizon.end() || self.making.is_some() {
+        if self.side.progress() != self.horizon.end()
+            || self.making.is_some()
+            || !self.has_settled()
+        {
             return Err(JogError::Running);
         }
         let is_free = self.last_node() == self.horizon.end() && self.builder.len() == 0;

@@ -111,6 +111,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Link<S,
                 counters: Counters::default(),
                 #[cfg(feature = "outputs")]
                 switches: super::switches::Switches::NONE,
+                // As long ago as the numbers reach.
+                #[cfg(feature = "shaping")]
+                rested: origin.cycle.plus(u32::MAX / 2 + 2),
             },
             Interpolator::new(servo, (origin.node, start), config.cycle),
         ))

@@ -133,6 +133,9 @@ pub struct Planner<
     counters: Counters,
     #[cfg(feature = "outputs")]
     switches: switches::Switches<S>,
+    /// Servo cycle in which the motion was first seen at rest.
+    #[cfg(feature = "shaping")]
+    rested: CycleSerial,
 }
 
 impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
@@ -208,7 +211,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         #[cfg(feature = "kinematics")]
         let limits = limits.on_motors_of(&self.horizon.config.limits);
         if !self.builder.uses_limits() {
-            self.horizon.config.limits = limits;
+            self.horizon.config.limit(&limits);
         } else if self.horizon.set_limits(limits) {
             self.builder.set_limits(self.horizon.older.newest());
         } else {
@@ -243,7 +246,8 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     pub fn acknowledge_abort(&mut self) -> bool {
         let aborts = self.requests.aborts();
         let complete = aborts != self.answered.aborts
-            && self.phase == Phase::Resting(Rest::Dropped { abort: aborts });
+            && self.phase == Phase::Resting(Rest::Dropped { abort: aborts })
+            && self.has_settled();
         if complete {
             self.answered.aborts = aborts;
             self.phase = Phase::Resting(Rest::IDLE);

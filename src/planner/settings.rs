@@ -23,6 +23,21 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             && self.side.progress() == self.horizon.end()
     }
 
+    /// At rest, whether what follows the setpoints rests too ([`Config::settle`](crate::Config)).
+    #[cfg(feature = "shaping")]
+    pub(super) fn has_settled(&self) -> bool {
+        let config = &self.horizon.config;
+        let cycles = self.side.cycles().since(self.rested).unwrap_or(u32::MAX);
+        S::from_u32(cycles) * config.cycle >= config.settle()
+    }
+
+    /// The same where everything follows.
+    #[cfg(not(feature = "shaping"))]
+    #[allow(clippy::unused_self)]
+    pub(super) const fn has_settled(&self) -> bool {
+        true
+    }
+
     /// Changes the limits of the axes, for all that comes. `false`, and nothing has changed, unless [`Planner::is_empty`]. Limits
     /// without motors (feature `kinematics`) leave these as they are; with motors, they come in the place of those before.
     pub fn set_limits_at_rest(&mut self, limits: Limits<S, N>) -> bool {
@@ -34,7 +49,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             } else {
                 limits.on_motors_of(&self.horizon.config.limits)
             };
-            self.horizon.config.limits = limits;
+            self.horizon.config.limit(&limits);
             self.vain = None;
         }
         may

@@ -10,6 +10,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use serde::Deserialize;
 use splineway::gcode::{OFFSETS, Place, Setup};
 use splineway::machine::defaults;
+use splineway::output::{Shape, Shaper, ShaperKind};
 use splineway::{AxisLimits, AxisTravel, Config, Coord, CornerMode, Limits, Scalar, Travel};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -35,6 +36,48 @@ pub struct StopLimits {
     /// mm/s3.
     pub jerk: f64,
 }
+
+/// How an axis vibrates, and what is done about it.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Shaping {
+    /// How it is shaped.
+    pub kind: Kind,
+    /// Hz.
+    pub frequency: f64,
+    /// Damping ratio.
+    #[serde(default)]
+    pub damping: f64,
+}
+
+/// Kinds of input shaping.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// Two impulses.
+    Zv,
+    /// Three impulses over three quarters of a period.
+    Mzv,
+    /// Three impulses over a period.
+    Ei,
+    /// A half wave.
+    Smooth,
+}
+
+impl From<Shaping> for Shape {
+    fn from(Shaping { kind, frequency, damping }: Shaping) -> Self {
+        let kind = match kind {
+            Kind::Zv => ShaperKind::Zv,
+            Kind::Mzv => ShaperKind::Mzv,
+            Kind::Ei => ShaperKind::Ei,
+            Kind::Smooth => ShaperKind::Smooth,
+        };
+        Self { kind, frequency, damping }
+    }
+}
+
+/// Servo cycles that the simulator's shaper remembers.
+pub const HISTORY: usize = 1024;
 
 /// How far an axis may go, mm or degrees.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq)]
@@ -83,6 +126,8 @@ pub struct Machine {
     pub motor: Vec<Motor>,
     /// Limits of travel by axis letter; an axis that is not named has none.
     pub travel: BTreeMap<String, Ends>,
+    /// Input shaping by axis letter; "default" stands for those that are not named.
+    pub shaper: BTreeMap<String, Shaping>,
     /// Work offsets by code (G54 to G59.3), mm or degrees by axis letter.
     pub work: BTreeMap<String, BTreeMap<String, f64>>,
     /// Where G28 and G30 go, by code.
@@ -111,6 +156,7 @@ impl Default for Machine {
             stop: BTreeMap::new(),
             motor: Vec::new(),
             travel: BTreeMap::new(),
+            shaper: BTreeMap::new(),
             work: BTreeMap::new(),
             reference: BTreeMap::new(),
             tools: BTreeMap::new(),
@@ -173,6 +219,16 @@ impl Machine {
             }
             Travel::new([ends.limits(key)?]).map_err(|error| anyhow!("travel.{key}: {error}"))?;
         }
+        for (key, shaping) in &self.shaper {
+            if key != "default" && axis_index(key).is_none() {
+                bail!("shaper.{key}: no such axis; axes are X Y Z A B C U V W and default");
+            }
+            let axis = AxisLimits::linear(1.0, 1.0, 1.0);
+            let mut config = Config::<f64, 1>::new(Limits::new([axis])?);
+            config.cycle = self.cycle;
+            Shaper::<f64, 1, HISTORY>::new([Some((*shaping).into())], &config)
+                .map_err(|error| anyhow!("shaper.{key}: {error}"))?;
+        }
         self.try_seeker()?;
         self.try_setup().map(|_| ())
     }
@@ -189,6 +245,27 @@ impl Machine {
         };
         let switches = parse("switches", &self.switches)?;
         Ok(Seeker::new(switches, parse("surfaces", &self.surfaces)?))
+    }
+
+    /// What shapes the setpoints of the first `N` of `axes`, if anything does.
+    ///
+    /// # Errors
+    /// What the core does not accept.
+    pub fn shaper<S: Scalar, const N: usize>(
+        &self,
+        axes: &[usize],
+        config: &Config<S, N>,
+    ) -> Result<Option<Box<Shaper<S, N, HISTORY>>>> {
+        if self.shaper.is_empty() {
+            return Ok(None);
+        }
+        let mut shapes = [None; N];
+        for (slot, &index) in shapes.iter_mut().zip(axes) {
+            let named = self.shaper.iter().find(|(key, _)| axis_index(key) == Some(index));
+            let shaping = named.map(|(_, shaping)| shaping).or_else(|| self.shaper.get("default"));
+            *slot = shaping.map(|shaping| (*shaping).into());
+        }
+        Ok(Some(Box::new(Shaper::new(shapes, config)?)))
     }
 
     /// How far an axis may go.
@@ -304,6 +381,9 @@ impl Machine {
             Mode::Band => CornerMode::Band,
             Mode::Paper => CornerMode::Paper { lambda: S::of(self.lambda) },
         };
+        if let Some(shaper) = self.shaper(axes, &config)? {
+            config.follower = shaper.follower(&config);
+        }
         config.check()?;
         Ok(config)
     }

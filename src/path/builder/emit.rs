@@ -1,5 +1,7 @@
 //! Handing cells on: what is cut at the moment, one cell at a time.
 
+#[cfg(feature = "shaping")]
+use super::free::{self, Free};
 use super::{Body, Builder, Front, Stage};
 use crate::machine::Config;
 use crate::number::{Interval, Length, Scalar};
@@ -38,6 +40,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             let Some(segment) = block.segment else {
                 return Some(Cut::Cell(self.stand(last, block, config)));
             };
+            if block.dwell > S::ZERO {
+                if block.entered == Joint::Stop {
+                    let tag = self.tag_at(0, S::ZERO);
+                    return Some(Cut::Cell(self.stand(last, QueuedBlock { tag, ..block }, config)));
+                }
+                if let Some(front) = self.queue.front_mut() {
+                    front.dwell = S::ZERO;
+                }
+            }
             let front = Front { block, segment };
             match self.stage {
                 Stage::Waiting => {
@@ -75,14 +86,14 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                 Stage::Body(body) if block.joint == Joint::Run => {
                     self.start_run(&front, body.s, config);
                 }
-                Stage::Body(_) => self.start_joint(&front),
+                Stage::Body(_) => self.start_joint(&front, config),
                 Stage::Corner { transition, index } if index < transition.cells() => {
                     return self.emit_corner(&front, &transition, index, last).map(Cut::Cell);
                 }
                 Stage::Blend { blend, index } if index < blend::CELLS => {
                     return self.emit_blend(&front, &blend, index, last).map(Cut::Cell);
                 }
-                Stage::Corner { .. } | Stage::Blend { .. } => self.next_block(),
+                Stage::Corner { .. } | Stage::Blend { .. } => self.next_block(config),
             }
         }
         None
@@ -166,6 +177,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let dwell = dwell_part(block.dwell, config.cycle);
         match self.queue.front_mut() {
             Some(front) if dwell < block.dwell => front.dwell = block.dwell - dwell,
+            // It stands before it moves.
+            Some(front) if front.segment.is_some() => front.dwell = S::ZERO,
             _ => {
                 let _ = self.queue.pop_front();
                 #[cfg(feature = "outputs")]
@@ -192,6 +205,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         } else {
             next_cut(&front.segment, &front.block, body.left(), body.ends)
         };
+        #[cfg(feature = "shaping")]
+        let free = self.free(front, &body, config);
+        #[cfg(feature = "shaping")]
+        let goal = free.map_or(goal, |free| free.goal(body.s, goal));
         let (next, goal) = self.to_mark(front, body.left(), goal, config);
         self.stage = Stage::Body(Body { s: next, next: goal, ..body });
         #[cfg(feature = "outputs")]
@@ -201,9 +218,26 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let piece = Interval { from: body.s, to: next };
         let mut cut = self.body_cell(front, (&from, &entry), piece, next >= body.until);
         cut.cell.programmed.tag = self.tag_at(0, body.s.midpoint(next).to_mm());
+        #[cfg(feature = "shaping")]
+        if cut.cell.straight && free.is_some_and(|free| free.holds(body.s, next)) {
+            cut.cell.programmed.limits = cut.cell.programmed.limits.freed();
+        }
         self.pass_marks(next);
         self.rested = cut.rest;
         cut
+    }
+
+    /// Where the front segment may be run by the axes' full limits.
+    #[cfg(feature = "shaping")]
+    fn free(&self, front: &Front<S, N>, body: &Body<S>, config: &Config<S, N>) -> Option<Free> {
+        let direction = front.segment.end_frame().tangent;
+        if !front.segment.is_line() || !config.bears_less(&direction) {
+            return None;
+        }
+        let ahead = self.queue.get(1).and_then(|next| next.segment);
+        let behind = ahead.map_or(direction, |ahead| ahead.start_frame().tangent);
+        let exit = free::beside(front.block.joint, (&direction, &behind), self.kept, config);
+        Free::of(front, body, [self.entry, exit], config)
     }
 
     /// The cell over a piece of the front segment's body. `entry` is the segment's own node at its start,
@@ -236,10 +270,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
 
     /// The body is done: on to the joint, or over it.
     #[inline(never)]
-    fn start_joint(&mut self, Front { block, segment }: &Front<S, N>) {
+    fn start_joint(&mut self, Front { block, segment }: &Front<S, N>, config: &Config<S, N>) {
         let ahead = self.queue.get(1).and_then(|next| next.segment);
         let Some(ahead) = ahead else {
-            self.next_block();
+            self.next_block(config);
             return;
         };
         let reach = self.kept.to_mm::<S>();
@@ -252,13 +286,26 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             (Joint::Blend, _) => {
                 self.stage = Stage::Blend { blend: Blend::new(segment, &ahead, reach), index: 0 };
             }
-            _ => self.next_block(),
+            _ => self.next_block(config),
         }
     }
 
     /// Drops the front block; the next one starts where its joint ended.
-    pub(super) fn next_block(&mut self) {
+    pub(super) fn next_block(&mut self, config: &Config<S, N>) {
         let done = self.queue.pop_front();
+        #[cfg(feature = "shaping")]
+        {
+            let frames = |done: &QueuedBlock<S, N>| {
+                let next = self.queue.front()?.segment?;
+                Some((done.segment?.end_frame().tangent, next.start_frame().tangent))
+            };
+            self.entry = match done.as_ref().and_then(|done| Some((done.joint, frames(done)?))) {
+                Some((joint, (a, b))) => free::beside(joint, (&a, &b), self.given, config),
+                None => S::ZERO,
+            };
+        }
+        #[cfg(not(feature = "shaping"))]
+        let _ = config;
         #[cfg(feature = "outputs")]
         if let Some(segment) = done.as_ref().and_then(|done| done.segment.as_ref()) {
             self.meter.pass(segment.exact_length);

@@ -126,7 +126,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             #[cfg(feature = "outputs")]
             self.meter.add_vertex(self.run.reach(), segment.exact_length);
             self.run_from = Length::ZERO;
-            self.next_block();
+            self.next_block(config);
             self.stage = Stage::Run { until: None };
             return true;
         }

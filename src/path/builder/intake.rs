@@ -94,6 +94,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             return Ok(());
         };
         item.limits = self.limits;
+        #[cfg(feature = "shaping")]
+        {
+            if item.segment.is_some() && (item.alone || self.after_alone) {
+                item.dwell = config.settle();
+            }
+            self.after_alone = item.alone && item.segment.is_some();
+        }
         #[cfg(feature = "limits")]
         {
             self.limits_used = true;

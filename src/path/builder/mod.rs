@@ -7,6 +7,8 @@
 //! show the [`tags`] of its lines. A `meter` tells outputs where blocks end.
 
 mod emit;
+#[cfg(feature = "shaping")]
+mod free;
 mod front;
 mod intake;
 #[cfg(feature = "outputs")]
@@ -105,6 +107,12 @@ pub struct Builder<S, const N: usize, const BLOCKS: usize> {
     run: Run<S, N>,
     /// Place on the front segment from which on the run takes it.
     run_from: Length,
+    /// Whether the last block was one that is run alone.
+    #[cfg(feature = "shaping")]
+    after_alone: bool,
+    /// Greatest speed at which the front segment is entered, mm/s.
+    #[cfg(feature = "shaping")]
+    entry: S,
     /// Whether the last cell ended at rest, so that the direction may change.
     rested: bool,
     #[cfg(feature = "outputs")]
@@ -136,6 +144,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         half: None,
         run: Run::new(),
         run_from: Length::ZERO,
+        #[cfg(feature = "shaping")]
+        after_alone: false,
+        #[cfg(feature = "shaping")]
+        entry: S::ZERO,
         rested: false,
         #[cfg(feature = "outputs")]
         meter: meter::Meter::new(),
@@ -160,6 +172,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         self.half = None;
         self.run.clear();
         self.rested = true;
+        #[cfg(feature = "shaping")]
+        {
+            self.after_alone = false;
+            self.entry = S::ZERO;
+        }
         #[cfg(feature = "outputs")]
         self.meter.clear();
     }

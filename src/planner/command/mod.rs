@@ -160,6 +160,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     fn obey_at_rest(&mut self, wish: &Wish, resumed: bool) -> Option<Progress> {
         self.answered.quick = wish.quick;
         let end = self.horizon.end_index();
+        #[cfg(feature = "shaping")]
+        if let Phase::Following(_) = self.phase {
+            self.rested = self.side.cycles();
+        }
         let (mut rest, ended) = match self.phase {
             // A plan may end with a block by itself, where no more was known in time.
             Phase::Following(Following { halt: None, .. }) => {
@@ -177,7 +181,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 self.drop_all();
             }
             self.phase = Phase::Resting(Rest::Dropped { abort: wish.aborts });
-            return Some(Progress::Aborted);
+            return Some(self.settled(Progress::Aborted));
         }
         if wish.overrides != self.horizon.overrides() {
             self.horizon.set_overrides(wish.overrides);
@@ -192,7 +196,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         self.phase = Phase::Resting(rest);
         let held = wish.holds() || wish.stop || rest == Rest::AwaitsResume;
-        held.then_some(Progress::Held)
+        held.then(|| self.settled(Progress::Held))
+    }
+
+    /// What is to be said of a rest: it is none before what follows the setpoints rests too.
+    fn settled(&self, progress: Progress) -> Progress {
+        if self.has_settled() { progress } else { Progress::Waiting }
     }
 
     /// At rest: forgets everything that has not been run.

@@ -330,7 +330,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// What bounds the motion over the cell of station `i`. Where other limits come into effect behind it, neither is exceeded:
     /// what comes then goes on from there.
     fn limits_over(&self, i: usize, quick: bool) -> Limits<S, N> {
-        let sets = LimitSets::new(&self.config.limits, &self.older);
+        let sets = LimitSets::new(&self.config, &self.older);
         let number = |i| self.window.get(i).map(|station| station.cell.programmed.limits);
         let (here, behind) = (number(i).unwrap_or_default(), number(i + 1));
         let mut limits = *sets.of(here);

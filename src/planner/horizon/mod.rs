@@ -95,6 +95,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// Forgets everything, and rests at a node, whose running number is `first`.
     pub fn begin(&mut self, config: &Config<S, N>, node: Node<S, N>, first: NodeSerial) {
         self.config = *config;
+        self.config.limit(&config.limits);
+        self.config.stop_limits = config.stop_limits.map(|stops| config.bearable(&stops));
         self.older = OlderLimits::NONE;
         self.window.begin(node, first);
         self.end = first;
@@ -142,9 +144,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     #[cfg(feature = "limits")]
     pub fn set_limits(&mut self, limits: Limits<S, N>) -> bool {
         let first = self.window.get(0).map_or(SetNumber::FIRST, |from| from.cell.programmed.limits);
-        let kept = self.older.keep(&self.config.limits, first);
+        let kept = self.older.keep(&self.config, first);
         if kept {
-            self.config.limits = limits;
+            self.config.limit(&limits);
         }
         kept
     }
@@ -223,7 +225,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         sequel: Sequel,
     ) -> Option<Piece<S, N>> {
         let (station, after) = self.window.pair(i)?;
-        let sets = LimitSets::new(&self.config.limits, &self.older);
+        let sets = LimitSets::new(&self.config, &self.older);
         let view = station.view(after, sets);
         let placement =
             Placement { serial: self.window.serial(i), arc_length: station.arc_length, sequel };
@@ -243,7 +245,7 @@ fn pace<'a, S: Scalar, const N: usize>(
 ) -> Pace<'a, S, N> {
     let factor = |percent: u16| S::from_u32(u32::from(percent.max(1))) * S::of(0.01);
     Pace {
-        limits: LimitSets::new(&config.limits, older),
+        limits: LimitSets::new(config, older),
         cycle: config.cycle,
         feed: factor(overrides.feed),
         rapid: factor(overrides.rapid),

@@ -16,15 +16,13 @@ const EXCESS: f64 = 1.0001;
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// Whether the states of a stretch keep all limits, with a rest at its end.
     pub fn holds(&mut self, stretch: Stretch) -> bool {
-        self.solver
-            .on(&mut self.window, LimitSets::new(&self.config.limits, &self.older), stretch)
-            .holds()
+        self.solver.on(&mut self.window, LimitSets::new(&self.config, &self.older), stretch).holds()
     }
 
     /// The same up to station `until`.
     pub fn holds_until(&mut self, stretch: Stretch, until: usize) -> bool {
         self.solver
-            .on(&mut self.window, LimitSets::new(&self.config.limits, &self.older), stretch)
+            .on(&mut self.window, LimitSets::new(&self.config, &self.older), stretch)
             .until(until)
             .holds()
     }
@@ -33,18 +31,15 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     pub fn begin_improving(&mut self, stretch: Stretch, aim: Aim) -> Solving<S> {
         let iterations = self.config.iterations;
         self.solver
-            .on(&mut self.window, LimitSets::new(&self.config.limits, &self.older), stretch)
+            .on(&mut self.window, LimitSets::new(&self.config, &self.older), stretch)
             .improve(iterations, aim)
     }
 
     /// To find states for a stretch, from a guess at the stations from index `new` on, which need not lead to a motion.
     pub fn begin_finding(&mut self, stretch: Stretch, new: usize) -> Solving<S> {
         let iterations = self.config.iterations;
-        let mut problem = self.solver.on(
-            &mut self.window,
-            LimitSets::new(&self.config.limits, &self.older),
-            stretch,
-        );
+        let mut problem =
+            self.solver.on(&mut self.window, LimitSets::new(&self.config, &self.older), stretch);
         problem.guess(new);
         problem.find(iterations)
     }
@@ -58,7 +53,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         (steps, aim): (u16, Aim),
     ) -> Solving<S> {
         self.solver
-            .on(&mut self.window, LimitSets::new(&self.config.limits, &self.older), stretch)
+            .on(&mut self.window, LimitSets::new(&self.config, &self.older), stretch)
             .until(until)
             .improve(steps, aim)
     }
@@ -70,7 +65,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         solving.go_on(
             &mut self.solver,
             &mut self.window,
-            LimitSets::new(&self.config.limits, &self.older),
+            LimitSets::new(&self.config, &self.older),
             &mut self.steps,
         )
     }
@@ -91,13 +86,13 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
 
     /// To look for slow states of a stretch from index `new` on.
     pub fn begin_seeding(&self, stretch: Stretch, new: usize) -> Seeding<S> {
-        Seeding::new(LimitSets::new(&self.config.limits, &self.older), stretch, new)
+        Seeding::new(LimitSets::new(&self.config, &self.older), stretch, new)
     }
 
     /// A try for slow states; see [`crate::profile::seeding`].
     pub fn seed(&mut self, stretch: Stretch, seeding: &mut Seeding<S>) -> Option<bool> {
         self.solver
-            .on(&mut self.window, LimitSets::new(&self.config.limits, &self.older), stretch)
+            .on(&mut self.window, LimitSets::new(&self.config, &self.older), stretch)
             .seed(seeding)
     }
 

@@ -183,6 +183,7 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     let Setting { program, machine, events } = setting;
     let axes = program.axes();
     let config: Config<S, N> = machine.config(&axes)?;
+    let mut shaper = machine.shaper(&axes, &config)?;
     let mut stats = Stats { least_ahead: usize::MAX, ..Stats::default() };
     let start = coords::<N>(&program.start, &axes).context("start point")?;
     let mut link = Box::new(Link::<S, N, BLOCKS, NODES>::new());
@@ -221,6 +222,7 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         let began = Instant::now();
         let setpoint = interpolator.tick();
+        let setpoint = shaper.as_mut().map_or(setpoint, |shaper| shaper.shape(&setpoint));
         stats.ticks.add(began);
         cycle += 1;
         let from = before.replace(setpoint).unwrap_or(setpoint);

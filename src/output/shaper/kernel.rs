@@ -1,0 +1,314 @@
+//! Weights by which an axis is shaped: impulses and where they lie, over whole servo cycles.
+
+use crate::number::{Range, RangeError, Scalar};
+use core::f64::consts::PI;
+use core::fmt;
+use heapless::Vec;
+
+/// How an axis is shaped. All weights are positive and their sum is one: no axis becomes faster, or accelerates or jerks more,
+/// than its setpoints.
+///
+/// Singer, Seering 1990 (ZV), Singhose, Seering, Singer 1994 (EI); MZV as in the firmware Klipper.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum ShaperKind {
+    /// Two impulses, half a period apart: no vibration at exactly the frequency given. The shortest.
+    Zv,
+    /// Three impulses over three quarters of a period: as exact, and wider.
+    Mzv,
+    /// Three impulses over a period: at the frequency 5 % of the vibration is left, and no more than that from 0.82 to 1.18 of it.
+    Ei,
+    /// A half wave over one and a half periods, without leaps in acceleration: what lies above the frequency is damped too.
+    Smooth,
+}
+
+/// An axis that vibrates, and what is to be done about it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Shape {
+    /// How it is shaped.
+    pub kind: ShaperKind,
+    /// Frequency of the vibration, Hz, as it is seen (with its damping).
+    pub frequency: f64,
+    /// Damping ratio of the vibration, 0 to 0.5; 0.05 to 0.1 as a rule.
+    pub damping: f64,
+}
+
+/// A shaper that cannot be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum ShaperError {
+    /// The servo cycle is not one that the core accepts.
+    Cycle(RangeError),
+    /// The damping of an axis.
+    Damping {
+        /// Index of the axis.
+        axis: usize,
+        /// The value given, and the range.
+        error: RangeError,
+    },
+    /// The frequency of an axis: so low that its past is longer than `HISTORY`, or beyond a quarter of that of servo cycles.
+    Frequency {
+        /// Index of the axis.
+        axis: usize,
+        /// The value given, and the range, Hz.
+        error: RangeError,
+    },
+    /// The axes together: each waits for the slowest, and the past of this one becomes longer than `HISTORY`.
+    TooLong {
+        /// Index of the axis.
+        axis: usize,
+        /// Servo cycles that it would take.
+        cycles: usize,
+        /// Servo cycles that there are.
+        greatest: usize,
+    },
+}
+
+impl fmt::Display for ShaperError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Cycle(RangeError { value, least, greatest }) => {
+                write!(f, "servo cycle is {value} s; it must be {least} to {greatest}")
+            }
+            Self::Damping { axis, error: RangeError { value, least, greatest } } => {
+                write!(f, "damping of axis {axis} is {value}; it must be {least} to {greatest}")
+            }
+            Self::Frequency { axis, error: RangeError { value, least, greatest } } => {
+                write!(
+                    f,
+                    "frequency of axis {axis} is {value} Hz; it must be {least} to {greatest}"
+                )
+            }
+            Self::TooLong { axis, cycles, greatest } => {
+                write!(
+                    f,
+                    "shaping of axis {axis} takes {cycles} servo cycles; there is room for {greatest}"
+                )
+            }
+        }
+    }
+}
+
+impl core::error::Error for ShaperError {}
+
+/// Damping ratios that are accepted.
+const DAMPING: Range = Range::new(0.0, 0.5);
+/// Periods of a smooth shaper.
+const SMOOTH: f64 = 1.5;
+/// Vibration that EI leaves at its frequency.
+const LEFT: f64 = 0.05;
+
+impl Shape {
+    /// How long its weights reach back, s.
+    pub fn length(&self) -> f64 {
+        let periods = match self.kind {
+            ShaperKind::Zv => 0.5,
+            ShaperKind::Mzv => 0.75,
+            ShaperKind::Ei => 1.0,
+            ShaperKind::Smooth => SMOOTH,
+        };
+        periods / self.frequency
+    }
+
+    pub(super) fn check(&self, axis: usize, cycle: f64, history: usize) -> Result<(), ShaperError> {
+        DAMPING.check(self.damping).map_err(|error| ShaperError::Damping { axis, error })?;
+        let room = (history.saturating_sub(2)) as f64 * cycle;
+        let least = self.length() * self.frequency / room;
+        Range::new(least, 0.25 / cycle)
+            .check(self.frequency)
+            .map_err(|error| ShaperError::Frequency { axis, error })
+    }
+
+    /// Tells how much weight lies how many cycles back; more than asked for by a common factor.
+    pub(super) fn weigh(&self, cycle: f64, mut tell: impl FnMut(f64, f64)) {
+        let period = 1.0 / (self.frequency * cycle);
+        let root = libm::sqrt(1.0 - self.damping * self.damping);
+        // What is left of a vibration after so many periods.
+        let decay = |periods: f64| libm::exp(-2.0 * PI * self.damping / root * periods);
+        let mut impulse = |periods: f64, weight: f64| {
+            tell(periods * period, weight * decay(periods));
+        };
+        match self.kind {
+            ShaperKind::Zv => {
+                impulse(0.0, 0.5);
+                impulse(0.5, 0.5);
+            }
+            ShaperKind::Mzv => {
+                let side = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
+                impulse(0.0, side);
+                impulse(0.375, 1.0 - 2.0 * side);
+                impulse(0.75, side);
+            }
+            ShaperKind::Ei => {
+                impulse(0.0, (1.0 + LEFT) / 4.0);
+                impulse(0.5, (1.0 - LEFT) / 2.0);
+                impulse(1.0, (1.0 + LEFT) / 4.0);
+            }
+            ShaperKind::Smooth => {
+                // At least seven of them; no more than the past has cycles, which was checked.
+                let count = libm::ceil(SMOOTH * period) as u32;
+                for n in 1..count {
+                    let part = f64::from(n) / f64::from(count);
+                    impulse(SMOOTH * part, libm::sin(PI * part));
+                }
+            }
+        }
+    }
+}
+
+/// What lies so many cycles back counts so much.
+#[derive(Clone, Copy, Debug)]
+pub struct Tap<S> {
+    pub back: usize,
+    pub weight: S,
+}
+
+/// The weights of one axis.
+#[derive(Clone, Debug)]
+pub struct Kernel<S, const HISTORY: usize> {
+    pub taps: Vec<Tap<S>, HISTORY>,
+    /// Half the variance of the time that it looks back, s2: an axis is off where it was a mean time before by no more than
+    /// this times its acceleration.
+    pub spread: f64,
+}
+
+impl<S: Scalar, const HISTORY: usize> Kernel<S, HISTORY> {
+    /// Everything counts now.
+    pub fn none() -> Self {
+        Self { taps: Vec::new(), spread: 0.0 }
+    }
+
+    /// Mean time that a shape looks back, cycles.
+    pub fn mean(shape: &Shape, cycle: f64) -> f64 {
+        let (mut sum, mut moment) = (0.0, 0.0);
+        shape.weigh(cycle, |back, weight| {
+            sum += weight;
+            moment += weight * back;
+        });
+        moment / sum
+    }
+
+    /// A shape (or none) that looks back `wait` cycles further. What lies between two cycles counts in both, by how near it is.
+    ///
+    /// # Errors
+    /// How many cycles it would take, if there are fewer.
+    pub fn new(shape: Option<&Shape>, wait: f64, cycle: f64) -> Result<Self, usize> {
+        let mut weights = [0.0; HISTORY];
+        let mut sum = 0.0;
+        let mut most = 0;
+        let mut add = |back: f64, weight: f64| {
+            let whole = libm::floor(back);
+            let part = back - whole;
+            let at = whole as usize;
+            sum += weight;
+            for (at, share) in [(at, 1.0 - part), (at + 1, part)] {
+                if share <= 0.0 {
+                    continue;
+                }
+                most = most.max(at + 1);
+                if let Some(slot) = weights.get_mut(at) {
+                    *slot += weight * share;
+                }
+            }
+        };
+        match shape {
+            Some(shape) => shape.weigh(cycle, |back, weight| add(back + wait, weight)),
+            None => add(wait, 1.0),
+        }
+        if most > HISTORY {
+            return Err(most);
+        }
+        let mut kernel = Self::none();
+        let (mut mean, mut square) = (0.0, 0.0);
+        for (back, weight) in weights.iter().enumerate() {
+            let share = weight / sum;
+            if share > 0.0 {
+                let at = back as f64;
+                mean += share * at;
+                square += share * at * at;
+                // As many as there are weights.
+                let _ = kernel.taps.push(Tap { back, weight: S::of(share) });
+            }
+        }
+        kernel.spread = 0.5 * (square - mean * mean).max(0.0) * cycle * cycle;
+        Ok(kernel)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec::Vec as List;
+
+    const KINDS: [ShaperKind; 4] =
+        [ShaperKind::Zv, ShaperKind::Mzv, ShaperKind::Ei, ShaperKind::Smooth];
+
+    fn shape(kind: ShaperKind, frequency: f64, damping: f64) -> Shape {
+        Shape { kind, frequency, damping }
+    }
+
+    /// Share of the vibration of a step that is left, at a frequency, by the vector sum of impulses.
+    fn left(kernel: &Kernel<f64, 256>, frequency: f64, damping: f64, cycle: f64) -> f64 {
+        let seen = 2.0 * PI * frequency;
+        let decay = seen * damping / libm::sqrt(1.0 - damping * damping);
+        let last = kernel.taps.last().unwrap().back as f64 * cycle;
+        let (mut x, mut y) = (0.0, 0.0);
+        for tap in &kernel.taps {
+            let t = tap.back as f64 * cycle;
+            let size = tap.weight * libm::exp(decay * (t - last));
+            x += size * libm::cos(seen * t);
+            y += size * libm::sin(seen * t);
+        }
+        libm::hypot(x, y)
+    }
+
+    #[test]
+    fn the_vibration_is_gone_at_its_frequency() {
+        for kind in KINDS {
+            for damping in [0.0, 0.1, 0.3] {
+                for (frequency, cycle) in [(25.0, 1.0e-3), (41.7, 1.0e-3), (60.0, 2.5e-4)] {
+                    let shape = shape(kind, frequency, damping);
+                    let kernel = Kernel::<f64, 256>::new(Some(&shape), 0.3, cycle).unwrap();
+                    let sum: f64 = kernel.taps.iter().map(|tap| tap.weight).sum();
+                    assert!((sum - 1.0).abs() < 1.0e-12);
+                    let most = if kind == ShaperKind::Ei { 0.06 } else { 0.015 };
+                    let left = left(&kernel, frequency, damping, cycle);
+                    assert!(left < most, "{kind:?} {frequency} {damping}: {left}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn robust_shapers_are_wider() {
+        let width = |kind: ShaperKind| {
+            let kernel =
+                Kernel::<f64, 256>::new(Some(&shape(kind, 40.0, 0.0)), 0.0, 1.0e-3).unwrap();
+            let seen: List<f64> = (0..200)
+                .map(|n| 20.0 + 0.2 * f64::from(n))
+                .filter(|&f| left(&kernel, f, 0.0, 1.0e-3) < 0.05)
+                .collect();
+            (seen.last().unwrap() - seen.first().unwrap()) / 40.0
+        };
+        let [zv, mzv, ei, _] = KINDS.map(width);
+        assert!(zv < mzv && mzv < ei, "{zv} {mzv} {ei}");
+        assert!(ei > 0.3, "{ei}");
+    }
+
+    #[test]
+    fn what_cannot_be_is_named() {
+        let check = |shape: Shape| shape.check(1, 1.0e-3, 64);
+        assert_eq!(check(shape(ShaperKind::Ei, 40.0, 0.1)), Ok(()));
+        for bad in [10.0, 0.0, -1.0, f64::NAN, f64::INFINITY, 300.0] {
+            let error = check(shape(ShaperKind::Ei, bad, 0.1)).unwrap_err();
+            assert!(matches!(error, ShaperError::Frequency { axis: 1, .. }), "{error}");
+        }
+        for bad in [-0.1, 0.6, f64::NAN] {
+            let error = check(shape(ShaperKind::Zv, 40.0, bad)).unwrap_err();
+            assert!(matches!(error, ShaperError::Damping { axis: 1, .. }), "{error}");
+        }
+        assert_eq!(Kernel::<f32, 16>::new(None, 20.5, 1.0e-3).unwrap_err(), 22);
+    }
+}

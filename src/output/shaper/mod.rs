@@ -1,0 +1,275 @@
+//! Input shaping: setpoints that do not make the machine vibrate.
+//!
+//! What an axis is given is a mean of its setpoints over the last milliseconds, by weights that let a vibration of a known frequency
+//! cancel itself. The weights are positive and their sum is one, so that no axis becomes faster, or accelerates or jerks more, than
+//! its setpoints do; only the path is another one. By how much is bounded: with `w` the weights, `t` how far they look
+//! back and `m` the mean of these times, which is the same for all axes, an axis is off its place `m` before by
+//!
+//! `sum w (q(now - t) - q(now - m)) <= 1/2 sum w (t - m)^2 max|acceleration|`,
+//!
+//! since the first order cancels. [`Shaper::follower`] keeps so much of the tolerance free, which may cost acceleration.
+
+mod kernel;
+
+pub use kernel::{Shape, ShaperError, ShaperKind};
+
+use crate::machine::{Config, Follower, Quantity};
+use crate::number::{Coord, Scalar};
+use crate::servo::{Activity, Setpoint};
+use core::array::from_fn;
+use kernel::Kernel;
+
+/// What is remembered of a setpoint.
+#[derive(Clone, Copy, Debug)]
+struct Past<S, const N: usize> {
+    origin: [Coord; N],
+    offset: [S; N],
+    velocity: [S; N],
+    acceleration: [S; N],
+}
+
+impl<S: Scalar, const N: usize> Past<S, N> {
+    const ZERO: Self = Self {
+        origin: [Coord::ZERO; N],
+        offset: [S::ZERO; N],
+        velocity: [S::ZERO; N],
+        acceleration: [S::ZERO; N],
+    };
+
+    fn of(setpoint: &Setpoint<S, N>) -> Self {
+        let Setpoint { origin, offset, velocity, acceleration, .. } = *setpoint;
+        Self { origin, offset, velocity, acceleration }
+    }
+}
+
+/// Shapes the setpoints of `N` axes (feature `shaping`); `HISTORY` is how many servo cycles it remembers, 1.5 periods of the lowest
+/// frequency and 2 more at most. To be called between [`Interpolator::tick`](crate::Interpolator::tick) and what follows setpoints.
+///
+/// ```
+/// use splineway::output::{Shape, Shaper, ShaperKind};
+/// # use splineway::{AxisLimits, Config, Limits, Link, Coord};
+/// # let axis = AxisLimits::linear(200.0, 2000.0, 1.0e5);
+/// # let mut config = Config::<f32, 2>::new(Limits::new([axis; 2])?);
+/// config.tolerance = 0.05;
+/// let shape = Shape { kind: ShaperKind::Zv, frequency: 45.0, damping: 0.06 };
+/// let mut shaper = Shaper::<f32, 2, 64>::new([Some(shape); 2], &config)?;
+/// config.follower = shaper.follower(&config);
+/// # let mut link = Link::<f32, 2>::new();
+/// let (planner, mut interpolator) = link.split(config, [Coord::ZERO; 2])?;
+/// // In the servo interrupt:
+/// let setpoint = shaper.shape(&interpolator.tick());
+/// # assert!(shaper.is_settled());
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Shaper<S, const N: usize, const HISTORY: usize> {
+    kernels: [Kernel<S, HISTORY>; N],
+    past: [Past<S, N>; HISTORY],
+    /// Where the last setpoint is kept.
+    newest: usize,
+    /// How far back it is known, cycles: before that the axes rested where they were then.
+    known: usize,
+    /// How far back the weights reach, cycles.
+    span: usize,
+    /// Servo cycles at rest so far, up to the span.
+    rested: usize,
+    /// An event that waits for the rest, and for how many cycles.
+    event: Option<(u32, usize)>,
+    /// Whether all axes are shaped alike.
+    alike: bool,
+    /// Mean time that all axes look back, cycles.
+    mean: f64,
+    cycle: f64,
+}
+
+impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
+    /// Shapes the axes that have a shape; the others wait as long as these do on the average, so that all stay together.
+    ///
+    /// Cost: some hundred thousand instructions.
+    ///
+    /// # Errors
+    /// [`ShaperError`] names what is out of its range.
+    pub fn new(shapes: [Option<Shape>; N], config: &Config<S, N>) -> Result<Self, ShaperError> {
+        Quantity::Cycle.check(config.cycle).map_err(ShaperError::Cycle)?;
+        let cycle = config.cycle.to_f64();
+        let mut mean: f64 = 0.0;
+        for (axis, shape) in shapes.iter().enumerate() {
+            if let Some(shape) = shape {
+                shape.check(axis, cycle, HISTORY)?;
+                mean = mean.max(Kernel::<S, HISTORY>::mean(shape, cycle));
+            }
+        }
+        let mut kernels = from_fn(|_| Kernel::none());
+        let mut span = 0;
+        for (axis, (kernel, shape)) in kernels.iter_mut().zip(&shapes).enumerate() {
+            let own = shape.as_ref().map_or(0.0, |s| Kernel::<S, HISTORY>::mean(s, cycle));
+            let too_long = |cycles| ShaperError::TooLong { axis, cycles, greatest: HISTORY };
+            *kernel = Kernel::new(shape.as_ref(), mean - own, cycle).map_err(too_long)?;
+            span = kernel.taps.last().map_or(span, |tap| span.max(tap.back));
+        }
+        Ok(Self {
+            kernels,
+            past: [Past::ZERO; HISTORY],
+            newest: 0,
+            known: 0,
+            span,
+            rested: span,
+            event: None,
+            alike: shapes.windows(2).all(|two| two[0] == two[1]),
+            mean,
+            cycle,
+        })
+    }
+
+    /// What it asks of the motion: [`Config::follower`]. It keeps as much of the tolerance free as the limits of
+    /// the axes make it leave the path, but at most half of it: where that is not enough, accelerations are lowered. (In a corner the
+    /// speed goes with the root of acceleration times what is left of the band: their product is greatest at the half.)
+    ///
+    /// For a tolerance that a program changes, give the least one at which curves are run.
+    pub fn follower(&self, config: &Config<S, N>) -> Follower<S, N> {
+        // Rounding of the weights, and of what comes of them.
+        let safe = 1.001;
+        let mut accelerations = config.limits.axes().map(|axis| axis.acceleration.to_f64());
+        if let Some(stops) = &config.stop_limits {
+            for (most, stop) in accelerations.iter_mut().zip(stops.axes()) {
+                *most = most.max(stop.acceleration.to_f64());
+            }
+        }
+        let off: [f64; N] = from_fn(|i| accelerations[i] * self.kernels[i].spread * safe);
+        let half = config.tolerance.to_f64() / 2.0;
+        // Each axis may be off by so much: those that are off by less leave the others more.
+        let mut level = f64::INFINITY;
+        let norm = |level: f64| libm::sqrt(off.iter().map(|x| x.min(level) * x.min(level)).sum());
+        if norm(level) > half {
+            let mut sorted = off;
+            sorted.sort_unstable_by(f64::total_cmp);
+            let mut left = half * half;
+            for (i, x) in sorted.iter().enumerate() {
+                level = libm::sqrt(left / (N - i) as f64);
+                if *x > level {
+                    break;
+                }
+                left -= x * x;
+            }
+        }
+        for (most, off) in accelerations.iter_mut().zip(&off) {
+            if *off > level {
+                *most *= level / off;
+            }
+        }
+        Follower {
+            reserve: S::of(norm(level)),
+            alike: self.alike,
+            settle: S::of(self.span as f64 * self.cycle),
+            acceleration: accelerations.map(S::of),
+        }
+    }
+
+    /// By how much the machine is behind the setpoints, s.
+    pub fn delay(&self) -> f64 {
+        self.mean * self.cycle
+    }
+
+    /// Whether the machine rests where the last setpoint is.
+    pub fn is_settled(&self) -> bool {
+        self.rested >= self.span
+    }
+
+    /// Where the machine should be, by the setpoint of this servo cycle and those before it.
+    ///
+    /// What is off the path is not shaped: jogs, probes and homing are where their setpoints are, so that an edge is where it was
+    /// seen. They begin when the machine has settled. `Activity::Idle`, `Dwelling` and `Event` are told when it has, too;
+    /// arc length, speed along the path and tag are those of the setpoint.
+    ///
+    /// Cost: at rest that of a copy, else a few instructions per weight, axis and derivative: [docs/shaping.md has the numbers].
+    ///
+    /// [docs/shaping.md has the numbers]: https://docs.rs/crate/splineway/latest/source/docs/shaping.md
+    pub fn shape(&mut self, now: &Setpoint<S, N>) -> Setpoint<S, N> {
+        let off_path = matches!(now.activity, Activity::Jogging | Activity::Set);
+        if off_path && self.is_settled() {
+            self.keep(now, 0);
+            return *now;
+        }
+        let zero = |of: &[S; N]| of.iter().all(|x| *x == S::ZERO);
+        let rests = !off_path
+            && now.activity != Activity::Running
+            && zero(&now.velocity)
+            && zero(&now.acceleration);
+        if rests && self.is_settled() {
+            self.keep(now, 0);
+        } else {
+            self.keep(now, (self.known + 1).min(HISTORY.saturating_sub(1)));
+            self.rested = if rests { self.rested + 1 } else { 0 };
+        }
+        let mut shaped = *now;
+        if !self.is_settled() {
+            self.weigh(&mut shaped);
+        }
+        shaped.activity = self.told(now);
+        if let Activity::Event = shaped.activity
+            && let Some((tag, _)) = self.event.take()
+        {
+            shaped.tag = tag;
+        }
+        shaped
+    }
+
+    /// Remembers a setpoint. Before that `known` cycles are.
+    fn keep(&mut self, now: &Setpoint<S, N>, known: usize) {
+        let next = self.newest + 1;
+        self.newest = if next < HISTORY { next } else { 0 };
+        self.known = known;
+        if let Some(slot) = self.past.get_mut(self.newest) {
+            *slot = Past::of(now);
+        }
+    }
+
+    /// The weighted mean.
+    #[inline(never)]
+    fn weigh(&self, shaped: &mut Setpoint<S, N>) {
+        let now = Past::of(shaped);
+        for (i, kernel) in self.kernels.iter().enumerate() {
+            let (mut behind, mut velocity, mut acceleration) = (S::ZERO, S::ZERO, S::ZERO);
+            for tap in &kernel.taps {
+                let back = tap.back.min(self.known);
+                let at = if back <= self.newest {
+                    self.newest - back
+                } else {
+                    (self.newest + HISTORY).saturating_sub(back)
+                };
+                let Some(past) = self.past.get(at) else { continue };
+                let mut way = now.offset[i] - past.offset[i];
+                // Most lie on the same piece of the motion.
+                if past.origin[i] != now.origin[i] {
+                    way += now.origin[i].minus::<S>(past.origin[i]);
+                }
+                behind += tap.weight * way;
+                velocity += tap.weight * past.velocity[i];
+                acceleration += tap.weight * past.acceleration[i];
+            }
+            shaped.offset[i] = now.offset[i] - behind;
+            shaped.velocity[i] = velocity;
+            shaped.acceleration[i] = acceleration;
+        }
+    }
+
+    /// What the machine does.
+    fn told(&mut self, now: &Setpoint<S, N>) -> Activity {
+        if now.activity == Activity::Event {
+            self.event = Some((now.tag, self.span.saturating_sub(self.rested)));
+        }
+        match &mut self.event {
+            Some((_, 0)) => return Activity::Event,
+            Some((_, wait)) => *wait -= 1,
+            None => {}
+        }
+        match now.activity {
+            Activity::Idle | Activity::Dwelling | Activity::Event if !self.is_settled() => {
+                Activity::Running
+            }
+            // It is told once.
+            Activity::Event => Activity::Dwelling,
+            activity => activity,
+        }
+    }
+}
