@@ -2,7 +2,7 @@
 
 #![allow(dead_code)] // Every test uses a part of it.
 
-use splineway::{AxisLimits, Limits, Linear, Scalar, Setpoint};
+use splineway::{AxisLimits, Limits, Linear, MOTORS, Scalar, Setpoint};
 
 /// The same machine, as often as not with motors that follow its axes: belts over two of them, or anything.
 pub fn with_motors<S: Scalar, const N: usize>(
@@ -58,7 +58,7 @@ pub fn with_stops<S: Scalar, const N: usize>(
     limits: &Limits<S, N>,
     mut share: impl FnMut() -> f64,
 ) -> Limits<S, N> {
-    let count = (0..).take_while(|&motor| limits.motor(motor).is_some()).count();
+    let count = (0..MOTORS).take_while(|&motor| limits.motor(motor).is_some()).count();
     if share() < 0.5 {
         return stop;
     }
