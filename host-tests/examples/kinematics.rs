@@ -27,8 +27,8 @@ fn part(share: f64) -> AxisLimits<f64> {
 }
 
 /// Position, velocity, acceleration and jerk of a motor over time, on a machine with these limits.
-fn run(limits: Limits<f64, 2>, motor: usize) -> Result<[Curve; 4]> {
-    let mut config = Config::new(limits);
+fn run(limits: &Limits<f64, 2>, motor: usize) -> Result<[Curve; 4]> {
+    let mut config = Config::new(*limits);
     (config.cycle, config.tolerance) = (CYCLE, 0.05);
     let belts = Linear::<f64, 2, 2>::core_xy();
     let mut link = Box::new(Link::<f64, 2>::new());
@@ -63,9 +63,9 @@ fn main() -> Result<()> {
     let by_motors = Limits::new([part(5.0); 2])?.with_motors(&belts, [part(1.0); 2])?;
     let by_axes = Limits::new([part(0.5); 2])?;
     let runs = [
-        ("x + y, by limits of the motors", run(by_motors, 0)?),
-        ("x - y, by limits of the motors", run(by_motors, 1)?),
-        ("x + y, by limits of the axes", run(by_axes, 0)?),
+        ("x + y, by limits of the motors", run(&by_motors, 0)?),
+        ("x - y, by limits of the motors", run(&by_motors, 1)?),
+        ("x + y, by limits of the axes", run(&by_axes, 0)?),
     ];
     for (name, curves) in &runs {
         println!("{name}: {:.3} s", curves[0].len() as f64 * CYCLE);

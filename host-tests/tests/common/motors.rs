@@ -96,7 +96,7 @@ pub fn motor_shares<S: Scalar, const N: usize>(
     (cycle, rounding): (f64, f64),
 ) -> [f64; 3] {
     let mut most = [0.0f64; 3];
-    for (motor, row) in (0..).map_while(|motor| limits.motor(motor)).enumerate() {
+    for (motor, row) in (0..MOTORS).map_while(|motor| limits.motor(motor)).enumerate() {
         let sum = |of: &[S; N]| -> f64 {
             row.factors.iter().zip(of).map(|(k, x)| k.to_f64() * x.to_f64()).sum()
         };
