@@ -499,7 +499,10 @@ const SMALL: usize = bytes::<f32, 3, 8, 56>();
 const SMALL_SIX: usize = bytes::<f32, 6, 8, 56>();
 /// What the queues of outputs add, which a core without the feature has not.
 const OUTPUTS: usize = 11 * 1024;
-const _: () = assert!(SMALL <= 52 * 1024 + OUTPUTS && SMALL_SIX <= 78 * 1024 + OUTPUTS);
+/// What motors add: eight of them in each of six sets of limits.
+const MOTORS: usize = 6 * (8 * 48 + 8);
+const MORE: usize = OUTPUTS + MOTORS;
+const _: () = assert!(SMALL <= 52 * 1024 + MORE && SMALL_SIX <= 78 * 1024 + MORE);
 
 /// Bytes that one more block, and one more node, of the look-ahead take; limits of travel are in it.
 const PER_BLOCK: usize = (bytes::<f32, 3, 16, 56>() - SMALL) / 8;
