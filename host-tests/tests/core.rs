@@ -501,7 +501,9 @@ const SMALL_SIX: usize = bytes::<f32, 6, 8, 56>();
 const OUTPUTS: usize = 11 * 1024;
 /// What motors add: eight of them in each of six sets of limits.
 const MOTORS: usize = 6 * (8 * 48 + 8);
-const MORE: usize = OUTPUTS + MOTORS;
+/// What input shaping adds: other limits in each of five sets, and what follows the setpoints.
+const SHAPING: usize = 5 * size_of::<Limits<f32, 6>>() + 128;
+const MORE: usize = OUTPUTS + MOTORS + SHAPING;
 const _: () = assert!(SMALL <= 52 * 1024 + MORE && SMALL_SIX <= 78 * 1024 + MORE);
 
 /// Bytes that one more block, and one more node, of the look-ahead take; limits of travel are in it.

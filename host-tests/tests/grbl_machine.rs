@@ -158,11 +158,11 @@ fn session(seed: u64, seen: &mut Seen) {
             listen(rig, &mut answered, &mut sent, seen, seed);
             assert!(answered <= asked, "seed {seed}, {cycle}: {answered} answers to {asked} lines");
             let now = (rig.place(), rig.background.state());
-            if rig.board.setpoint.activity != Activity::Set {
-                watch((before, now), rested, (line_came, start_came), seed);
-            } else {
+            if rig.board.setpoint.activity == Activity::Set {
                 fits(rig, &mut shift, seed);
                 seen.homed += 1;
+            } else {
+                watch((before, now), rested, (line_came, start_came), seed);
             }
             let light = rig.board.power > 0.0;
             seen.burnt += u32::from(light);
