@@ -268,7 +268,7 @@ mod app {
         }
 
         fn switch(&mut self, accessories: &Accessories) {
-            let Accessories { spindle, speed, flood, mist } = accessories;
+            let Accessories { spindle, speed, flood, mist, .. } = accessories;
             let _ = writeln!(Log, "spindle {spindle:?} {speed} flood {flood} mist {mist}");
         }
 
