@@ -7,8 +7,8 @@ mod cycles;
 use cycles::{AXES, Between, Draw, Point, at, machine, soak};
 use splineway::output::{Shape, Shaper, ShaperKind};
 use splineway::{
-    Activity, Block, Config, Controls, Coord, Feed, Interpolator, Jog, Link, Motion, Planner,
-    Progress, PushError, Scalar, Setpoint, Turn,
+    Activity, AxisLimits, Block, Config, Controls, Coord, Feed, Interpolator, Jog, Limits, Link,
+    Motion, Planner, Progress, PushError, Scalar, Setpoint, Turn,
 };
 
 use splineway_simulator::judge::{judged, violations};
@@ -19,7 +19,7 @@ use splineway_simulator::run::{Events, Precision};
 const HISTORY: usize = 1024;
 type Core<'a, S> = (Planner<'a, S, AXES, 16, 64>, Interpolator<'a, S, AXES>);
 
-fn shapes(draw: &mut Draw, cycle: f64) -> [Option<Shape>; AXES] {
+fn shapes(draw: &mut Draw, cycle: f64, alike: bool) -> [Option<Shape>; AXES] {
     let mut shape = || {
         let kinds = [ShaperKind::Zv, ShaperKind::Mzv, ShaperKind::Ei, ShaperKind::Smooth];
         let kind = kinds[(draw.share() * 4.0) as usize];
@@ -29,7 +29,7 @@ fn shapes(draw: &mut Draw, cycle: f64) -> [Option<Shape>; AXES] {
     };
     let all = [(); AXES].map(|()| shape());
     // Often alike.
-    if draw.chance(0.4) { [all[0]; AXES] } else { all }
+    if draw.chance(0.4) || alike { [all[0]; AXES] } else { all }
 }
 
 /// Where a block leads, and how far from it the machine may be.
@@ -161,7 +161,8 @@ impl<S: Scalar> Watch<S> {
             assert!(off < may, "axis {i}: jumps by {off} of {may} mm");
         }
         self.before = *now;
-        if !on_path {
+        // At rest it may be where a jog has led.
+        if !on_path || now.activity == Activity::Idle {
             return;
         }
         let at: [f64; AXES] = std::array::from_fn(|i| now.position_mm(i));
@@ -178,7 +179,9 @@ fn random_program<S: Scalar>(seed: u64, commands: bool) -> f64 {
     let mut draw = Draw(seed | 1);
     let mut config = machine::<S>(&mut draw);
     config.tolerance = S::of(draw.scale(0.005, 0.2));
-    let shapes = shapes(&mut draw, config.cycle.to_f64());
+    // Where motors follow several axes these are shaped alike.
+    let motors = config.limits.motor(0).is_some();
+    let shapes = shapes(&mut draw, config.cycle.to_f64(), motors);
     let mut shaper = Box::new(Shaper::<S, AXES, HISTORY>::new(shapes, &config).unwrap());
     config.follower = shaper.follower(&config);
     let mut link = Box::new(Link::<S, AXES, 16, 64>::new());
@@ -192,7 +195,7 @@ fn random_program<S: Scalar>(seed: u64, commands: bool) -> f64 {
     let slices = if draw.chance(0.5) { 0 } else { 1 + (draw.share() * 6.0) as u32 };
     let (mut idle, mut told, mut jogs) = (0, 0, 0);
     for _ in 0..4_000_000u32 {
-        while tag < count {
+        while tag < count && !planner.is_jogging() {
             let (block, way) = *wanted
                 .get_or_insert_with(|| block::<S>(&mut draw, planner.end(), &config, tag + 1));
             match planner.push(&block) {
@@ -233,8 +236,20 @@ fn random_program<S: Scalar>(seed: u64, commands: bool) -> f64 {
                 controls.resume();
             }
         }
+        if commands && draw.chance(0.002) && !planner.is_jogging() {
+            // It is refused but at rest, of the setpoints and of the machine.
+            let velocity = config.limits.axes().map(|axis| axis.velocity * S::of(0.5));
+            if planner.jog(&Jog::Velocity { velocity, time: S::of(0.05) }).is_ok() {
+                // What comes begins elsewhere.
+                wanted = None;
+                jogs += 1;
+            }
+        }
         let setpoint = interpolator.tick();
         let shaped = shaper.shape(&setpoint);
+        if setpoint.activity == Activity::Jogging {
+            assert_eq!(setpoint, shaped, "a jog is shaped");
+        }
         watch.see(&shaped, !planner.is_jogging());
         if matches!(shaped.activity, Activity::Idle | Activity::Event | Activity::Dwelling) {
             assert!(shaper.is_settled());
@@ -276,6 +291,68 @@ fn what_the_machine_is_given_keeps_limits_and_band() {
     }
     // The band is used.
     assert!(most > 0.6, "{most}");
+}
+
+/// Long lines at any angle, which are run by the axes' own limits but near their ends.
+fn random_legs<S: Scalar>(seed: u64) -> [f64; 2] {
+    let mut draw = Draw(seed | 1);
+    let axis = AxisLimits::linear(S::of(400.0), S::of(8.0e3), S::of(1.0e6));
+    let mut config = Config::<S, AXES>::new(Limits::new([axis; AXES]).unwrap());
+    config.tolerance = S::of(draw.scale(0.02, 0.1));
+    let kinds = [ShaperKind::Zv, ShaperKind::Mzv, ShaperKind::Ei, ShaperKind::Smooth];
+    let kind = kinds[(draw.share() * 4.0) as usize];
+    let frequency = draw.between(25.0, 60.0);
+    let shape = Shape { kind, frequency, damping: draw.between(0.0, 0.2) };
+    let mut shaper =
+        Box::new(Shaper::<S, AXES, HISTORY>::new([Some(shape); AXES], &config).unwrap());
+    config.follower = shaper.follower(&config);
+    let mut link = Box::new(Link::<S, AXES, 16, 64>::new());
+    let start = [Coord::ZERO; AXES];
+    let (mut planner, mut interpolator): Core<'_, S> = link.split(config, start).unwrap();
+    let rest = shaper.shape(&interpolator.tick());
+    let mut watch = Watch { config, ways: Vec::new(), before: rest, most: 0.0, quick: false };
+    let feed = S::of(draw.scale(50.0, 400.0));
+    let (mut tag, mut fastest) = (0, 0.0f64);
+    for _ in 0..200_000 {
+        while tag < 25 && !planner.is_full() {
+            let from = *planner.end();
+            let size = draw.scale(3.0, 40.0);
+            let to = std::array::from_fn(|i| {
+                let by = if i < 2 { draw.between(-size, size) } else { 0.0 };
+                at(from[i].to_mm() + by)
+            });
+            tag += 1;
+            planner.push(&Block::line(to, feed, tag)).unwrap();
+            let way = Way::Line { from: from.map(Coord::to_mm), to: to.map(Coord::to_mm) };
+            watch.ways.push((way, config.tolerance.to_f64()));
+        }
+        if tag == 25 {
+            planner.finish();
+        }
+        let progress = planner.settle();
+        let shaped = shaper.shape(&interpolator.tick());
+        watch.see(&shaped, true);
+        for (seen, borne) in shaped.acceleration.iter().zip(&config.follower.acceleration) {
+            fastest = fastest.max(seen.to_f64().abs() / borne.to_f64());
+        }
+        if progress == Progress::Done && shaped.activity == Activity::Idle {
+            return [watch.most, fastest];
+        }
+    }
+    panic!("no end");
+}
+
+#[test]
+fn long_lines_are_run_by_all_that_the_axes_have() {
+    let [mut most, mut fastest] = [0.0f64; 2];
+    for case in 0..40 * u64::from(soak()) {
+        let seed = (case + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let run = if case % 2 == 0 { random_legs::<f32> } else { random_legs::<f64> };
+        let seen = run(seed);
+        assert!(seen[0] <= 1.0, "case {case}: {} of the tolerance", seen[0]);
+        (most, fastest) = (most.max(seen[0]), fastest.max(seen[1]));
+    }
+    assert!(most > 0.6 && fastest > 1.5, "{most} of the band, {fastest} of what is borne at bends");
 }
 
 /// The simulator's judge, of a machine file.
