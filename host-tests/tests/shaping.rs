@@ -5,6 +5,8 @@
 mod cycles;
 
 use cycles::{AXES, Between, Draw, Point, at, machine, soak};
+use std::collections::VecDeque;
+
 use splineway::output::{Shape, Shaper, ShaperKind};
 use splineway::{
     Activity, AxisLimits, Block, Config, Controls, Coord, Feed, Interpolator, Jog, Limits, Link,
@@ -313,6 +315,9 @@ fn random_legs<S: Scalar>(seed: u64) -> [f64; 2] {
     let mut watch = Watch { config, ways: Vec::new(), before: rest, most: 0.0, quick: false };
     let feed = S::of(draw.scale(50.0, 400.0));
     let (mut tag, mut fastest) = (0, 0.0f64);
+    // What the shaper looks back on: whether it is more than is borne in a bend, and where it was.
+    let span = (config.follower.settle / config.cycle).to_f64().round() as usize;
+    let mut past: VecDeque<(bool, [f64; AXES])> = VecDeque::new();
     for _ in 0..200_000 {
         while tag < 25 && !planner.is_full() {
             let from = *planner.end();
@@ -330,8 +335,19 @@ fn random_legs<S: Scalar>(seed: u64) -> [f64; 2] {
             planner.finish();
         }
         let progress = planner.settle();
-        let shaped = shaper.shape(&interpolator.tick());
+        let setpoint = interpolator.tick();
+        let shaped = shaper.shape(&setpoint);
         watch.see(&shaped, true);
+        let borne = setpoint.acceleration.iter().zip(&config.follower.acceleration);
+        let more = borne.into_iter().any(|(seen, of)| seen.to_f64().abs() > 1.01 * of.to_f64());
+        past.push_front((more, std::array::from_fn(|i| setpoint.position_mm(i))));
+        past.truncate(span + 1);
+        if past.iter().any(|(more, _)| *more) {
+            let [to, from] = [past.front(), past.back()].map(|end| end.unwrap().1);
+            let chord = Way::Line { from, to };
+            let straight = past.iter().all(|(_, at)| chord.distance(at) < 2.0e-5);
+            assert!(straight, "more than is borne in a bend, tag {}", setpoint.tag);
+        }
         for (seen, borne) in shaped.acceleration.iter().zip(&config.follower.acceleration) {
             fastest = fastest.max(seen.to_f64().abs() / borne.to_f64());
         }
