@@ -110,6 +110,11 @@ impl Machine {
             if motor.axes.values().all(|factor| *factor == 0.0) {
                 bail!("motor {name}: it moves no axis");
             }
+            // The greater of two hides what is no number.
+            if let Some(stop) = motor.stop {
+                let stop = AxisLimits::linear(1.0, stop.acceleration, stop.jerk);
+                Limits::new([stop]).map_err(|error| anyhow!("motor {name}, stop: {error}"))?;
+            }
         }
         let axes: Vec<usize> = (0..AXES).collect();
         let any = AxisLimits::linear(1.0, 1.0, 1.0);
