@@ -8,7 +8,7 @@ use splineway::{
     Activity, AxisLimits, Block, Config, Coord, Interpolator, Limits, Linear, Link, Planner,
     Progress,
 };
-use splineway_host::view::{Drawn, Panel, Series, plot_panels};
+use splineway_host::view::{Panel, Series, plot_panels};
 use std::path::PathBuf;
 
 /// s.
@@ -74,15 +74,11 @@ fn main() -> Result<()> {
     let panels: Vec<Panel> = titles
         .into_iter()
         .enumerate()
-        .map(|(n, title)| Panel {
-            title: title.to_owned(),
-            axes: ["time, s", title],
-            logarithmic: false,
-            drawn: Drawn::Curve,
-            series: runs
-                .iter()
-                .map(|(name, curves)| -> Series { ((*name).to_owned(), curves[n].clone()) })
-                .collect(),
+        .map(|(n, title)| {
+            let series = |(name, curves): &(&str, [Curve; 4])| -> Series {
+                ((*name).to_owned(), curves[n].clone())
+            };
+            Panel::over_time(title, runs.iter().map(series).collect())
         })
         .collect();
     if let Some(out) = std::env::args_os().nth(1) {

@@ -4,7 +4,7 @@
 
 use anyhow::Result;
 use splineway::Activity;
-use splineway_host::view::{Drawn, Panel, plot_panels};
+use splineway_host::view::{Panel, plot_panels};
 use splineway_simulator::machine::Machine;
 use splineway_simulator::program::{self, ReadOptions};
 use splineway_simulator::run::{Events, Observer, Precision, Sample, run_with};
@@ -62,13 +62,7 @@ fn draw(events: &str, title: &str, axes: usize, out: Option<PathBuf>) -> Result<
     let mut panels = Vec::new();
     for (title, both) in over_time.into_iter().zip(curves.over_time) {
         let named = ["X", "Y"].map(str::to_owned).into_iter().zip(both);
-        panels.push(Panel {
-            title: title.to_owned(),
-            axes: ["time, s", title],
-            logarithmic: false,
-            drawn: Drawn::Curve,
-            series: named.take(axes).collect(),
-        });
+        panels.push(Panel::over_time(title, named.take(axes).collect()));
     }
     if let Some(out) = out {
         plot_panels(&out, title, &panels)?;

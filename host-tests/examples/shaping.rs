@@ -6,7 +6,7 @@
 use anyhow::{Result, anyhow};
 use splineway::output::{Shape, Shaper, ShaperKind};
 use splineway::{Activity, AxisLimits, Block, Config, Coord, Limits, Link, Progress};
-use splineway_host::view::{Drawn, Panel, Series, plot_panels};
+use splineway_host::view::{Panel, Series, plot_panels};
 use std::path::PathBuf;
 
 /// s.
@@ -162,13 +162,7 @@ fn main() -> Result<()> {
     let panels: Vec<Panel> = titles
         .into_iter()
         .zip(series)
-        .map(|(title, series)| Panel {
-            title: title.to_owned(),
-            axes: ["time, s", title],
-            logarithmic: false,
-            drawn: Drawn::Curve,
-            series,
-        })
+        .map(|(title, series)| Panel::over_time(title, series))
         .collect();
     plot_panels(&PathBuf::from(out), "one line, with and without input shaping", &panels)?;
     Ok(())

@@ -45,6 +45,14 @@ pub struct Panel {
     pub series: Vec<Series>,
 }
 
+impl Panel {
+    /// Curves over time, s; `title` says what they are, with its unit.
+    pub fn over_time(title: &'static str, series: Vec<Series>) -> Self {
+        let axes = ["time, s", title];
+        Self { title: title.to_owned(), axes, logarithmic: false, drawn: Drawn::Curve, series }
+    }
+}
+
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
