@@ -125,7 +125,8 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
     /// the axes make it leave the path, but at most half of it: where that is not enough, accelerations are lowered. (In a corner the
     /// speed goes with the root of acceleration times what is left of the band: their product is greatest at the half.)
     ///
-    /// For a tolerance that a program changes, give the least one at which curves are run.
+    /// For a tolerance that a program changes, give the least one at which curves are run. Without a tolerance no acceleration is
+    /// lowered, and all that they make it leave the path is kept free of those that blocks name.
     pub fn follower(&self, config: &Config<S, N>) -> Follower<S, N> {
         // Rounding of the weights, and of what comes of them.
         let safe = 1.001;
@@ -136,7 +137,9 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
             }
         }
         let off: [f64; N] = from_fn(|i| accelerations[i] * self.kernels[i].spread * safe);
-        let half = config.tolerance.to_f64() / 2.0;
+        // Without one, blocks that name their own have what the full accelerations need taken off it.
+        let tolerance = config.tolerance.to_f64();
+        let half = if tolerance > 0.0 { tolerance / 2.0 } else { f64::INFINITY };
         // Each axis may be off by so much: those that are off by less leave the others more.
         let mut level = f64::INFINITY;
         let norm = |level: f64| libm::sqrt(off.iter().map(|x| x.min(level) * x.min(level)).sum());
@@ -271,5 +274,38 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
             Activity::Event => Activity::Dwelling,
             activity => activity,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::{AxisLimits, Limits};
+
+    fn follower(tolerance: f64, shapes: [Option<Shape>; 2]) -> Follower<f64, 2> {
+        let axis = AxisLimits::linear(200.0, 2000.0, 1.0e5);
+        let mut config = Config::new(Limits::new([axis; 2]).unwrap());
+        config.tolerance = tolerance;
+        Shaper::<f64, 2, 64>::new(shapes, &config).unwrap().follower(&config)
+    }
+
+    const SHAPE: Shape = Shape { kind: ShaperKind::Zv, frequency: 50.0, damping: 0.0 };
+
+    /// Two impulses `T / 2` apart: half the variance is `T^2 / 32`.
+    #[test]
+    fn what_is_taken_is_what_accelerations_make_it_leave_the_path() {
+        let off = 2000.0 / (32.0 * 50.0 * 50.0);
+        let both = f64::sqrt(2.0) * off;
+        for (tolerance, reserve) in [(0.2, both), (0.0, both), (0.04, 0.02)] {
+            let asked = follower(tolerance, [Some(SHAPE); 2]);
+            assert!((asked.reserve / reserve - 1.0).abs() < 0.002, "{asked:?}");
+            let borne = 2000.0 * (reserve / both).min(1.0);
+            assert!(asked.acceleration.iter().all(|a| (a / borne - 1.0).abs() < 0.002));
+            assert!(asked.alike && (asked.settle - 0.01).abs() < 1.0e-9);
+        }
+        // The other axis only waits, for five servo cycles.
+        let asked = follower(0.04, [Some(SHAPE), None]);
+        assert!((asked.acceleration[0] / 2000.0 * off - 0.02).abs() < 1.0e-4, "{asked:?}");
+        assert!((asked.acceleration[1], asked.alike) == (2000.0, false), "{asked:?}");
     }
 }
