@@ -327,6 +327,16 @@ fn random_legs<S: Scalar>(seed: u64) -> [f64; 2] {
                 at(from[i].to_mm() + by)
             });
             tag += 1;
+            if draw.chance(0.3) {
+                // Calm lines between: where there is no room for other limits they stay as they are.
+                let share = S::of(if draw.chance(0.5) { 1.0 } else { 0.2 });
+                let calm = AxisLimits {
+                    velocity: axis.velocity * share,
+                    acceleration: axis.acceleration * share,
+                    ..axis
+                };
+                let _ = planner.set_limits(Limits::new([calm; AXES]).unwrap());
+            }
             planner.push(&Block::line(to, feed, tag)).unwrap();
             let way = Way::Line { from: from.map(Coord::to_mm), to: to.map(Coord::to_mm) };
             watch.ways.push((way, config.tolerance.to_f64()));

@@ -231,12 +231,17 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     #[cfg(feature = "shaping")]
     fn free(&self, front: &Front<S, N>, body: &Body<S>, config: &Config<S, N>) -> Option<Free> {
         let direction = front.segment.end_frame().tangent;
-        if !front.segment.is_line() || !config.bears_less(&direction) {
+        // What is known here are the newest limits.
+        let newest = front.block.limits == self.limits;
+        if !newest || !front.segment.is_line() || !config.bears_less(&direction) {
             return None;
         }
-        let ahead = self.queue.get(1).and_then(|next| next.segment);
+        let next = self.queue.get(1);
+        let ahead = next.and_then(|next| next.segment);
         let behind = ahead.map_or(direction, |ahead| ahead.start_frame().tangent);
-        let exit = free::beside(front.block.joint, (&direction, &behind), self.kept, config);
+        let alike = next.is_none_or(|next| next.limits == front.block.limits);
+        let exit =
+            free::beside(front.block.joint, (&direction, &behind), (self.kept, alike), config);
         Free::of(front, body, [self.entry, exit], config)
     }
 
@@ -299,8 +304,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                 let next = self.queue.front()?.segment?;
                 Some((done.segment?.end_frame().tangent, next.start_frame().tangent))
             };
+            let alike = |done: &QueuedBlock<S, N>| {
+                self.queue.front().is_some_and(|n| n.limits == done.limits)
+            };
+            let taken = (self.given, done.as_ref().is_some_and(alike));
             self.entry = match done.as_ref().and_then(|done| Some((done.joint, frames(done)?))) {
-                Some((joint, (a, b))) => free::beside(joint, (&a, &b), self.given, config),
+                Some((joint, (a, b))) => free::beside(joint, (&a, &b), taken, config),
                 None => S::ZERO,
             };
         }

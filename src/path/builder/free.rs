@@ -23,16 +23,16 @@ pub struct Free {
 ///
 /// A corner of turn `theta` takes `L` of either line and is at most `2 L` long, so that somewhere its curvature is `theta / 2 L` at
 /// least. There the square of the speed is at most `2 a L / theta`, with `a` the greatest acceleration in any direction,
-/// and from there to either end it gains `4 a L` at most.
+/// and from there to either end it gains `4 a L` at most. `alike`: the limits are the same on either side.
 pub fn beside<S: Scalar, const N: usize>(
     joint: Joint,
     (before, after): (&[S; N], &[S; N]),
-    taken: Length,
+    (taken, alike): (Length, bool),
     config: &Config<S, N>,
 ) -> S {
     match joint {
         Joint::Stop => S::ZERO,
-        Joint::Corner => {
+        Joint::Corner if alike => {
             let mut square = S::ZERO;
             for axis in config.limits.axes() {
                 square += axis.acceleration * axis.acceleration;
@@ -42,7 +42,7 @@ pub fn beside<S: Scalar, const N: usize>(
             let two = S::of(2.0);
             (square.sqrt() * taken.to_mm::<S>() * (two / turn + two + two)).sqrt()
         }
-        Joint::Through | Joint::Blend | Joint::Run => S::of(UNLIMITED),
+        Joint::Corner | Joint::Through | Joint::Blend | Joint::Run => S::of(UNLIMITED),
     }
 }
 
