@@ -42,7 +42,8 @@ fn run(points: &[Point], feed: f64, acceleration: f64, kind: Kind) -> Result<(Ve
     config.cycle = CYCLE;
     config.tolerance = TOLERANCE;
     let shape = kind.map(|kind| Shape { kind, frequency: FREQUENCY, damping: DAMPING });
-    let mut shaper = Box::new(Shaper::<f64, 2, 64>::new([shape; 2], &config)?);
+    let mut shaper = Shaper::<f64, 2, 64>::new();
+    shaper.set([shape; 2], &config)?;
     config.follower = shaper.follower(&config);
     let mut link = Box::new(Link::<f64, 2, 64, 192>::new());
     let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; 2])?;
@@ -127,7 +128,9 @@ fn main() -> Result<()> {
         let shape = kind.map(|kind| Shape { kind, frequency: FREQUENCY, damping: DAMPING });
         let axis = AxisLimits::linear(300.0, 2000.0, 4.0e5);
         let config = Config::new(Limits::new([axis])?);
-        print!("| {:.1} ", Shaper::<f64, 1, 64>::new([shape], &config)?.delay() * 1000.0);
+        let mut shaper = Shaper::<f64, 1, 64>::new();
+        shaper.set([shape], &config)?;
+        print!("| {:.1} ", shaper.delay() * 1000.0);
         for acceleration in [2000.0, 8000.0] {
             for (_, points) in paths() {
                 let (_, ends) = run(&points, 100.0, acceleration, kind)?;

@@ -184,7 +184,8 @@ fn random_program<S: Scalar>(seed: u64, commands: bool) -> f64 {
     // Where motors follow several axes these are shaped alike.
     let motors = config.limits.motor(0).is_some();
     let shapes = shapes(&mut draw, config.cycle.to_f64(), motors);
-    let mut shaper = Box::new(Shaper::<S, AXES, HISTORY>::new(shapes, &config).unwrap());
+    let mut shaper = Box::new(Shaper::<S, AXES, HISTORY>::new());
+    shaper.set(shapes, &config).unwrap();
     config.follower = shaper.follower(&config);
     let mut link = Box::new(Link::<S, AXES, 16, 64>::new());
     let start = [Coord::ZERO; AXES];
@@ -305,8 +306,8 @@ fn random_legs<S: Scalar>(seed: u64) -> [f64; 2] {
     let kind = kinds[(draw.share() * 4.0) as usize];
     let frequency = draw.between(25.0, 60.0);
     let shape = Shape { kind, frequency, damping: draw.between(0.0, 0.2) };
-    let mut shaper =
-        Box::new(Shaper::<S, AXES, HISTORY>::new([Some(shape); AXES], &config).unwrap());
+    let mut shaper = Box::new(Shaper::<S, AXES, HISTORY>::new());
+    shaper.set([Some(shape); AXES], &config).unwrap();
     config.follower = shaper.follower(&config);
     let mut link = Box::new(Link::<S, AXES, 16, 64>::new());
     let start = [Coord::ZERO; AXES];

@@ -226,7 +226,9 @@ impl Machine {
             let axis = AxisLimits::linear(1.0, 1.0, 1.0);
             let mut config = Config::<f64, 1>::new(Limits::new([axis])?);
             config.cycle = self.cycle;
-            Shaper::<f64, 1, HISTORY>::new([Some((*shaping).into())], &config)
+            let mut shaper = Shaper::<f64, 1, HISTORY>::new();
+            shaper
+                .set([Some((*shaping).into())], &config)
                 .map_err(|error| anyhow!("shaper.{key}: {error}"))?;
         }
         self.try_seeker()?;
@@ -265,7 +267,9 @@ impl Machine {
             let shaping = named.map(|(_, shaping)| shaping).or_else(|| self.shaper.get("default"));
             *slot = shaping.map(|shaping| (*shaping).into());
         }
-        Ok(Some(Box::new(Shaper::new(shapes, config)?)))
+        let mut shaper = Box::<Shaper<S, N, HISTORY>>::default();
+        shaper.set(shapes, config)?;
+        Ok(Some(shaper))
     }
 
     /// How far an axis may go.

@@ -121,7 +121,7 @@ impl Shape {
             .map_err(|error| ShaperError::Frequency { axis, error })
     }
 
-    /// Tells how much weight lies how many cycles back; more than asked for by a common factor.
+    /// Tells how much weight lies how many cycles back, the newest first; more than asked for by a common factor.
     pub(super) fn weigh(&self, cycle: f64, mut tell: impl FnMut(f64, f64)) {
         let period = 1.0 / (self.frequency * cycle);
         let root = libm::sqrt(1.0 - self.damping * self.damping);
@@ -166,7 +166,7 @@ pub struct Tap<S> {
 }
 
 /// The weights of one axis.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Kernel<S, const HISTORY: usize> {
     pub taps: Vec<Tap<S>, HISTORY>,
     /// Half the variance of the time that it looks back, s2: an axis is off where it was a mean time before by no more than
@@ -176,9 +176,7 @@ pub struct Kernel<S, const HISTORY: usize> {
 
 impl<S: Scalar, const HISTORY: usize> Kernel<S, HISTORY> {
     /// Everything counts now.
-    pub fn none() -> Self {
-        Self { taps: Vec::new(), spread: 0.0 }
-    }
+    pub const NONE: Self = Self { taps: Vec::new(), spread: 0.0 };
 
     /// Mean time that a shape looks back, cycles.
     pub fn mean(shape: &Shape, cycle: f64) -> f64 {
@@ -190,50 +188,50 @@ impl<S: Scalar, const HISTORY: usize> Kernel<S, HISTORY> {
         moment / sum
     }
 
-    /// A shape (or none) that looks back `wait` cycles further. What lies between two cycles counts in both, by how near it is.
-    ///
-    /// # Errors
-    /// How many cycles it would take, if there are fewer.
-    pub fn new(shape: Option<&Shape>, wait: f64, cycle: f64) -> Result<Self, usize> {
-        let mut weights = [0.0; HISTORY];
+    /// Servo cycles that a shape (or none) takes that looks back `wait` cycles further.
+    pub fn cycles(shape: Option<&Shape>, wait: f64, cycle: f64) -> usize {
+        let mut most = 0.0_f64;
+        each(shape, wait, cycle, |back, _| most = most.max(back));
+        libm::ceil(most) as usize + 1
+    }
+
+    /// Becomes a shape (or none) that looks back `wait` cycles further, and takes no more cycles than there is room for
+    /// ([`Kernel::cycles`]). What lies between two cycles counts in both, by how near it is.
+    pub fn set(&mut self, shape: Option<&Shape>, wait: f64, cycle: f64) {
         let mut sum = 0.0;
-        let mut most = 0;
-        let mut add = |back: f64, weight: f64| {
+        each(shape, wait, cycle, |_, weight| sum += weight);
+        self.taps.clear();
+        let (mut mean, mut square) = (0.0, 0.0);
+        each(shape, wait, cycle, |back, weight| {
             let whole = libm::floor(back);
             let part = back - whole;
-            let at = whole as usize;
-            sum += weight;
-            for (at, share) in [(at, 1.0 - part), (at + 1, part)] {
-                if share <= 0.0 {
-                    continue;
-                }
-                most = most.max(at + 1);
-                if let Some(slot) = weights.get_mut(at) {
-                    *slot += weight * share;
+            for (at, share) in [(whole, 1.0 - part), (whole + 1.0, part)] {
+                let share = share * weight / sum;
+                if share > 0.0 {
+                    mean += share * at;
+                    square += share * at * at;
+                    self.add(at as usize, S::of(share));
                 }
             }
-        };
-        match shape {
-            Some(shape) => shape.weigh(cycle, |back, weight| add(back + wait, weight)),
-            None => add(wait, 1.0),
+        });
+        self.spread = 0.5 * (square - mean * mean).max(0.0) * cycle * cycle;
+    }
+
+    /// More weight at a place: the last two, or behind them.
+    fn add(&mut self, back: usize, weight: S) {
+        match self.taps.iter_mut().rev().take(2).find(|tap| tap.back == back) {
+            Some(tap) => tap.weight += weight,
+            // As many as there are cycles.
+            None => drop(self.taps.push(Tap { back, weight })),
         }
-        if most > HISTORY {
-            return Err(most);
-        }
-        let mut kernel = Self::none();
-        let (mut mean, mut square) = (0.0, 0.0);
-        for (back, weight) in weights.iter().enumerate() {
-            let share = weight / sum;
-            if share > 0.0 {
-                let at = back as f64;
-                mean += share * at;
-                square += share * at * at;
-                // As many as there are weights.
-                let _ = kernel.taps.push(Tap { back, weight: S::of(share) });
-            }
-        }
-        kernel.spread = 0.5 * (square - mean * mean).max(0.0) * cycle * cycle;
-        Ok(kernel)
+    }
+}
+
+/// Tells what counts how much, by how far it lies back.
+fn each(shape: Option<&Shape>, wait: f64, cycle: f64, mut tell: impl FnMut(f64, f64)) {
+    match shape {
+        Some(shape) => shape.weigh(cycle, |back, weight| tell(back + wait, weight)),
+        None => tell(wait, 1.0),
     }
 }
 
@@ -247,6 +245,16 @@ mod tests {
 
     fn shape(kind: ShaperKind, frequency: f64, damping: f64) -> Shape {
         Shape { kind, frequency, damping }
+    }
+
+    fn kernel(shape: &Shape, wait: f64, cycle: f64) -> Kernel<f64, 256> {
+        let mut kernel = Kernel::NONE;
+        kernel.set(Some(shape), wait, cycle);
+        assert!(
+            kernel.taps.last().unwrap().back < Kernel::<f64, 256>::cycles(Some(shape), wait, cycle)
+        );
+        assert!(kernel.taps.windows(2).all(|two| two[0].back < two[1].back));
+        kernel
     }
 
     /// Share of the vibration of a step that is left, at a frequency, by the vector sum of impulses.
@@ -270,7 +278,7 @@ mod tests {
             for damping in [0.0, 0.1, 0.3] {
                 for (frequency, cycle) in [(25.0, 1.0e-3), (41.7, 1.0e-3), (60.0, 2.5e-4)] {
                     let shape = shape(kind, frequency, damping);
-                    let kernel = Kernel::<f64, 256>::new(Some(&shape), 0.3, cycle).unwrap();
+                    let kernel = kernel(&shape, 0.3, cycle);
                     let sum: f64 = kernel.taps.iter().map(|tap| tap.weight).sum();
                     assert!((sum - 1.0).abs() < 1.0e-12);
                     let most = if kind == ShaperKind::Ei { 0.06 } else { 0.015 };
@@ -284,8 +292,7 @@ mod tests {
     #[test]
     fn robust_shapers_are_wider() {
         let width = |kind: ShaperKind| {
-            let kernel =
-                Kernel::<f64, 256>::new(Some(&shape(kind, 40.0, 0.0)), 0.0, 1.0e-3).unwrap();
+            let kernel = kernel(&shape(kind, 40.0, 0.0), 0.0, 1.0e-3);
             let seen: List<f64> = (0..200)
                 .map(|n| 20.0 + 0.2 * f64::from(n))
                 .filter(|&f| left(&kernel, f, 0.0, 1.0e-3) < 0.05)
@@ -309,6 +316,7 @@ mod tests {
             let error = check(shape(ShaperKind::Zv, 40.0, bad)).unwrap_err();
             assert!(matches!(error, ShaperError::Damping { axis: 1, .. }), "{error}");
         }
-        assert_eq!(Kernel::<f32, 16>::new(None, 20.5, 1.0e-3).unwrap_err(), 22);
+        assert_eq!(Kernel::<f32, 16>::cycles(None, 20.5, 1.0e-3), 22);
+        assert_eq!(Kernel::<f32, 16>::cycles(None, 20.0, 1.0e-3), 21);
     }
 }

@@ -52,7 +52,8 @@ impl<S: Scalar, const N: usize> Past<S, N> {
 /// # let mut config = Config::<f32, 2>::new(Limits::new([axis; 2])?);
 /// config.tolerance = 0.05;
 /// let shape = Shape { kind: ShaperKind::Zv, frequency: 45.0, damping: 0.06 };
-/// let mut shaper = Shaper::<f32, 2, 64>::new([Some(shape); 2], &config)?;
+/// let mut shaper = Shaper::<f32, 2, 64>::new(); // or a `static`: it is large
+/// shaper.set([Some(shape); 2], &config)?;
 /// config.follower = shaper.follower(&config);
 /// # let mut link = Link::<f32, 2>::new();
 /// let (planner, mut interpolator) = link.split(config, [Coord::ZERO; 2])?;
@@ -61,7 +62,7 @@ impl<S: Scalar, const N: usize> Past<S, N> {
 /// # assert!(shaper.is_settled());
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Shaper<S, const N: usize, const HISTORY: usize> {
     kernels: [Kernel<S, HISTORY>; N],
     past: [Past<S, N>; HISTORY],
@@ -82,43 +83,72 @@ pub struct Shaper<S, const N: usize, const HISTORY: usize> {
     cycle: f64,
 }
 
+impl<S: Scalar, const N: usize, const HISTORY: usize> Default for Shaper<S, N, HISTORY> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
-    /// Shapes the axes that have a shape; the others wait as long as these do on the average, so that all stay together.
+    /// One that shapes nothing: setpoints stay as they are.
+    pub const fn new() -> Self {
+        Self {
+            kernels: [const { Kernel::NONE }; N],
+            past: [Past::ZERO; HISTORY],
+            newest: 0,
+            known: 0,
+            span: 0,
+            rested: 0,
+            event: None,
+            alike: true,
+            mean: 0.0,
+            cycle: 0.0,
+        }
+    }
+
+    /// Shapes the axes that have a shape; the others wait as long as these do on the average, so that all stay together. To be done
+    /// before the machine moves, and before [`Config::follower`] is asked for; the machine rests where the next setpoint is.
     ///
-    /// Cost: some hundred thousand instructions.
+    /// Cost: some hundred thousand instructions, and little stack.
     ///
     /// # Errors
-    /// [`ShaperError`] names what is out of its range.
-    pub fn new(shapes: [Option<Shape>; N], config: &Config<S, N>) -> Result<Self, ShaperError> {
+    /// [`ShaperError`] names what is out of its range; all is as before.
+    pub fn set(
+        &mut self,
+        shapes: [Option<Shape>; N],
+        config: &Config<S, N>,
+    ) -> Result<(), ShaperError> {
         Quantity::Cycle.check(config.cycle).map_err(ShaperError::Cycle)?;
         let cycle = config.cycle.to_f64();
+        let own = |shape: &Option<Shape>| {
+            shape.as_ref().map_or(0.0, |shape| Kernel::<S, HISTORY>::mean(shape, cycle))
+        };
         let mut mean: f64 = 0.0;
         for (axis, shape) in shapes.iter().enumerate() {
             if let Some(shape) = shape {
                 shape.check(axis, cycle, HISTORY)?;
-                mean = mean.max(Kernel::<S, HISTORY>::mean(shape, cycle));
             }
+            mean = mean.max(own(shape));
         }
-        let mut kernels = from_fn(|_| Kernel::none());
         let mut span = 0;
-        for (axis, (kernel, shape)) in kernels.iter_mut().zip(&shapes).enumerate() {
-            let own = shape.as_ref().map_or(0.0, |s| Kernel::<S, HISTORY>::mean(s, cycle));
-            let too_long = |cycles| ShaperError::TooLong { axis, cycles, greatest: HISTORY };
-            *kernel = Kernel::new(shape.as_ref(), mean - own, cycle).map_err(too_long)?;
-            span = kernel.taps.last().map_or(span, |tap| span.max(tap.back));
+        for (axis, shape) in shapes.iter().enumerate() {
+            let cycles = Kernel::<S, HISTORY>::cycles(shape.as_ref(), mean - own(shape), cycle);
+            if cycles > HISTORY {
+                return Err(ShaperError::TooLong { axis, cycles, greatest: HISTORY });
+            }
+            span = span.max(cycles - 1);
         }
-        Ok(Self {
-            kernels,
-            past: [Past::ZERO; HISTORY],
-            newest: 0,
-            known: 0,
-            span,
-            rested: span,
-            event: None,
-            alike: shapes.windows(2).all(|two| two[0] == two[1]),
-            mean,
-            cycle,
-        })
+        for (kernel, shape) in self.kernels.iter_mut().zip(&shapes) {
+            kernel.set(shape.as_ref(), mean - own(shape), cycle);
+        }
+        self.known = 0;
+        self.span = span;
+        self.rested = span;
+        self.event = None;
+        self.alike = shapes.windows(2).all(|two| two[0] == two[1]);
+        self.mean = mean;
+        self.cycle = cycle;
+        Ok(())
     }
 
     /// What it asks of the motion: [`Config::follower`]. It keeps as much of the tolerance free as the limits of
@@ -286,7 +316,9 @@ mod tests {
         let axis = AxisLimits::linear(200.0, 2000.0, 1.0e5);
         let mut config = Config::new(Limits::new([axis; 2]).unwrap());
         config.tolerance = tolerance;
-        Shaper::<f64, 2, 64>::new(shapes, &config).unwrap().follower(&config)
+        let mut shaper = Shaper::<f64, 2, 64>::new();
+        shaper.set(shapes, &config).unwrap();
+        shaper.follower(&config)
     }
 
     const SHAPE: Shape = Shape { kind: ShaperKind::Zv, frequency: 50.0, damping: 0.0 };

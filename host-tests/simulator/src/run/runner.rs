@@ -176,6 +176,13 @@ fn run_axes<S: Scalar, const N: usize>(
     }
 }
 
+/// A link of its own frame: it lies on the stack before it lies in its box.
+#[inline(never)]
+fn link<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>()
+-> Box<Link<S, N, BLOCKS, NODES>> {
+    Box::new(Link::new())
+}
+
 fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
     setting: Setting<'_>,
     observers: &mut [&mut dyn Observer],
@@ -186,7 +193,7 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     let mut shaper = machine.shaper(&axes, &config)?;
     let mut stats = Stats { least_ahead: usize::MAX, ..Stats::default() };
     let start = coords::<N>(&program.start, &axes).context("start point")?;
-    let mut link = Box::new(Link::<S, N, BLOCKS, NODES>::new());
+    let mut link = link::<S, N, BLOCKS, NODES>();
     let (mut planner, mut interpolator) = link.split(config, start)?;
     let controls = planner.controls();
     let mut moves = program.moves.iter().peekable();
