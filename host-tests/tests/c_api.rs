@@ -12,9 +12,25 @@ const PRELUDE: &str = "\
  * splineway: motion interpolator core. Made from src/c by `UPDATE_HEADER=1 cargo test --test c_api`; not to
  * be edited.
  *
- * The library is built for one size of machine; define the same here before this header is included, or
- * on the compiler's command line. A library of another size refuses to work.
+ * The library is built for one size of machine. Sizes and features are chosen in one place, a header
+ * `splineway_config.h` in the include path, or the one that SPLINEWAY_CONFIG_FILE names; the builds with CMake and Make
+ * (docs/c.md) read it too. What it does not define is as here. A library of another size refuses to work.
+ *
+ * Every call says which context it may come from:
+ *
+ *   background       The main loop, or the task of the lowest priority: one call at a time.
+ *   servo interrupt  What comes once in every servo cycle, at a priority above the background's: a timer. It may interrupt
+ *                    every other call, but not itself.
+ *   any              These two and every other interrupt, above the servo interrupt or below it, also while any call is
+ *                    under way.
  */
+#if defined(SPLINEWAY_CONFIG_FILE)
+#include SPLINEWAY_CONFIG_FILE
+#elif defined(__has_include)
+#if __has_include(\"splineway_config.h\")
+#include \"splineway_config.h\"
+#endif
+#endif
 #ifndef SPLINEWAY_AXES
 #define SPLINEWAY_AXES 3
 #endif
@@ -29,6 +45,12 @@ const PRELUDE: &str = "\
 #endif
 #ifndef SPLINEWAY_KINEMATICS
 #define SPLINEWAY_KINEMATICS 0
+#endif
+#ifndef SPLINEWAY_SHAPING
+#define SPLINEWAY_SHAPING 0
+#endif
+#ifndef SPLINEWAY_HISTORY
+#define SPLINEWAY_HISTORY 64
 #endif
 /* With this header's size and version, so that a library of another touches nothing. */
 #define splineway_config_init(config, velocity, acceleration, jerk) \\
@@ -53,17 +75,19 @@ fn header() -> String {
     };
     config.enumeration.rename_variants = cbindgen::RenameRule::QualifiedScreamingSnakeCase;
     // Made from the size by the prelude, not numbers of this build.
-    config.export.exclude = ["AXES", "BLOCKS", "NODES", "OUTPUTS", "KINEMATICS"]
-        .map(|name| format!("SPLINEWAY_{name}"))
-        .to_vec();
+    config.export.exclude =
+        ["AXES", "BLOCKS", "NODES", "OUTPUTS", "KINEMATICS", "SHAPING", "HISTORY"]
+            .map(|name| format!("SPLINEWAY_{name}"))
+            .to_vec();
+    // For the linker of a host alone.
+    config.export.exclude.push("rust_eh_personality".into());
+    // Numbers of these are given, not they themselves.
+    config.export.include = ["splineway_trigger", "splineway_shaper"].map(str::to_owned).to_vec();
     let mut out = Vec::new();
     cbindgen::Builder::new()
         .with_config(config)
-        .with_src(sources.join("types.rs"))
+        // The modules of this one are read with it.
         .with_src(sources.join("mod.rs"))
-        .with_src(sources.join("outputs.rs"))
-        .with_src(sources.join("motors.rs"))
-        .with_src(sources.join("seeking.rs"))
         .generate()
         .unwrap()
         .write(&mut out);
@@ -82,6 +106,42 @@ fn the_header_is_up_to_date() {
         there == header,
         "src/c/splineway.h is not what the sources say: UPDATE_HEADER=1 writes it"
     );
+}
+
+/// Every function is declared once, and says which context it may come from.
+#[test]
+fn every_call_says_its_context() {
+    let header = header();
+    let mut names = Vec::new();
+    let mut comment = "";
+    let (_, declarations) = header.split_once("extern \"C\" {").unwrap();
+    for part in declarations.split("/*\n").skip(1) {
+        let (text, code) = part.split_once("*/").unwrap();
+        comment = if text.trim().is_empty() { comment } else { text };
+        for line in
+            code.lines().filter(|line| line.contains(" splineway_") || line.contains("*splineway_"))
+        {
+            let Some((front, _)) = line.split_once('(') else { continue };
+            let name = front.rsplit([' ', '*']).next().unwrap();
+            let context = comment.trim().lines().last().unwrap().trim();
+            let known = [
+                "background",
+                "background, while no interrupt uses this core",
+                "servo interrupt",
+                "any",
+            ];
+            assert!(
+                known.iter().any(|known| context == format!("Context: {known}.")),
+                "{name}: {context}"
+            );
+            names.push(name.to_owned());
+        }
+    }
+    assert!(names.len() > 40, "{names:?}");
+    let count = names.len();
+    names.sort();
+    names.dedup();
+    assert_eq!(names.len(), count, "declared twice");
 }
 
 /// Output of a command that must succeed.
@@ -123,6 +183,7 @@ fn program_with(
         .arg(root.join("src/c"))
         .args(sources.iter().map(|source| root.join("host-tests/c").join(source)))
         .arg(out.join("firmware/libsplineway.a"))
+        .arg("-lm")
         .arg("-o")
         .arg(&program));
     run(&mut Command::new(program))
@@ -154,4 +215,16 @@ fn a_machine_with_belts_runs_by_its_motors() {
     let text = program_with("motors", &["motors.c"], [3, 3], "c-lib,kinematics", &told);
     assert!(text.contains("at most 200.0 mm/s"), "{text}");
     assert!(text.contains("motors at 0 and 200000000 nm"), "{text}");
+}
+
+/// Setpoints that do not make a mass vibrate, outputs that know by how much these are behind, and what must be refused. A library without
+/// shapers does not take what it cannot do.
+#[test]
+fn a_machine_that_vibrates_is_shaped() {
+    let told = ["-DSPLINEWAY_KINEMATICS=1", "-DSPLINEWAY_OUTPUTS=1", "-DSPLINEWAY_SHAPING=1"];
+    let features = "c-lib,kinematics,outputs,shaping";
+    let text = program_with("shaping", &["shaping.c"], [3, 3], features, &told);
+    assert!(text.contains("0 wrong"), "{text}");
+    let text = program("unshaped", &["unshaped.c"], 3, 3);
+    assert_eq!(text.trim(), "refused");
 }

@@ -20,7 +20,10 @@ pub struct splineway_motor {
 
 /// The motors of the machine, `count` of them, 8 at most, at rest with nothing to run: after `splineway_init`, as a rule. They keep their
 /// limits from then on, and `splineway_set_limits` leaves them as they are. `RUNNING` if the machine is not at rest; `CONFIG`, and nothing
-/// has changed, if a limit or a factor is out of its range, or an axis could move with others without a motor.
+/// has changed, if a limit or a factor is out of its range, an axis could move with others without a motor, or
+/// axes are shaped unlike each other.
+///
+/// Context: background.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splineway_set_motors(
     core: *mut splineway_core,
@@ -47,15 +50,19 @@ pub unsafe extern "C" fn splineway_set_motors(
     let Ok(limits) = planner.limits().with_motor_list(list) else {
         return splineway_result::CONFIG;
     };
-    if planner.set_limits_at_rest(limits) {
+    if !planner.is_empty() {
+        splineway_result::RUNNING
+    } else if planner.set_limits_at_rest(limits) {
         splineway_result::OK
     } else {
-        splineway_result::RUNNING
+        splineway_result::CONFIG
     }
 }
 
 /// Where `count` motors are with the axes at `axes` (one number per axis, nm): in `positions`, nm. From any context; the position of a
 /// setpoint is what a drive is to be given.
+///
+/// Context: any.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splineway_motor_positions(
     motors: *const splineway_motor,

@@ -85,6 +85,8 @@ fn refusal(error: SwitchError) -> splineway_result {
 }
 
 /// Has an output switch at or about the end of the block that was pushed last. `FULL`: poll, and push the same switch again.
+///
+/// Context: background.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splineway_push_switch(
     core: *mut splineway_core,
@@ -121,6 +123,8 @@ fn power(c: &splineway_power) -> Power<f32> {
 }
 
 /// The power of the blocks that are pushed from now on.
+///
+/// Context: background.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splineway_set_power(
     core: *mut splineway_core,
@@ -137,6 +141,8 @@ pub unsafe extern "C" fn splineway_set_power(
 
 /// The same, and at rest, behind all that was pushed, before all that will be: one that is the same at every speed is on in
 /// the dwells that follow.
+///
+/// Context: background.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splineway_push_power(
     core: *mut splineway_core,
@@ -153,7 +159,10 @@ pub unsafe extern "C" fn splineway_push_power(
 }
 
 /// `splineway_tick`, and what has switched in that servo cycle, in `list`, which has room for `room`: 52 is enough for
-/// all. `count` is how many there are, also beyond the room; `level` the power at the end of the cycle.
+/// all. `count` is how many there are, also beyond the room; `level` the power at the end of the cycle. Where setpoints are shaped, both
+/// are `splineway_shaper_delay` ahead of them.
+///
+/// Context: servo interrupt.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splineway_tick_outputs(
     core: *mut splineway_core,
@@ -191,6 +200,8 @@ pub unsafe extern "C" fn splineway_tick_outputs(
         });
         count.write(switches);
         level.write(power);
+        #[cfg(feature = "shaping")]
+        let at = (*core).shaper.assume_init_mut().shape(&at);
         setpoint.write(at.into());
     }
     splineway_result::OK

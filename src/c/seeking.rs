@@ -1,14 +1,88 @@
 //! Inputs, probes and homing for C.
 
 use super::convert::{coords, probe_refusal};
-use super::types::{
-    SPLINEWAY_AXES, splineway_axis_home, splineway_core, splineway_home_result, splineway_homing,
-    splineway_probe_outcome, splineway_probe_result, splineway_result,
-};
+use super::types::{SPLINEWAY_AXES, splineway_core, splineway_result};
 use super::{inputs, planner};
 use crate::jog::{AxisHome, HomeFault, Outcome, Probe};
 use crate::number::Coord;
 use crate::servo::Input;
+
+/// How a probe ended.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum splineway_probe_outcome {
+    /// There is none, it is not over, or it has been said.
+    NONE = 0,
+    /// By its input.
+    TRIPPED = 1,
+    /// At its target, without it.
+    MISSED = 2,
+    /// By `splineway_jog_cancel` or an abort.
+    CANCELLED = 3,
+}
+
+/// What came of a probe.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct splineway_probe_result {
+    /// How it ended.
+    pub outcome: splineway_probe_outcome,
+    /// Where the axes were when the input changed, where they came to rest if it did not, nm.
+    pub position: [i64; SPLINEWAY_AXES],
+}
+
+/// How an axis is homed.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct splineway_axis_home {
+    /// Whether it is.
+    pub wanted: bool,
+    /// Axes of a lower number are homed before those of a higher one; those of the same at once.
+    pub order: u8,
+    /// Speed of the first approach and of the ways back, mm/s; its sign says on which side the switch is.
+    pub fast: f32,
+    /// Speed of the second approach, mm/s.
+    pub slow: f32,
+    /// How far away the switch may be, nm: without an edge the axis ends there.
+    pub reach: i64,
+    /// How far it goes back from the switch, nm: more than the switch needs to open.
+    pub back: i64,
+    /// The coordinate of the edge, nm.
+    pub at: i64,
+    /// Whether the axis goes somewhere in the end.
+    pub parks: bool,
+    /// Where to, in the new coordinates, nm.
+    pub park: i64,
+}
+
+/// What came of homing.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum splineway_homing {
+    /// There is none, it is not over, or it has been said.
+    NONE = 0,
+    /// All axes are homed, and the coordinates set.
+    DONE = 1,
+    /// A switch has not closed within the way it was given.
+    MISSING = 2,
+    /// A switch is still closed after the way back.
+    STUCK = 3,
+    /// By `splineway_jog_cancel` or an abort.
+    CANCELLED = 4,
+}
+
+/// What came of homing, and with which axis.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct splineway_home_result {
+    /// What came of it.
+    pub homing: splineway_homing,
+    /// The axis with which something has gone wrong.
+    pub axis: u32,
+    /// What it was doing: 0 done, 1 waiting for others, 2 leaving its switch, 3 seeking it, 4 backing off, 5 approaching it slowly,
+    /// 6 on its way from it.
+    pub phase: u32,
+}
 
 /// An input by its number: an axis's home switch, or the probe.
 fn input(number: i32) -> Input {
@@ -23,6 +97,8 @@ fn input(number: i32) -> Input {
 /// Tells the level of an input, `fraction` of a servo cycle after the last `splineway_tick`: to be called from the interrupt of its
 /// edges, from any context, and once at the start. `number` is the index of an axis for its home switch, -1 for the probe.
 /// Where the fraction is read while a tick is due that has not come, it is one more; where one came after it was read, one less.
+///
+/// Context: any.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splineway_input(
     core: *mut splineway_core,
@@ -38,6 +114,8 @@ pub unsafe extern "C" fn splineway_input(
 /// Probes: a straight move to `to` (nm) at a feed (mm/s) that ends early when an input closes, or opens. From rest with nothing to run;
 /// `RUNNING`, `HELD` or `ABORTED` else, and `INPUT` if the input is as it would be at the end. `splineway_probed` says what came of it;
 /// until then no block is taken.
+///
+/// Context: background.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splineway_probe(
     core: *mut splineway_core,
@@ -57,6 +135,8 @@ pub unsafe extern "C" fn splineway_probe(
 }
 
 /// What came of the last probe, once: afterwards, and as long as it is not over, the outcome is `NONE`.
+///
+/// Context: background.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splineway_probed(
     core: *mut splineway_core,
@@ -81,6 +161,8 @@ pub unsafe extern "C" fn splineway_probed(
 
 /// How far a probe in a direction (one number per axis, of any length) at a feed (mm/s) goes on after its edge at the worst, mm: where the
 /// feed has been reached, and anywhere.
+///
+/// Context: background.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splineway_probe_overshoot(
     core: *mut splineway_core,
@@ -110,6 +192,8 @@ pub unsafe extern "C" fn splineway_probe_overshoot(
 
 /// Homes axes, one `splineway_axis_home` per axis: each that has `wanted` goes to its switch, back, to it again slowly, and the
 /// coordinate of its edge then is `at`. Refused as `splineway_probe` is. `splineway_homed` says what came of it.
+///
+/// Context: background.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splineway_home(
     core: *mut splineway_core,
@@ -139,6 +223,8 @@ pub unsafe extern "C" fn splineway_home(
 }
 
 /// What came of the last `splineway_home` or `splineway_set_position`, once: afterwards, and as long as it is not over, it is `NONE`.
+///
+/// Context: background.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splineway_homed(
     core: *mut splineway_core,
@@ -167,6 +253,8 @@ pub unsafe extern "C" fn splineway_homed(
 
 /// Sets the coordinates (nm) of where the machine stands, at rest with nothing to run. Setpoints are the new ones from the one with the
 /// activity `SET` on, and `splineway_homed` says `DONE`.
+///
+/// Context: background.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn splineway_set_position(
     core: *mut splineway_core,

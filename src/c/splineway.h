@@ -8,9 +8,25 @@
  * splineway: motion interpolator core. Made from src/c by `UPDATE_HEADER=1 cargo test --test c_api`; not to
  * be edited.
  *
- * The library is built for one size of machine; define the same here before this header is included, or
- * on the compiler's command line. A library of another size refuses to work.
+ * The library is built for one size of machine. Sizes and features are chosen in one place, a header
+ * `splineway_config.h` in the include path, or the one that SPLINEWAY_CONFIG_FILE names; the builds with CMake and Make
+ * (docs/c.md) read it too. What it does not define is as here. A library of another size refuses to work.
+ *
+ * Every call says which context it may come from:
+ *
+ *   background       The main loop, or the task of the lowest priority: one call at a time.
+ *   servo interrupt  What comes once in every servo cycle, at a priority above the background's: a timer. It may interrupt
+ *                    every other call, but not itself.
+ *   any              These two and every other interrupt, above the servo interrupt or below it, also while any call is
+ *                    under way.
  */
+#if defined(SPLINEWAY_CONFIG_FILE)
+#include SPLINEWAY_CONFIG_FILE
+#elif defined(__has_include)
+#if __has_include("splineway_config.h")
+#include "splineway_config.h"
+#endif
+#endif
 #ifndef SPLINEWAY_AXES
 #define SPLINEWAY_AXES 3
 #endif
@@ -26,6 +42,12 @@
 #ifndef SPLINEWAY_KINEMATICS
 #define SPLINEWAY_KINEMATICS 0
 #endif
+#ifndef SPLINEWAY_SHAPING
+#define SPLINEWAY_SHAPING 0
+#endif
+#ifndef SPLINEWAY_HISTORY
+#define SPLINEWAY_HISTORY 64
+#endif
 /* With this header's size and version, so that a library of another touches nothing. */
 #define splineway_config_init(config, velocity, acceleration, jerk) \
     splineway_config_init_sized((config), sizeof(splineway_config), SPLINEWAY_INTERFACE, (velocity), \
@@ -35,7 +57,7 @@
 /*
  Bytes that a core takes at most; the build fails if it were more.
  */
-#define SPLINEWAY_STORAGE_BYTES (((((13600 + (4900 * SPLINEWAY_AXES)) + (SPLINEWAY_NODES * (200 + (80 * SPLINEWAY_AXES)))) + (SPLINEWAY_BLOCKS * (136 + (20 * SPLINEWAY_AXES)))) + (SPLINEWAY_OUTPUTS * 13000)) + (SPLINEWAY_KINEMATICS * (1200 + (256 * SPLINEWAY_AXES))))
+#define SPLINEWAY_STORAGE_BYTES ((((((13600 + (4900 * SPLINEWAY_AXES)) + (SPLINEWAY_NODES * (200 + (80 * SPLINEWAY_AXES)))) + (SPLINEWAY_BLOCKS * (136 + (20 * SPLINEWAY_AXES)))) + (SPLINEWAY_OUTPUTS * 13000)) + (SPLINEWAY_KINEMATICS * (1200 + (256 * SPLINEWAY_AXES)))) + (SPLINEWAY_SHAPING * ((512 + (256 * SPLINEWAY_AXES)) + (SPLINEWAY_HISTORY * (8 + (36 * SPLINEWAY_AXES))))))
 
 /*
  The same in words of 64 bits.
@@ -45,7 +67,7 @@
 /*
  Version of the interface, which header and library must agree on.
  */
-#define SPLINEWAY_INTERFACE 5
+#define SPLINEWAY_INTERFACE 6
 
 /*
  What came of a call.
@@ -266,6 +288,50 @@ typedef enum {
 } splineway_homing;
 
 /*
+ What of the program an output switches with.
+ */
+typedef enum {
+  /*
+   With the end of the block that was pushed last.
+   */
+  SPLINEWAY_TRIGGER_END = 0,
+  /*
+   With the start of the next motion.
+   */
+  SPLINEWAY_TRIGGER_START = 1,
+  /*
+   At rest, behind all that was pushed, before all that will be.
+   */
+  SPLINEWAY_TRIGGER_REST = 2,
+} splineway_trigger;
+
+/*
+ How an axis is shaped.
+ */
+typedef enum {
+  /*
+   Not at all; it waits for the axes that are.
+   */
+  SPLINEWAY_SHAPER_NONE = 0,
+  /*
+   Two impulses, half a period apart: nothing is left of a vibration at exactly the frequency given. The shortest.
+   */
+  SPLINEWAY_SHAPER_ZV = 1,
+  /*
+   Three impulses over three quarters of a period: as exact, and wider.
+   */
+  SPLINEWAY_SHAPER_MZV = 2,
+  /*
+   Three impulses over a period: at the frequency 5 % of the vibration is left, and no more than that from 0.82 to 1.18 of it.
+   */
+  SPLINEWAY_SHAPER_EI = 3,
+  /*
+   A half wave over one and a half periods: what lies above the frequency is damped too.
+   */
+  SPLINEWAY_SHAPER_SMOOTH = 4,
+} splineway_shaper;
+
+/*
  Limits of an axis.
  */
 typedef struct {
@@ -316,6 +382,24 @@ typedef struct {
 } splineway_travel;
 
 /*
+ An axis that vibrates, and what is to be done about it: all zeros, nothing.
+ */
+typedef struct {
+  /*
+   A number of `splineway_shaper`. Other than `NONE` it needs a library with the feature `shaping`.
+   */
+  uint32_t kind;
+  /*
+   Frequency of the vibration, Hz, as it is seen (with its damping).
+   */
+  float frequency;
+  /*
+   Damping ratio of the vibration, 0 to 0.5; 0.05 to 0.1 as a rule.
+   */
+  float damping;
+} splineway_shape;
+
+/*
  A machine. Made by `splineway_config_init`, which says how large the header has it: a library of another
  size then touches nothing.
  */
@@ -340,6 +424,10 @@ typedef struct {
    Limits of travel; none unless they are set.
    */
   splineway_travel travel[SPLINEWAY_AXES];
+  /*
+   Input shaping; none unless it is set.
+   */
+  splineway_shape shape[SPLINEWAY_AXES];
   /*
    Servo cycle, s.
    */
@@ -375,54 +463,6 @@ typedef struct {
    */
   uint64_t words[SPLINEWAY_STORAGE_WORDS];
 } splineway_core;
-
-/*
- How a block is run.
- */
-typedef struct {
-  /*
-   mm/s; with a `duration` it does not count; 0 is a rapid: as fast as the axes can.
-   */
-  float feed;
-  /*
-   Seconds the block takes (inverse time); 0 if `feed` counts.
-   */
-  float duration;
-  /*
-   Greatest distance from the programmed path, mm; a number below 0: the machine's.
-   */
-  float tolerance;
-  /*
-   Whether to come to rest exactly on the end point.
-   */
-  bool exact_stop;
-  /*
-   The caller's mark; it comes back with the setpoints.
-   */
-  uint32_t tag;
-} splineway_block;
-
-/*
- A circle or helix.
- */
-typedef struct {
-  /*
-   The plane's two axes.
-   */
-  uint32_t plane[2];
-  /*
-   Centre in these axes, nm.
-   */
-  int64_t centre[2];
-  /*
-   G2.
-   */
-  bool clockwise;
-  /*
-   Full turns beyond the first arrival.
-   */
-  uint16_t extra_turns;
-} splineway_arc;
 
 /*
  Where the axes should be at the end of a servo cycle.
@@ -593,6 +633,54 @@ typedef struct {
 } splineway_switched;
 
 /*
+ How a block is run.
+ */
+typedef struct {
+  /*
+   mm/s; with a `duration` it does not count; 0 is a rapid: as fast as the axes can.
+   */
+  float feed;
+  /*
+   Seconds the block takes (inverse time); 0 if `feed` counts.
+   */
+  float duration;
+  /*
+   Greatest distance from the programmed path, mm; a number below 0: the machine's.
+   */
+  float tolerance;
+  /*
+   Whether to come to rest exactly on the end point.
+   */
+  bool exact_stop;
+  /*
+   The caller's mark; it comes back with the setpoints.
+   */
+  uint32_t tag;
+} splineway_block;
+
+/*
+ A circle or helix.
+ */
+typedef struct {
+  /*
+   The plane's two axes.
+   */
+  uint32_t plane[2];
+  /*
+   Centre in these axes, nm.
+   */
+  int64_t centre[2];
+  /*
+   G2.
+   */
+  bool clockwise;
+  /*
+   Full turns beyond the first arrival.
+   */
+  uint16_t extra_turns;
+} splineway_arc;
+
+/*
  What came of a probe.
  */
 typedef struct {
@@ -676,6 +764,8 @@ extern "C" {
  mm/s, mm/s2 and mm/s3. To be called as `splineway_config_init(config, velocity, acceleration, jerk)`, which
  passes the header's size of a configuration, `bytes`, and its version, `interface`: if they are not the
  library's, nothing is written.
+
+ Context: any.
  */
 splineway_result splineway_config_init_sized(splineway_config *config,
                                              size_t bytes,
@@ -687,6 +777,8 @@ splineway_result splineway_config_init_sized(splineway_config *config,
 /*
  Sets a core up in `storage` of `bytes` bytes, at rest at `start` (nm, one number per axis). What was there is
  forgotten. Not while an interrupt may call [`splineway_tick`] on the same storage.
+
+ Context: background, while no interrupt uses this core.
  */
 splineway_result splineway_init(splineway_core *storage,
                                 size_t bytes,
@@ -696,6 +788,8 @@ splineway_result splineway_init(splineway_core *storage,
 /*
  Changes the limits of travel, one pair per axis: they hold for every block that is pushed from now on. `CONFIG`, and
  nothing has changed, if one is out of its range or a greatest position is less than the least.
+
+ Context: background.
  */
 splineway_result splineway_set_travel(splineway_core *core,
                                       const splineway_travel *axes);
@@ -704,12 +798,234 @@ splineway_result splineway_set_travel(splineway_core *core,
  Changes the limits of the axes, one set per axis: they bound every block that is pushed from now on. What has been taken keeps
  those it was taken with. `FULL`, and nothing has changed: limits have changed four times between the motion and the last
  block, a curve is still being taken, or a jog is on; poll, and set them again. `CONFIG`: one is out of its range.
+
+ Context: background.
  */
 splineway_result splineway_set_limits(splineway_core *core,
                                       const splineway_axis *axes);
 
 /*
+ Says that no more blocks come for now.
+
+ Context: background.
+ */
+splineway_result splineway_finish(splineway_core *core);
+
+/*
+ Does a slice of what is to be done now. To be called in the background, again and again; at once if it says
+ `PLANNING`.
+
+ Context: background.
+ */
+splineway_progress splineway_poll(splineway_core *core);
+
+/*
+ Polls until nothing can be done before the interpolator has moved on or blocks come, or until a plan was handed
+ over: for tests and simulations in which planning takes no time.
+
+ Context: background.
+ */
+splineway_progress splineway_settle(splineway_core *core);
+
+/*
+ The caller knows that an abort has dropped everything. True: it is complete, and blocks are taken again,
+ from where the machine stands (`end` of `splineway_status`). False, and nothing has changed: there is none,
+ or `splineway_poll` has not said `ABORTED` since the last was asked for.
+
+ Context: background.
+ */
+bool splineway_acknowledge_abort(splineway_core *core);
+
+/*
+ One servo cycle: writes where the axes should be at its end. To be called by the servo interrupt.
+
+ Context: servo interrupt.
+ */
+splineway_result splineway_tick(splineway_core *core, splineway_setpoint *setpoint);
+
+/*
+ How things are.
+
+ Context: background.
+ */
+splineway_result splineway_status(splineway_core *core, splineway_report *status);
+
+/*
+ What a result means, in words that stay valid. Any number may be given.
+
+ Context: any.
+ */
+const char *splineway_result_text(int32_t result);
+
+/*
+ Ends a jog: every axis brakes as hard as its limits allow. From any context, as the commands of an operator.
+
+ Context: any.
+ */
+splineway_result splineway_jog_cancel(splineway_core *core);
+
+/*
+ Feed hold: brake as hard as the limits allow, and rest on the path.
+
+ Context: any.
+ */
+splineway_result splineway_hold(splineway_core *core);
+
+/*
+ The same by the limits for stops. If the motion brakes already, it goes on as it does.
+
+ Context: any.
+ */
+splineway_result splineway_quick_hold(splineway_core *core);
+
+/*
+ Ends a hold or a stop; in single block mode, runs the next block.
+
+ Context: any.
+ */
+splineway_result splineway_resume(splineway_core *core);
+
+/*
+ Finish the block under way, then rest until resumed.
+
+ Context: any.
+ */
+splineway_result splineway_stop(splineway_core *core);
+
+/*
+ Brake, and drop everything that has not been run. No block is taken until `splineway_acknowledge_abort`.
+
+ Context: any.
+ */
+splineway_result splineway_abort(splineway_core *core);
+
+/*
+ The same by the limits for stops.
+
+ Context: any.
+ */
+splineway_result splineway_quick_abort(splineway_core *core);
+
+/*
+ Feed override, 0 to 200 per cent.
+
+ Context: any.
+ */
+splineway_result splineway_feed_override(splineway_core *core, uint16_t percent);
+
+/*
+ Override of rapids, 0 to 100 per cent.
+
+ Context: any.
+ */
+splineway_result splineway_rapid_override(splineway_core *core, uint16_t percent);
+
+/*
+ Single block mode: rest at the end of every block until resumed.
+
+ Context: any.
+ */
+splineway_result splineway_single_block(splineway_core *core, bool on);
+
+/*
+ Jogs: every axis by itself comes to a velocity (mm/s) and keeps it for some seconds, unless it is asked for again, or up to
+ its limit of travel. From rest with nothing to run, or from a hold within a program; the next `splineway_poll` plans it.
+ `RUNNING` if a program runs.
+
+ Context: background.
+ */
+splineway_result splineway_jog_velocity(splineway_core *core,
+                                        const float *velocity,
+                                        float seconds);
+
+/*
+ Jogs by a distance per axis (nm), at a speed along the line (mm/s). Steps add up.
+
+ Context: background.
+ */
+splineway_result splineway_jog_step(splineway_core *core, const int64_t *by, float feed);
+
+/*
+ Jogs to a point (nm), from rest along the straight line, at a speed along it (mm/s).
+
+ Context: background.
+ */
+splineway_result splineway_jog_to(splineway_core *core, const int64_t *to, float feed);
+
+/*
+ Jogs back to where the program was held; from there `splineway_resume` goes on. `NO_PROGRAM` if none is held.
+
+ Context: background.
+ */
+splineway_result splineway_jog_back(splineway_core *core,
+                                    float feed);
+
+/*
+ The motors of the machine, `count` of them, 8 at most, at rest with nothing to run: after `splineway_init`, as a rule. They keep their
+ limits from then on, and `splineway_set_limits` leaves them as they are. `RUNNING` if the machine is not at rest; `CONFIG`, and nothing
+ has changed, if a limit or a factor is out of its range, an axis could move with others without a motor, or
+ axes are shaped unlike each other.
+
+ Context: background.
+ */
+splineway_result splineway_set_motors(splineway_core *core,
+                                      const splineway_motor *motors,
+                                      uint32_t count);
+
+/*
+ Where `count` motors are with the axes at `axes` (one number per axis, nm): in `positions`, nm. From any context; the position of a
+ setpoint is what a drive is to be given.
+
+ Context: any.
+ */
+splineway_result splineway_motor_positions(const splineway_motor *motors,
+                                           uint32_t count,
+                                           const int64_t *axes,
+                                           int64_t *positions);
+
+/*
+ Has an output switch at or about the end of the block that was pushed last. `FULL`: poll, and push the same switch again.
+
+ Context: background.
+ */
+splineway_result splineway_push_switch(splineway_core *core,
+                                       const splineway_switch *switch_);
+
+/*
+ The power of the blocks that are pushed from now on.
+
+ Context: background.
+ */
+splineway_result splineway_set_power(splineway_core *core, const splineway_power *wanted);
+
+/*
+ The same, and at rest, behind all that was pushed, before all that will be: one that is the same at every speed is on in
+ the dwells that follow.
+
+ Context: background.
+ */
+splineway_result splineway_push_power(splineway_core *core,
+                                      const splineway_power *wanted,
+                                      uint32_t tag);
+
+/*
+ `splineway_tick`, and what has switched in that servo cycle, in `list`, which has room for `room`: 52 is enough for
+ all. `count` is how many there are, also beyond the room; `level` the power at the end of the cycle. Where setpoints are shaped, both
+ are `splineway_shaper_delay` ahead of them.
+
+ Context: servo interrupt.
+ */
+splineway_result splineway_tick_outputs(splineway_core *core,
+                                        splineway_setpoint *setpoint,
+                                        splineway_switched *list,
+                                        uint32_t room,
+                                        uint32_t *count,
+                                        float *level);
+
+/*
  Adds a straight line to `to` (nm).
+
+ Context: background.
  */
 splineway_result splineway_push_line(splineway_core *core,
                                      const int64_t *to,
@@ -719,6 +1035,8 @@ splineway_result splineway_push_line(splineway_core *core,
  Adds a circular arc or helix to `to` (nm) about a centre (nm) in the plane of two axes, in the order
  in which a quarter turn takes the first to the second: G17 is 0, 1. The same end as start in the plane is
  a full circle; `extra_turns` are added.
+
+ Context: background.
  */
 splineway_result splineway_push_arc(splineway_core *core,
                                     const int64_t *to,
@@ -727,6 +1045,8 @@ splineway_result splineway_push_arc(splineway_core *core,
 
 /*
  Adds a cubic curve (a span of a spline) to `to` by its two Bezier points between (nm).
+
+ Context: background.
  */
 splineway_result splineway_push_cubic(splineway_core *core,
                                       const int64_t *first,
@@ -736,189 +1056,27 @@ splineway_result splineway_push_cubic(splineway_core *core,
 
 /*
  Adds a standstill of some seconds.
+
+ Context: background.
  */
 splineway_result splineway_push_dwell(splineway_core *core, float seconds, uint32_t tag);
 
 /*
  Adds an event: the motion comes to rest, and for one servo cycle the setpoint has the activity `EVENT` and
  this tag. With `pause` the machine then rests until `splineway_resume`.
+
+ Context: background.
  */
 splineway_result splineway_push_event(splineway_core *core,
                                       bool pause,
                                       uint32_t tag);
 
 /*
- Jogs: every axis by itself comes to a velocity (mm/s) and keeps it for some seconds, unless it is asked for again, or up to
- its limit of travel. From rest with nothing to run, or from a hold within a program; the next `splineway_poll` plans it.
- `RUNNING` if a program runs.
- */
-splineway_result splineway_jog_velocity(splineway_core *core,
-                                        const float *velocity,
-                                        float seconds);
-
-/*
- Jogs by a distance per axis (nm), at a speed along the line (mm/s). Steps add up.
- */
-splineway_result splineway_jog_step(splineway_core *core, const int64_t *by, float feed);
-
-/*
- Jogs to a point (nm), from rest along the straight line, at a speed along it (mm/s).
- */
-splineway_result splineway_jog_to(splineway_core *core, const int64_t *to, float feed);
-
-/*
- Jogs back to where the program was held; from there `splineway_resume` goes on. `NO_PROGRAM` if none is held.
- */
-splineway_result splineway_jog_back(splineway_core *core,
-                                    float feed);
-
-/*
- Ends a jog: every axis brakes as hard as its limits allow. From any context, as the commands of an operator.
- */
-splineway_result splineway_jog_cancel(splineway_core *core);
-
-/*
- Says that no more blocks come for now.
- */
-splineway_result splineway_finish(splineway_core *core);
-
-/*
- Does a slice of what is to be done now. To be called in the background, again and again; at once if it says
- `PLANNING`.
- */
-splineway_progress splineway_poll(splineway_core *core);
-
-/*
- Polls until nothing can be done before the interpolator has moved on or blocks come, or until a plan was handed
- over: for tests and simulations in which planning takes no time.
- */
-splineway_progress splineway_settle(splineway_core *core);
-
-/*
- The caller knows that an abort has dropped everything. True: it is complete, and blocks are taken again,
- from where the machine stands (`end` of `splineway_status`). False, and nothing has changed: there is none,
- or `splineway_poll` has not said `ABORTED` since the last was asked for.
- */
-bool splineway_acknowledge_abort(splineway_core *core);
-
-/*
- One servo cycle: writes where the axes should be at its end. To be called by the servo interrupt.
- */
-splineway_result splineway_tick(splineway_core *core, splineway_setpoint *setpoint);
-
-/*
- How things are.
- */
-splineway_result splineway_status(splineway_core *core, splineway_report *status);
-
-/*
- Feed hold: brake as hard as the limits allow, and rest on the path.
- */
-splineway_result splineway_hold(splineway_core *core);
-
-/*
- The same by the limits for stops. If the motion brakes already, it goes on as it does.
- */
-splineway_result splineway_quick_hold(splineway_core *core);
-
-/*
- Ends a hold or a stop; in single block mode, runs the next block.
- */
-splineway_result splineway_resume(splineway_core *core);
-
-/*
- Finish the block under way, then rest until resumed.
- */
-splineway_result splineway_stop(splineway_core *core);
-
-/*
- Brake, and drop everything that has not been run. No block is taken until `splineway_acknowledge_abort`.
- */
-splineway_result splineway_abort(splineway_core *core);
-
-/*
- The same by the limits for stops.
- */
-splineway_result splineway_quick_abort(splineway_core *core);
-
-/*
- Feed override, 0 to 200 per cent.
- */
-splineway_result splineway_feed_override(splineway_core *core, uint16_t percent);
-
-/*
- Override of rapids, 0 to 100 per cent.
- */
-splineway_result splineway_rapid_override(splineway_core *core, uint16_t percent);
-
-/*
- Single block mode: rest at the end of every block until resumed.
- */
-splineway_result splineway_single_block(splineway_core *core, bool on);
-
-/*
- What a result means, in words that stay valid. Any number may be given.
- */
-const char *splineway_result_text(int32_t result);
-
-/*
- The motors of the machine, `count` of them, 8 at most, at rest with nothing to run: after `splineway_init`, as a rule. They keep their
- limits from then on, and `splineway_set_limits` leaves them as they are. `RUNNING` if the machine is not at rest; `CONFIG`, and nothing
- has changed, if a limit or a factor is out of its range, or an axis could move with others without a motor.
- */
-splineway_result splineway_set_motors(splineway_core *core,
-                                      const splineway_motor *motors,
-                                      uint32_t count);
-
-/*
- Where `count` motors are with the axes at `axes` (one number per axis, nm): in `positions`, nm. From any context; the position of a
- setpoint is what a drive is to be given.
- */
-splineway_result splineway_motor_positions(const splineway_motor *motors,
-                                           uint32_t count,
-                                           const int64_t *axes,
-                                           int64_t *positions);
-
-/*
- Has an output switch at or about the end of the block that was pushed last. `FULL`: poll, and push the same switch again.
- */
-splineway_result splineway_push_switch(splineway_core *core,
-                                       const splineway_switch *switch_);
-
-/*
- The power of the blocks that are pushed from now on.
- */
-splineway_result splineway_set_power(splineway_core *core, const splineway_power *wanted);
-
-/*
- The same, and at rest, behind all that was pushed, before all that will be: one that is the same at every speed is on in
- the dwells that follow.
- */
-splineway_result splineway_push_power(splineway_core *core,
-                                      const splineway_power *wanted,
-                                      uint32_t tag);
-
-/*
- `splineway_tick`, and what has switched in that servo cycle, in `list`, which has room for `room`: 52 is enough for
- all. `count` is how many there are, also beyond the room; `level` the power at the end of the cycle.
- */
-splineway_result splineway_tick_outputs(splineway_core *core,
-                                        splineway_setpoint *setpoint,
-                                        splineway_switched *list,
-                                        uint32_t room,
-                                        uint32_t *count,
-                                        float *level);
-
-/*
- Hosts come with a compiler runtime that is built for unwinding and asks for this by name. Nothing
- unwinds here, so nothing calls it.
- */
-void rust_eh_personality(void);
-
-/*
  Tells the level of an input, `fraction` of a servo cycle after the last `splineway_tick`: to be called from the interrupt of its
  edges, from any context, and once at the start. `number` is the index of an axis for its home switch, -1 for the probe.
  Where the fraction is read while a tick is due that has not come, it is one more; where one came after it was read, one less.
+
+ Context: any.
  */
 splineway_result splineway_input(splineway_core *core,
                                  int32_t number,
@@ -929,6 +1087,8 @@ splineway_result splineway_input(splineway_core *core,
  Probes: a straight move to `to` (nm) at a feed (mm/s) that ends early when an input closes, or opens. From rest with nothing to run;
  `RUNNING`, `HELD` or `ABORTED` else, and `INPUT` if the input is as it would be at the end. `splineway_probed` says what came of it;
  until then no block is taken.
+
+ Context: background.
  */
 splineway_result splineway_probe(splineway_core *core,
                                  const int64_t *to,
@@ -938,6 +1098,8 @@ splineway_result splineway_probe(splineway_core *core,
 
 /*
  What came of the last probe, once: afterwards, and as long as it is not over, the outcome is `NONE`.
+
+ Context: background.
  */
 splineway_result splineway_probed(splineway_core *core,
                                   splineway_probe_result *result);
@@ -945,6 +1107,8 @@ splineway_result splineway_probed(splineway_core *core,
 /*
  How far a probe in a direction (one number per axis, of any length) at a feed (mm/s) goes on after its edge at the worst, mm: where the
  feed has been reached, and anywhere.
+
+ Context: background.
  */
 splineway_result splineway_probe_overshoot(splineway_core *core,
                                            float feed,
@@ -955,12 +1119,16 @@ splineway_result splineway_probe_overshoot(splineway_core *core,
 /*
  Homes axes, one `splineway_axis_home` per axis: each that has `wanted` goes to its switch, back, to it again slowly, and the
  coordinate of its edge then is `at`. Refused as `splineway_probe` is. `splineway_homed` says what came of it.
+
+ Context: background.
  */
 splineway_result splineway_home(splineway_core *core,
                                 const splineway_axis_home *axes);
 
 /*
  What came of the last `splineway_home` or `splineway_set_position`, once: afterwards, and as long as it is not over, it is `NONE`.
+
+ Context: background.
  */
 splineway_result splineway_homed(splineway_core *core,
                                  splineway_home_result *result);
@@ -968,114 +1136,20 @@ splineway_result splineway_homed(splineway_core *core,
 /*
  Sets the coordinates (nm) of where the machine stands, at rest with nothing to run. Setpoints are the new ones from the one with the
  activity `SET` on, and `splineway_homed` says `DONE`.
+
+ Context: background.
  */
 splineway_result splineway_set_position(splineway_core *core,
                                         const int64_t *to);
 
 /*
- Has an output switch at or about the end of the block that was pushed last. `FULL`: poll, and push the same switch again.
- */
-splineway_result splineway_push_switch(splineway_core *core,
-                                       const splineway_switch *switch_);
+ By how much the setpoints are behind the program because they are shaped, s: outputs in time with the path are to be delayed by
+ as much. Of a library with the feature `shaping`.
 
-/*
- The power of the blocks that are pushed from now on.
+ Context: any.
  */
-splineway_result splineway_set_power(splineway_core *core, const splineway_power *wanted);
-
-/*
- The same, and at rest, behind all that was pushed, before all that will be: one that is the same at every speed is on in
- the dwells that follow.
- */
-splineway_result splineway_push_power(splineway_core *core,
-                                      const splineway_power *wanted,
-                                      uint32_t tag);
-
-/*
- `splineway_tick`, and what has switched in that servo cycle, in `list`, which has room for `room`: 52 is enough for
- all. `count` is how many there are, also beyond the room; `level` the power at the end of the cycle.
- */
-splineway_result splineway_tick_outputs(splineway_core *core,
-                                        splineway_setpoint *setpoint,
-                                        splineway_switched *list,
-                                        uint32_t room,
-                                        uint32_t *count,
-                                        float *level);
-
-/*
- The motors of the machine, `count` of them, 8 at most, at rest with nothing to run: after `splineway_init`, as a rule. They keep their
- limits from then on, and `splineway_set_limits` leaves them as they are. `RUNNING` if the machine is not at rest; `CONFIG`, and nothing
- has changed, if a limit or a factor is out of its range, or an axis could move with others without a motor.
- */
-splineway_result splineway_set_motors(splineway_core *core,
-                                      const splineway_motor *motors,
-                                      uint32_t count);
-
-/*
- Where `count` motors are with the axes at `axes` (one number per axis, nm): in `positions`, nm. From any context; the position of a
- setpoint is what a drive is to be given.
- */
-splineway_result splineway_motor_positions(const splineway_motor *motors,
-                                           uint32_t count,
-                                           const int64_t *axes,
-                                           int64_t *positions);
-
-/*
- Tells the level of an input, `fraction` of a servo cycle after the last `splineway_tick`: to be called from the interrupt of its
- edges, from any context, and once at the start. `number` is the index of an axis for its home switch, -1 for the probe.
- Where the fraction is read while a tick is due that has not come, it is one more; where one came after it was read, one less.
- */
-splineway_result splineway_input(splineway_core *core,
-                                 int32_t number,
-                                 bool closed,
-                                 float fraction);
-
-/*
- Probes: a straight move to `to` (nm) at a feed (mm/s) that ends early when an input closes, or opens. From rest with nothing to run;
- `RUNNING`, `HELD` or `ABORTED` else, and `INPUT` if the input is as it would be at the end. `splineway_probed` says what came of it;
- until then no block is taken.
- */
-splineway_result splineway_probe(splineway_core *core,
-                                 const int64_t *to,
-                                 float feed,
-                                 int32_t number,
-                                 bool closes);
-
-/*
- What came of the last probe, once: afterwards, and as long as it is not over, the outcome is `NONE`.
- */
-splineway_result splineway_probed(splineway_core *core,
-                                  splineway_probe_result *result);
-
-/*
- How far a probe in a direction (one number per axis, of any length) at a feed (mm/s) goes on after its edge at the worst, mm: where the
- feed has been reached, and anywhere.
- */
-splineway_result splineway_probe_overshoot(splineway_core *core,
-                                           float feed,
-                                           const float *direction,
-                                           float *at_feed,
-                                           float *most);
-
-/*
- Homes axes, one `splineway_axis_home` per axis: each that has `wanted` goes to its switch, back, to it again slowly, and the
- coordinate of its edge then is `at`. Refused as `splineway_probe` is. `splineway_homed` says what came of it.
- */
-splineway_result splineway_home(splineway_core *core,
-                                const splineway_axis_home *axes);
-
-/*
- What came of the last `splineway_home` or `splineway_set_position`, once: afterwards, and as long as it is not over, it is `NONE`.
- */
-splineway_result splineway_homed(splineway_core *core,
-                                 splineway_home_result *result);
-
-/*
- Sets the coordinates (nm) of where the machine stands, at rest with nothing to run. Setpoints are the new ones from the one with the
- activity `SET` on, and `splineway_homed` says `DONE`.
- */
-splineway_result splineway_set_position(splineway_core *core,
-                                        const int64_t *to);
+splineway_result splineway_shaper_delay(splineway_core *core,
+                                        float *seconds);
 
 #ifdef __cplusplus
 }  // extern "C"

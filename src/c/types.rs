@@ -1,6 +1,7 @@
 //! What C sees.
 #![allow(non_camel_case_types, clippy::upper_case_acronyms)]
 
+use super::shaping::splineway_shape;
 use crate::planner::Progress;
 use crate::servo::{Activity, Setpoint};
 use core::ffi::CStr;
@@ -11,7 +12,7 @@ const fn setting(text: Option<&str>, default: usize) -> usize {
     let mut rest = text.as_bytes();
     let mut value = 0;
     while let [digit, more @ ..] = rest {
-        assert!(digit.is_ascii_digit(), "SPLINEWAY_AXES, _BLOCKS and _NODES are numbers");
+        assert!(digit.is_ascii_digit(), "SPLINEWAY_AXES, _BLOCKS, _NODES and _HISTORY are numbers");
         value = value * 10 + (*digit - b'0') as usize;
         rest = more;
     }
@@ -28,19 +29,25 @@ pub const SPLINEWAY_NODES: usize = setting(option_env!("SPLINEWAY_NODES"), crate
 pub const SPLINEWAY_OUTPUTS: usize = cfg!(feature = "outputs") as usize;
 /// 1 of a library with motors that follow several axes (feature `kinematics`), else 0.
 pub const SPLINEWAY_KINEMATICS: usize = cfg!(feature = "kinematics") as usize;
+/// 1 of a library with input shaping (feature `shaping`), else 0.
+pub const SPLINEWAY_SHAPING: usize = cfg!(feature = "shaping") as usize;
+/// Servo cycles that a shaper remembers: what it takes at the lowest frequency, and what axes wait for each other.
+pub const SPLINEWAY_HISTORY: usize = setting(option_env!("SPLINEWAY_HISTORY"), 64);
 /// Bytes that a core takes at most; the build fails if it were more.
 pub const SPLINEWAY_STORAGE_BYTES: usize = 13_600
     + 4_900 * SPLINEWAY_AXES
     + SPLINEWAY_NODES * (200 + 80 * SPLINEWAY_AXES)
     + SPLINEWAY_BLOCKS * (136 + 20 * SPLINEWAY_AXES)
     + SPLINEWAY_OUTPUTS * 13_000
-    + SPLINEWAY_KINEMATICS * (1_200 + 256 * SPLINEWAY_AXES);
+    + SPLINEWAY_KINEMATICS * (1_200 + 256 * SPLINEWAY_AXES)
+    + SPLINEWAY_SHAPING
+        * (512 + 256 * SPLINEWAY_AXES + SPLINEWAY_HISTORY * (8 + 36 * SPLINEWAY_AXES));
 
 /// The same in words of 64 bits.
 pub const SPLINEWAY_STORAGE_WORDS: usize = SPLINEWAY_STORAGE_BYTES / 8 + 1;
 
 /// Version of the interface, which header and library must agree on.
-pub const SPLINEWAY_INTERFACE: u32 = 5;
+pub const SPLINEWAY_INTERFACE: u32 = 6;
 
 /// Storage of a core: opaque, and not to be moved once it is set up (it would no longer be ready).
 #[repr(C)]
@@ -172,6 +179,8 @@ pub struct splineway_config {
     pub stop: [splineway_stop_limits; SPLINEWAY_AXES],
     /// Limits of travel; none unless they are set.
     pub travel: [splineway_travel; SPLINEWAY_AXES],
+    /// Input shaping; none unless it is set.
+    pub shape: [splineway_shape; SPLINEWAY_AXES],
     /// Servo cycle, s.
     pub cycle: f32,
     /// Tolerance of blocks that name none, mm.
@@ -232,83 +241,6 @@ pub enum splineway_activity {
     JOGGING = 4,
     /// At rest, in other coordinates than before: what counts steps counts on from this position. For one servo cycle.
     SET = 5,
-}
-
-/// How a probe ended.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum splineway_probe_outcome {
-    /// There is none, it is not over, or it has been said.
-    NONE = 0,
-    /// By its input.
-    TRIPPED = 1,
-    /// At its target, without it.
-    MISSED = 2,
-    /// By `splineway_jog_cancel` or an abort.
-    CANCELLED = 3,
-}
-
-/// What came of a probe.
-#[repr(C)]
-#[derive(Clone, Copy, Debug)]
-pub struct splineway_probe_result {
-    /// How it ended.
-    pub outcome: splineway_probe_outcome,
-    /// Where the axes were when the input changed, where they came to rest if it did not, nm.
-    pub position: [i64; SPLINEWAY_AXES],
-}
-
-/// How an axis is homed.
-#[repr(C)]
-#[derive(Clone, Copy, Debug)]
-pub struct splineway_axis_home {
-    /// Whether it is.
-    pub wanted: bool,
-    /// Axes of a lower number are homed before those of a higher one; those of the same at once.
-    pub order: u8,
-    /// Speed of the first approach and of the ways back, mm/s; its sign says on which side the switch is.
-    pub fast: f32,
-    /// Speed of the second approach, mm/s.
-    pub slow: f32,
-    /// How far away the switch may be, nm: without an edge the axis ends there.
-    pub reach: i64,
-    /// How far it goes back from the switch, nm: more than the switch needs to open.
-    pub back: i64,
-    /// The coordinate of the edge, nm.
-    pub at: i64,
-    /// Whether the axis goes somewhere in the end.
-    pub parks: bool,
-    /// Where to, in the new coordinates, nm.
-    pub park: i64,
-}
-
-/// What came of homing.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum splineway_homing {
-    /// There is none, it is not over, or it has been said.
-    NONE = 0,
-    /// All axes are homed, and the coordinates set.
-    DONE = 1,
-    /// A switch has not closed within the way it was given.
-    MISSING = 2,
-    /// A switch is still closed after the way back.
-    STUCK = 3,
-    /// By `splineway_jog_cancel` or an abort.
-    CANCELLED = 4,
-}
-
-/// What came of homing, and with which axis.
-#[repr(C)]
-#[derive(Clone, Copy, Debug)]
-pub struct splineway_home_result {
-    /// What came of it.
-    pub homing: splineway_homing,
-    /// The axis with which something has gone wrong.
-    pub axis: u32,
-    /// What it was doing: 0 done, 1 waiting for others, 2 leaving its switch, 3 seeking it, 4 backing off, 5 approaching it slowly,
-    /// 6 on its way from it.
-    pub phase: u32,
 }
 
 /// Where the axes should be at the end of a servo cycle.

@@ -142,9 +142,8 @@ impl<S: Scalar, const N: usize> Config<S, N> {
             let named = |error| ConfigError::Setting { quantity, error };
             quantity.check(value).map_err(named)?;
         }
-        // The mean of a sum is the sum of means only where these are the same.
         #[cfg(feature = "kinematics")]
-        if self.limits.names_motors() && *settle > S::ZERO && !self.follower.alike {
+        if !self.follows_motors_of(&self.limits) {
             return Err(ConfigError::Unlike);
         }
         for (axis, value) in acceleration.iter().enumerate() {
@@ -157,6 +156,13 @@ impl<S: Scalar, const N: usize> Config<S, N> {
         Ok(())
     }
 
+    /// Whether motors, if limits name some, are followed as axes are: the mean of a sum is the sum of means only where these are
+    /// the same.
+    #[cfg(feature = "kinematics")]
+    pub(crate) fn follows_motors_of(&self, limits: &Limits<S, N>) -> bool {
+        !limits.names_motors() || self.settle() == S::ZERO || self.keeps_straight(&[S::ONE; N])
+    }
+
     /// Limits from now on: those that what follows the setpoints can bear, and the limits themselves where it need not.
     pub(crate) fn limit(&mut self, limits: &Limits<S, N>) {
         self.limits = self.bearable(limits);
@@ -164,6 +170,18 @@ impl<S: Scalar, const N: usize> Config<S, N> {
         {
             self.free = *limits;
         }
+    }
+
+    /// The limits before that.
+    #[cfg(feature = "shaping")]
+    pub(crate) fn given(&self) -> &Limits<S, N> {
+        &self.free
+    }
+
+    /// The same where everything follows.
+    #[cfg(not(feature = "shaping"))]
+    pub(crate) fn given(&self) -> &Limits<S, N> {
+        &self.limits
     }
 
     /// Limits that what follows the setpoints can bear.

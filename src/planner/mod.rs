@@ -220,9 +220,9 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         Ok(())
     }
 
-    /// The limits of the blocks to come.
+    /// The limits of the blocks to come, as they were given.
     pub fn limits(&self) -> &Limits<S, N> {
-        &self.horizon.config.limits
+        self.horizon.config.given()
     }
 
     /// Says that no more blocks come for now: the path ends where the last one ends. Without it

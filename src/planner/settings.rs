@@ -39,9 +39,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// Changes the limits of the axes, for all that comes. `false`, and nothing has changed, unless [`Planner::is_empty`]. Limits
-    /// without motors (feature `kinematics`) leave these as they are; with motors, they come in the place of those before.
+    /// without motors (feature `kinematics`) leave these as they are; with motors, they come in the place of those before. These are
+    /// refused, too, where axes are shaped unlike each other ([`Config::follower`](crate::Config)).
     pub fn set_limits_at_rest(&mut self, limits: Limits<S, N>) -> bool {
         let may = self.is_empty();
+        #[cfg(feature = "kinematics")]
+        let may = may && self.horizon.config.follows_motors_of(&limits);
         if may {
             #[cfg(feature = "kinematics")]
             let limits = if limits.names_motors() {
