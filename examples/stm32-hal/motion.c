@@ -30,6 +30,15 @@ static const int64_t program[][SPLINEWAY_AXES] = {
 static splineway_core core;
 static uint32_t pushed;
 static motion_fault fault;
+static volatile bool stopped;
+
+/* The emergency stop: the drives lose their enable at once, and with it the position; only a reset brings the machine back. */
+static void stop(void)
+{
+    stopped = true;
+    HAL_GPIO_WritePin(ENABLE_GPIO_Port, ENABLE_Pin, GPIO_PIN_RESET);
+    splineway_abort(&core);
+}
 
 splineway_result motion_start(void)
 {
@@ -50,11 +59,11 @@ splineway_result motion_start(void)
     if (HAL_TIM_Base_Start_IT(&htim7) != HAL_OK || HAL_TIM_Base_Start_IT(&htim6) != HAL_OK) {
         return SPLINEWAY_RESULT_NOT_READY;
     }
-    /* The stop button is normally closed to ground: open - pressed, or a broken wire - is high. */
-    if (HAL_GPIO_ReadPin(STOP_BUTTON_GPIO_Port, STOP_BUTTON_Pin) == GPIO_PIN_RESET) {
-        HAL_GPIO_WritePin(ENABLE_GPIO_Port, ENABLE_Pin, GPIO_PIN_SET);
-    } else {
-        splineway_abort(&core);
+    /* The stop button is normally closed to ground: open - pressed, or a broken wire - is high. It is asked behind this, so that one
+       which comes in between counts. */
+    HAL_GPIO_WritePin(ENABLE_GPIO_Port, ENABLE_Pin, GPIO_PIN_SET);
+    if (stopped || HAL_GPIO_ReadPin(STOP_BUTTON_GPIO_Port, STOP_BUTTON_Pin) == GPIO_PIN_SET) {
+        stop();
     }
     return SPLINEWAY_RESULT_OK;
 }
@@ -111,9 +120,7 @@ void TIM7_IRQHandler(void)
 void HAL_GPIO_EXTI_Callback(uint16_t pin)
 {
     if (pin == STOP_BUTTON_Pin) {
-        /* The drives lose their enable at once, and with it the position: only a reset brings the machine back. */
-        HAL_GPIO_WritePin(ENABLE_GPIO_Port, ENABLE_Pin, GPIO_PIN_RESET);
-        splineway_abort(&core);
+        stop();
     } else if (pin == HOLD_BUTTON_Pin) {
         if (HAL_GPIO_ReadPin(HOLD_BUTTON_GPIO_Port, HOLD_BUTTON_Pin) == GPIO_PIN_SET) {
             splineway_hold(&core);
