@@ -1,4 +1,4 @@
-//! Build script of every image: hands the memory map to the linker.
+//! Build script of every image, and of the examples for a chip: hands the memory map to the linker.
 
 use std::env;
 use std::fs;
@@ -9,9 +9,10 @@ const OWN: &str = "memory.x";
 const MEMORY: &str = "../memory.x";
 /// Names of interrupts, of an image that brings its own device.
 const DEVICE: &str = "device.x";
+/// Images that have a log by defmt.
+const LOGGED: [&str; 3] = ["splineway-stm32f407", "splineway-stm32h743", "splineway-example-rtic"];
 
 fn main() {
-    println!("cargo:rerun-if-changed=../build.rs");
     for file in [OWN, MEMORY, DEVICE] {
         if Path::new(file).exists() {
             println!("cargo:rerun-if-changed={file}");
@@ -30,8 +31,7 @@ fn main() {
     println!("cargo:rustc-link-search={}", out.display());
     println!("cargo:rustc-link-arg-bins=-Tlink.x");
     println!("cargo:rustc-link-arg-bins=--nmagic");
-    if env::var("CARGO_PKG_NAME").is_ok_and(|name| name == "splineway-stm32f407") {
-        // The only one with a log.
+    if env::var("CARGO_PKG_NAME").is_ok_and(|name| LOGGED.contains(&name.as_str())) {
         println!("cargo:rustc-link-arg-bins=-Tdefmt.x");
     }
 }

@@ -2,7 +2,7 @@
 //! machine, change this file.
 
 use splineway::output::{EdgeTimes, Scale, StepDir, StepError, StepTiming};
-use splineway::{AxisLimits, AxisTravel, Config, Coord, Limits, Travel};
+use splineway::{AxisLimits, AxisTravel, Config, Coord, Limits, Scalar, Travel};
 
 /// Axes.
 pub const AXES: usize = 3;
@@ -34,13 +34,15 @@ pub const TRAVEL: [AxisTravel; AXES] = [AxisTravel { least: None, greatest: None
 const _: () = assert!(SERVO_HZ >= 1_000 && SERVO_HZ <= 10_000 && STEP_HZ.is_multiple_of(SERVO_HZ));
 
 /// What the core is told of the machine. `None`: it cannot be used.
-pub fn config() -> Option<Config<f32, AXES>> {
-    let axis = AxisLimits::linear(VELOCITY, ACCELERATION, JERK);
+pub fn config<S: Scalar>() -> Option<Config<S, AXES>> {
+    let [velocity, acceleration, jerk] =
+        [VELOCITY, ACCELERATION, JERK].map(|limit| S::of(f64::from(limit)));
+    let axis = AxisLimits::linear(velocity, acceleration, jerk);
     let mut config = Config::new(Limits::new([axis; AXES]).ok()?);
     config.travel = Travel::new(TRAVEL).ok()?;
-    config.cycle = 1.0 / SERVO_HZ as f32;
+    config.cycle = S::ONE / S::from_u32(SERVO_HZ);
     // Longer than a planning step takes at 168 MHz with flash wait states.
-    config.lead = 0.05;
+    config.lead = S::of(0.05);
     Some(config)
 }
 

@@ -58,7 +58,7 @@ fn motion(path: &[[f64; 2]]) -> Vec<Targets<AXES>> {
 /// The same with another feed, mm/s, on a machine with these shares of the limits.
 fn motion_of(path: &[[f64; 2]], feed: f32, share: [f32; 3]) -> Vec<Targets<AXES>> {
     let mut link = Box::new(Link::<f32, AXES>::new());
-    let mut config = machine::config().unwrap();
+    let mut config = machine::config::<f32>().unwrap();
     let [velocity, acceleration, jerk] = share;
     let axis = AxisLimits::linear(
         velocity * machine::VELOCITY,
@@ -111,7 +111,7 @@ fn found(bytes: &[u8], path: &[[f64; 2]]) -> anyhow::Result<verdict::Verdict> {
     recording.read(bytes)?;
     let cycles = 0..recording.cycles.len();
     let leg = Leg { text: text(path), from: [0; AXES], cycles, whole: true };
-    judge(&leg, &recording.cycles, f64::from(machine::config().unwrap().tolerance))
+    judge(&leg, &recording.cycles, machine::config::<f64>().unwrap().tolerance)
 }
 
 fn fault(bytes: &[u8], path: &[[f64; 2]]) -> String {

@@ -105,7 +105,7 @@ mod app {
     ])]
     fn init(context: init::Context) -> (Shared, Local) {
         let board = Board::new().expect("the steps of the machine do not fit");
-        let config = machine::config().expect("the machine cannot be used");
+        let config = machine::config::<f32>().expect("the machine cannot be used");
         let settings = Settings::new(&config, [machine::steps_per_mm(); AXES], [TRAVEL; AXES]);
         let start = [Coord::ZERO; AXES];
         let made = context.local.link.split(config, start);

@@ -102,7 +102,7 @@ fn rose(lines: u32) -> Vec<String> {
 
 /// The tolerance of the machine, mm.
 fn tolerance(options: &Options) -> Result<f64> {
-    let config = machine::config().context("the machine cannot be used")?;
+    let config = machine::config::<f32>().context("the machine cannot be used")?;
     Ok(options.tolerance.unwrap_or(f64::from(config.tolerance)))
 }
 
