@@ -181,24 +181,27 @@ pub unsafe extern "C" fn splineway_init(
         if settings.axis_count as usize != SPLINEWAY_AXES {
             return splineway_result::AXES;
         }
-        let made = self::config(settings);
-        #[cfg(feature = "shaping")]
-        let made = made.and_then(|mut made| {
-            (&raw mut (*core).shaper).write(MaybeUninit::new(CShaper::new()));
-            let delay = shape((*core).shaper.assume_init_mut(), settings, &mut made)?;
-            (&raw mut (*core).delay).write(delay);
-            Ok(made)
-        });
         #[cfg(not(feature = "shaping"))]
-        let made = made.and_then(|made| refuse_shapes(settings).map(|()| made));
-        let settings = match made {
-            Ok(settings) => settings,
+        if let Err(result) = refuse_shapes(settings) {
+            return result;
+        }
+        #[cfg_attr(not(feature = "shaping"), allow(unused_mut))]
+        let mut made = match self::config(settings) {
+            Ok(made) => made,
             Err(result) => return result,
         };
+        #[cfg(feature = "shaping")]
+        {
+            (&raw mut (*core).shaper).write(MaybeUninit::new(CShaper::new()));
+            match shape((*core).shaper.assume_init_mut(), settings, &mut made) {
+                Ok(delay) => (&raw mut (*core).delay).write(delay),
+                Err(result) => return result,
+            }
+        }
         let Some(start) = coords(start) else { return splineway_result::COORDINATE };
         (&raw mut (*core).link).write(MaybeUninit::new(Link::new()));
         let link = (*core).link.assume_init_mut();
-        let Ok((planner, interpolator)) = link.split(settings, start) else {
+        let Ok((planner, interpolator)) = link.split(made, start) else {
             return splineway_result::CONFIG;
         };
         (&raw mut (*core).controls).write(MaybeUninit::new(planner.controls()));
