@@ -32,8 +32,8 @@ splineway_macros := $(shell $(CC) $(SPLINEWAY_CPU) -E -dM -x c $(or $(SPLINEWAY_
 ifeq ($(filter __STDC__=1,$(splineway_macros)),)
 $(error $(CC) $(SPLINEWAY_CPU) cannot read $(SPLINEWAY_CONFIG))
 endif
-splineway_wrong := $(filter-out %=,$(shell echo '$(filter SPLINEWAY_AXES=% SPLINEWAY_BLOCKS=% SPLINEWAY_NODES=% SPLINEWAY_HISTORY=% \
-  SPLINEWAY_OUTPUTS=% SPLINEWAY_KINEMATICS=% SPLINEWAY_SHAPING=%,$(splineway_macros))' | sed 's/=[0-9][0-9]*\($$\| \)/= /g'))
+splineway_wrong := $(filter-out %=plain,$(shell echo '$(filter SPLINEWAY_AXES=% SPLINEWAY_BLOCKS=% SPLINEWAY_NODES=% SPLINEWAY_HISTORY=% \
+  SPLINEWAY_OUTPUTS=% SPLINEWAY_KINEMATICS=% SPLINEWAY_SHAPING=%,$(splineway_macros))' | sed 's/=[0-9][0-9]*\( \|$$\)/=plain\1/g'))
 ifneq ($(splineway_wrong),)
 $(error $(SPLINEWAY_CONFIG): $(splineway_wrong) must be a plain number)
 endif
