@@ -8,6 +8,13 @@ use embedded_hal::digital::{ErrorType, OutputPin};
 use splineway::output::StepDir;
 use splineway_mps2::pins::{self, Levels, Recorder};
 
+/// What the core computes with.
+#[cfg(feature = "f64")]
+pub type Real = f64;
+/// What the core computes with.
+#[cfg(not(feature = "f64"))]
+pub type Real = f32;
+
 /// Levels of the output pins.
 static LEVELS: AtomicU8 = AtomicU8::new(0);
 

@@ -3,7 +3,7 @@
 #[rtic::app(device = crate::device, peripherals = false)]
 mod app {
     use crate::board::{
-        self, Board, Inputs, Pin, Port as Pins, Receiver, StepTimer, Transmitter, Watchdog,
+        self, Board, Inputs, Pin, Port as Pins, Real, Receiver, StepTimer, Transmitter, Watchdog,
     };
     use crate::device::Interrupt;
     use crate::log::Log;
@@ -72,7 +72,7 @@ mod app {
         /// Where the axes are to be at the end of the next servo cycle; `None`: not known yet.
         targets: Option<Targets<AXES>>,
         /// The last setpoint, for reports.
-        setpoint: Setpoint<f32, AXES>,
+        setpoint: Setpoint<Real, AXES>,
         /// Enables the drives.
         enable: Pin,
     }
@@ -84,14 +84,14 @@ mod app {
         /// The targets of the servo cycle under way.
         last: Targets<AXES>,
         step_timer: StepTimer,
-        interpolator: Interpolator<'static, f32, AXES>,
+        interpolator: Interpolator<'static, Real, AXES>,
         receiver: Receiver,
         transmitter: Transmitter,
         bytes_in: Producer<'static, u8>,
         bytes_out: Consumer<'static, u8>,
         replies_in: Producer<'static, u8>,
         replies_out: Consumer<'static, u8>,
-        planner: Planner<'static, f32, AXES>,
+        planner: Planner<'static, Real, AXES>,
         inputs: Inputs,
         stop_controls: Controls<'static>,
         watchdog: Watchdog,
@@ -99,13 +99,13 @@ mod app {
     }
 
     #[init(local = [
-        link: Link<f32, AXES> = Link::new(),
+        link: Link<Real, AXES> = Link::new(),
         bytes: Queue<u8, BYTES> = Queue::new(),
         replies: Queue<u8, REPLIES> = Queue::new(),
     ])]
     fn init(context: init::Context) -> (Shared, Local) {
         let board = Board::new().expect("the steps of the machine do not fit");
-        let config = machine::config::<f32>().expect("the machine cannot be used");
+        let config = machine::config::<Real>().expect("the machine cannot be used");
         let settings = Settings::new(&config, [machine::steps_per_mm(); AXES], [TRAVEL; AXES]);
         let start = [Coord::ZERO; AXES];
         let made = context.local.link.split(config, start);
@@ -226,7 +226,7 @@ mod app {
         heard: u32,
     }
 
-    impl<M: rtic::Mutex<T = Setpoint<f32, AXES>>> Port<f32, AXES> for Outside<'_, M> {
+    impl<M: rtic::Mutex<T = Setpoint<Real, AXES>>> Port<Real, AXES> for Outside<'_, M> {
         type Store = Volatile<{ grbl::words(AXES) }>;
 
         fn read(&mut self) -> Option<u8> {
@@ -245,7 +245,7 @@ mod app {
             taken
         }
 
-        fn setpoint(&mut self) -> Setpoint<f32, AXES> {
+        fn setpoint(&mut self) -> Setpoint<Real, AXES> {
             self.setpoint.lock(|setpoint| *setpoint)
         }
 
