@@ -21,6 +21,12 @@ const FURTHER: &str = "\
 #acceleration = 3000   # mm/s2
 #jerk = 60000          # mm/s3
 #stop = { acceleration = 6000, jerk = 200000 }
+#[[motor]]
+#name = \"right\"
+#axes = { X = 1, Y = -1 }
+#velocity = 300
+#acceleration = 3000
+#jerk = 60000
 
 #[shaper.default]      # input shaping: zv, mzv, ei or smooth
 #kind = \"zv\"

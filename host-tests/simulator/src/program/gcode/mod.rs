@@ -66,7 +66,7 @@ mod tests {
     fn programs_that_fill_the_memory_are_refused() {
         for (text, line) in [
             ("G91 G83 X1 Z-10 R1 Q0.0011 L9999 F600", 1),
-            ("M98 P1 L9999\nM30\nO1\nM98 P2 L9999\nM99\nO2\nG91 G0 X1\nX-1\nM99", 9),
+            ("M98 P1 L9999\nM30\nO1\nM98 P2 L9999\nM99\nO2\nG91 G0 X1\nX-1\nM99", 7),
         ] {
             let (program, findings) = examine_within(text.as_bytes(), ReadOptions::DEFAULT, 1000);
             assert_eq!((program.moves.len(), findings.len()), (1000, 1));
