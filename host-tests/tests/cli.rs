@@ -228,7 +228,7 @@ fn smooth_writes_spline_report_and_plot() {
         assert!(outcome.status.success(), "{outcome:?}");
         let text = std::fs::read_to_string(&report).unwrap();
         let value: serde_json::Value = serde_json::from_str(&text).unwrap();
-        let peak = |side: &str| value[side]["curvature_peak"].as_f64().unwrap();
+        let peak = |side: &str| value[side]["curvature_peak_per_mm"].as_f64().unwrap();
         assert!(peak("after") < 0.1 * peak("before"), "{method}");
         assert!(std::fs::read_to_string(&plot).unwrap().contains("</svg>"));
         // What was written runs.
@@ -261,7 +261,7 @@ fn check_tells_what_will_happen_and_where_time_goes() {
     assert!(!text.contains('\u{1b}'), "colour in a file");
     let report: serde_json::Value =
         serde_json::from_str(&text_of(&["check", &name, "--json"])).unwrap();
-    assert_eq!(report["moves"][0], 6);
+    assert_eq!(report["moves"]["lines"], 6);
     let advice = report["advice"].as_array().unwrap();
     for part in ["have no length", "more feed than the axes allow", "G61 for G64"] {
         assert!(advice.iter().any(|text| text.as_str().unwrap().contains(part)), "{advice:?}");
@@ -279,7 +279,7 @@ fn figures_come_as_text_and_as_json() {
     let json: serde_json::Value =
         serde_json::from_str(&text_of(&["bench", &example(), "--json"])).unwrap();
     let path = &json["paths"][0];
-    assert!(path["seconds_f64"].as_f64() < path["seconds_stops"].as_f64());
+    assert!(path["time_f64_s"].as_f64() < path["time_stops_s"].as_f64());
     assert!(path["broken"].as_array().unwrap().is_empty());
     let report: serde_json::Value =
         serde_json::from_str(&text_of(&["simulate", &example(), "--json"])).unwrap();
@@ -479,9 +479,9 @@ fn check_names_the_extent_and_the_culprit() {
         serde_json::from_str(&text_of(&["check", &part, "--json"])).unwrap()
     };
     let arcs = json("extent.ngc", "G1 X10 F3000\nG3 X-10 I-10 J0\nG5 I0 J-40 P0 Q-40 X30 Y0\n");
-    let extent = |axis: usize, end: usize| arcs["extent"][axis][end].as_f64().unwrap();
-    assert!((extent(1, 2) - 10.0).abs() < 1e-9, "top of the arc: {arcs}");
-    assert!((extent(1, 1) + 30.0).abs() < 1e-3, "bottom of the curve: {arcs}");
+    let extent = |axis: usize, end: &str| arcs["extent"][axis][end].as_f64().unwrap();
+    assert!((extent(1, "greatest_mm") - 10.0).abs() < 1e-9, "top of the arc: {arcs}");
+    assert!((extent(1, "least_mm") + 30.0).abs() < 1e-3, "bottom of the curve: {arcs}");
     let advice = |report: &serde_json::Value| report["advice"].to_string();
     let empty = json("empty.ngc", "G1 X10 F600\nG1 X10 F99999\nG1 X20 F600\n");
     assert!(advice(&empty).contains("1 lines have no length"), "{empty}");

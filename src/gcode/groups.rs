@@ -78,7 +78,7 @@ impl Group {
 }
 
 /// The group of a G code, or why it is refused; `None` if it is not known.
-const fn group(tenths: u16, dialect: Dialect) -> Option<Result<Group, Refused>> {
+pub const fn group(tenths: u16, dialect: Dialect) -> Option<Result<Group, Refused>> {
     match dialect {
         Dialect::Marlin => printer(tenths),
         Dialect::LinuxCnc | Dialect::Grbl => mill(tenths),

@@ -52,7 +52,7 @@
 //! | M2, M30, % | the end |
 //! | G8 G15 G40 G50 G69 G97 | switch off what is not there |
 //!
-//! Everything else is refused by name: cutter compensation, scaling, polar coordinates, threads, boring
+//! What becomes of a code is told by [`Dialect::knows`]. Everything else is refused by name: cutter compensation, scaling, polar coordinates, threads, boring
 //! cycles, parameters, expressions. What printers have besides is in [`Dialect::Marlin`].
 //!
 //! Cost: a pass over the bytes, some 30 multiplications in `f64` per line, a few hundred per block of a NURBS of order 3; a [`Reader`] has
@@ -67,6 +67,7 @@ mod drilling;
 mod error;
 mod event;
 mod groups;
+mod known;
 mod lexer;
 mod machine;
 mod modal;
@@ -88,6 +89,7 @@ pub use action::Action;
 pub use dialect::Dialect;
 pub use error::{Note, Reason, Refusal};
 pub use event::{Code, Event};
+pub use known::Known;
 pub use nurbs::POINTS;
 pub use offsets::{OFFSETS, Place, Setup, TOOLS};
 pub use probing::ProbeMove;

@@ -2,7 +2,7 @@
 //!
 //! `cargo bench -p splineway-host --bench board -- FILE [--lines N] [--feed F] [--tolerance T] [--client grbl-streamer]` builds
 //! `firmware/mps2`, runs it in QEMU (8 ns an instruction: about 168 MHz), streams the file over its line, and judges every step
-//! ([`verdict`]). `--feed` (mm/min) takes the place of every F word, `--tolerance` (mm) is set by `$11`. The sender is this
+//! ([`verdict`]). `--feed` (mm/s) takes the place of every F word, `--tolerance` (mm) is set by `$11`. The sender is this
 //! program's own, which counts characters, or grbl-streamer, which others wrote (`host-tests/grbl/run.py`).
 //!
 //! With `--check`: a file with holds, overrides and a reset on the way, and one that grbl-streamer sends where it can be installed.
@@ -81,7 +81,7 @@ impl Options {
                 let words = words.filter(|word| !word.starts_with(['F', 'f']));
                 *line = words.collect::<Vec<_>>().join(" ");
             }
-            lines.insert(0, format!("F{feed}"));
+            lines.insert(0, format!("F{}", feed * 60.0));
         }
         Ok(lines)
     }

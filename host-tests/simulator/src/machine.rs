@@ -1,10 +1,12 @@
 //! Machine descriptions: TOML, a built-in default, and what flags and path files override.
 
 mod motors;
+mod text;
 
 pub use motors::{Motor, MotorRow};
 
-use crate::program::{AXES, Header, LETTERS, Program};
+use crate::input;
+use crate::program::{AXES, Header, LETTERS, Tape};
 use crate::run::{Beyond, Seeker};
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Deserialize;
@@ -172,10 +174,7 @@ impl Machine {
     /// # Errors
     /// Names file, key and reason.
     pub fn read(path: &Path) -> Result<Self> {
-        let name = path.display();
-        let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {name}"))?;
-        let machine = Self::parse(&text).with_context(|| format!("{name}"))?;
-        Ok(machine)
+        Self::parse(&input::text(path)?).with_context(|| path.display().to_string())
     }
 
     /// Parses a description.
@@ -396,12 +395,12 @@ impl Machine {
     ///
     /// # Errors
     /// If the machine lacks one of them.
-    pub fn stop_axes_of(&self, program: &Program) -> Result<Vec<Axis>> {
+    pub fn stop_axes_of(&self, program: &dyn Tape) -> Result<Vec<Axis>> {
         program.axes().into_iter().map(|index| self.stop_axis(index)).collect()
     }
 
     /// The motors that move with the axes of a program.
-    pub fn motors_for(&self, program: &Program) -> Vec<MotorRow> {
+    pub fn motors_for(&self, program: &dyn Tape) -> Vec<MotorRow> {
         self.motors_of(&program.axes())
     }
 
@@ -409,7 +408,7 @@ impl Machine {
     ///
     /// # Errors
     /// If the machine lacks one of them.
-    pub fn axes_of(&self, program: &Program) -> Result<Vec<Axis>> {
+    pub fn axes_of(&self, program: &dyn Tape) -> Result<Vec<Axis>> {
         program.axes().into_iter().map(|index| self.axis(index)).collect()
     }
 }

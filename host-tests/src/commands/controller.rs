@@ -1,5 +1,6 @@
 //! `splineway controller`: a controller without a machine, for `splineway stream` and for senders of grbl.
 
+use super::files::{self, named};
 use crate::stream::{
     Controller, Doing, Faults, Grbl, Happening, Kept, Line, describe_event, describe_place,
     describe_state,
@@ -22,38 +23,38 @@ pub enum Protocol {
     Grbl,
 }
 
-/// Runs the core as firmware does, on a pseudo-terminal or a TCP port, with the same protocols and no machine.
+/// Runs the core as firmware does, on a pseudo-terminal or a TCP port, with the same protocols and no machine
 #[derive(Clone, Debug, clap::Args)]
 pub struct ControllerCommand {
-    /// Axes: 3, 6 or 9.
-    #[arg(long, default_value_t = 3)]
+    /// Axes: 3, 6 or 9
+    #[arg(long, value_name = "COUNT", default_value_t = 3)]
     pub axes: usize,
-    /// What it speaks.
+    /// What it speaks
     #[arg(long, value_enum, default_value_t)]
     pub protocol: Protocol,
-    /// Listen on this TCP port of this computer instead of a pseudo-terminal; 0 takes a free one.
+    /// Listen on this TCP port of this computer; 0 takes a free one [default: a pseudo-terminal]
     #[arg(long, value_name = "PORT")]
     pub tcp: Option<u16>,
-    /// Keep the settings of grbl in this file.
+    /// Keep the settings of grbl in this file [default: in memory]
     #[arg(long, value_name = "FILE")]
     pub settings: Option<PathBuf>,
-    /// Machine description (TOML); a small milling machine if left out.
+    /// Machine description (TOML) [default: a small milling machine, which `splineway machine` prints]
     #[arg(long, value_name = "TOML")]
     pub machine: Option<PathBuf>,
-    /// A home switch, closed beyond a place, as "X>5" (mm, the machine being switched on at 0); more than those of the machine's file.
-    /// For --protocol grbl.
+    /// A home switch, closed beyond a place, as "X>5" (mm, the machine being switched on at 0); more than those of the machine's file,
+    /// for --protocol grbl [default: none]
     #[arg(long, value_name = "PLACE")]
     pub switch: Vec<String>,
-    /// A surface that the probe meets there, as "Z<-20". For --protocol grbl.
+    /// A surface that the probe meets there, as "Z<-20", for --protocol grbl [default: none]
     #[arg(long, value_name = "PLACE")]
     pub surface: Vec<String>,
-    /// How many times faster than the clock it runs.
-    #[arg(long, default_value_t = 1.0)]
+    /// How many times faster than the clock it runs
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
     pub speed: f64,
-    /// Share of the bytes that are lost, garbled or doubled, in either direction.
+    /// Share of the bytes that are lost, garbled or doubled, in either direction
     #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
     pub faults: f64,
-    /// End after the first program.
+    /// End after the first program
     #[arg(long)]
     pub once: bool,
 }
@@ -64,6 +65,10 @@ impl ControllerCommand {
     /// # Errors
     /// The machine or the numbers cannot be used; there is no terminal left.
     pub fn execute(&self) -> Result<()> {
+        files::check(
+            &[named("--machine", self.machine.as_ref())],
+            &[named("--settings", self.settings.as_ref())],
+        )?;
         ensure!(self.speed > 0.0, "speed is {}; it must be above 0", self.speed);
         ensure!(
             (0.0..=0.5).contains(&self.faults),

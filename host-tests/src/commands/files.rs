@@ -2,6 +2,7 @@
 //! and all of them can be written before anything is run.
 
 use anyhow::{Context, Result, bail};
+use splineway_simulator::input::is_stdin;
 use std::fs::{File, OpenOptions};
 use std::path::{Path, PathBuf};
 
@@ -59,11 +60,13 @@ fn probe((option, path): Named<'_>) -> Result<Probe> {
     Ok(Probe { made, identity: identity(path) })
 }
 
-/// Refuses outputs that would overwrite an input or each other, or that cannot be written.
+/// Refuses outputs that would overwrite an input or each other, or that cannot be written, and inputs of which more than
+/// one is standard input.
 ///
 /// # Errors
 /// Names the two, or the one.
 pub fn check(inputs: &[Option<Named<'_>>], outputs: &[Option<Named<'_>>]) -> Result<()> {
+    check_stdin(inputs)?;
     let mut kept: Vec<(Named<'_>, Probe)> = Vec::new();
     for &(option, path) in outputs.iter().flatten() {
         let own = identity(path);
@@ -89,6 +92,29 @@ pub fn check(inputs: &[Option<Named<'_>>], outputs: &[Option<Named<'_>>]) -> Res
         kept.push(((option, path), probe));
     }
     Ok(())
+}
+
+/// Refuses inputs of which more than one is standard input.
+///
+/// # Errors
+/// Names the two.
+pub fn check_stdin(inputs: &[Option<Named<'_>>]) -> Result<()> {
+    let mut from = inputs.iter().flatten().filter(|(_, path)| is_stdin(path));
+    if let (Some((first, _)), Some((second, _))) = (from.next(), from.next()) {
+        bail!("{second} -: {first} is standard input already");
+    }
+    Ok(())
+}
+
+/// Makes a folder for pictures, and refuses one in which nothing can be written.
+///
+/// # Errors
+/// Names the option and the folder.
+pub fn make_folder((option, path): Named<'_>) -> Result<()> {
+    let refusal = || format!("{option} {}: nothing can be written there", path.display());
+    std::fs::create_dir_all(path).with_context(refusal)?;
+    let name = path.join(format!(".splineway-{}", std::process::id()));
+    File::create(&name).and_then(|_| std::fs::remove_file(&name)).with_context(refusal)
 }
 
 /// An input or an output by its option, if it was given.

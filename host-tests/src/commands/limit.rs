@@ -1,52 +1,47 @@
 //! `splineway limit`: how much faster any motion could be.
 
-use super::reading::{Reading, setup};
+use super::files::{self, named};
+use super::reading::Reading;
 use anyhow::{Context, Result, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use splineway_simulator::judge::violations;
 use splineway_simulator::machine::Machine;
-use splineway_simulator::program::{self, ReadOptions};
+use splineway_simulator::program::{self, LETTERS, Tape};
 use splineway_studies::anymotion::{Found, Options, least_time};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Finds the least time of any motion inside the band of a tool path, shape and speed together, and says how near to it the
 /// planned motion is. It takes some seconds of work for every second of motion. What it finds can be reached, for the
-/// judge looks at it; that nothing is faster is not proven.
+/// judge looks at it; that nothing is faster is not proven
 #[derive(Clone, Debug, clap::Args)]
 pub struct Limit {
-    /// Tool paths, as for `simulate`.
+    /// Tool paths, as for `simulate`; "-" is standard input
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// Machine description (TOML); a small milling machine if left out.
-    #[arg(long, value_name = "TOML")]
-    pub machine: Option<PathBuf>,
-    /// Greatest distance from the programmed path, mm: in place of the machine's, and of those that
-    /// the program names (G64 P).
-    #[arg(long, value_name = "MM")]
-    pub tolerance: Option<f64>,
-    /// Feed of moves before any F word, mm/s.
-    #[arg(long, value_name = "MM_PER_S", default_value_t = 50.0)]
-    pub feed: f64,
-    /// Time between the knots of the motion, ms.
-    #[arg(long, value_name = "MS", default_value_t = 2.0)]
-    pub step: f64,
-    /// Most rounds.
-    #[arg(long, default_value_t = 20)]
-    pub rounds: usize,
-    /// Longest motion that is looked at, s.
-    #[arg(long, value_name = "S", default_value_t = 60.0)]
-    pub longest: f64,
-    /// Writes the setpoints of the motion found, as CSV (one file only).
-    #[arg(long, value_name = "CSV")]
-    pub setpoints: Option<PathBuf>,
-    /// Print JSON.
-    #[arg(long)]
-    pub json: bool,
-    /// How G-code is read.
+    /// How programs are read, and the machine.
     #[command(flatten)]
     pub reading: Reading,
+    /// Greatest distance from the programmed path, mm, in place of the machine's, and of those that the program names (G64 P)
+    /// [default: those]
+    #[arg(long, value_name = "MM")]
+    pub tolerance: Option<f64>,
+    /// Time between the knots of the motion, ms
+    #[arg(long, value_name = "MS", default_value_t = 2.0)]
+    pub step: f64,
+    /// Most rounds
+    #[arg(long, value_name = "COUNT", default_value_t = 20)]
+    pub rounds: usize,
+    /// Longest motion that is looked at, s
+    #[arg(long, value_name = "S", default_value_t = 60.0)]
+    pub longest: f64,
+    /// Writes the setpoints of the motion found (CSV; one file only) [default: not written]
+    #[arg(long, value_name = "CSV")]
+    pub setpoints: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// What is printed of a path: times in s, deviation in mm, peaks as shares of the limits.
@@ -55,12 +50,12 @@ struct Row {
     path: String,
     planned_s: f64,
     least_s: f64,
-    planned_over_least: f64,
+    planned_over_least_ratio: f64,
     rounds: usize,
     deviation_mm: f64,
-    velocity: f64,
-    acceleration: f64,
-    jerk: f64,
+    velocity_share: f64,
+    acceleration_share: f64,
+    jerk_share: f64,
     broken: Vec<String>,
 }
 
@@ -80,19 +75,26 @@ impl Limit {
             "--setpoints is for one file; there are {}",
             self.files.len()
         );
+        self.reading.check()?;
+        let mut inputs: Vec<_> =
+            self.files.iter().map(|file| Some(("a tool path", file.as_path()))).collect();
+        inputs.push(self.reading.file());
+        files::check(&inputs, &[named("--setpoints", self.setpoints.as_ref())])?;
+        let machine = self.reading.machine()?;
         let mut rows = Vec::new();
         if !self.json {
             println!("{:32} {:>10} {:>10} {:>8}", "", "planned, s", "least, s", "ratio");
         }
         for file in &self.files {
-            let row = self.look(file).with_context(|| file.display().to_string())?;
+            let row =
+                self.look(file, machine.clone()).with_context(|| file.display().to_string())?;
             if !self.json {
                 println!(
                     "{:32} {:>10.3} {:>10.3} {:>8.3}{}",
                     row.path,
                     row.planned_s,
                     row.least_s,
-                    row.planned_over_least,
+                    row.planned_over_least_ratio,
                     row.broken.iter().fold(String::new(), |mut all, broken| {
                         let _ = write!(all, "  {broken}");
                         all
@@ -101,7 +103,8 @@ impl Limit {
             }
             rows.push(row);
         }
-        let mean = rows.iter().map(|row| row.planned_over_least).sum::<f64>() / rows.len() as f64;
+        let mean =
+            rows.iter().map(|row| row.planned_over_least_ratio).sum::<f64>() / rows.len() as f64;
         if self.json {
             println!("{}", serde_json::to_string_pretty(&rows)?);
         } else if rows.len() > 1 {
@@ -112,19 +115,12 @@ impl Limit {
         Ok(())
     }
 
-    fn look(&self, file: &Path) -> Result<Row> {
-        let setup = setup(self.machine.as_deref())?;
-        let options = ReadOptions { feed: self.feed, ..self.reading.options(&setup) };
-        let mut program = program::read(file, options)?;
-        let mut machine = match &self.machine {
-            Some(path) => Machine::read(path)?,
-            None => Machine::default(),
-        };
-        if let (Some(header), None) = (&program.header, &self.machine) {
-            machine.apply(header);
-        }
+    fn look(&self, file: &Path, mut machine: Machine) -> Result<Row> {
+        let setup = machine.setup();
+        let program = program::read(file, self.reading.options(&setup))?;
+        let program = self.reading.overriding(&program, self.tolerance).to_program();
+        self.reading.apply_header(&program, &mut machine);
         machine.tolerance = self.tolerance.unwrap_or(machine.tolerance);
-        super::override_tolerance(&mut program, self.tolerance);
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let bar = ProgressBar::new_spinner();
         bar.set_style(ProgressStyle::with_template("{spinner} {msg}")?);
@@ -140,7 +136,8 @@ impl Limit {
         })?;
         bar.finish_and_clear();
         if let Some(out) = &self.setpoints {
-            write(out, &found, machine.cycle)?;
+            let letters = program.axes().into_iter().map(|axis| LETTERS[axis].to_ascii_lowercase());
+            write(out, &found, machine.cycle, letters)?;
         }
         let Found { planned, least, verdict, rounds, .. } = &found;
         let worst = verdict.worst();
@@ -148,28 +145,28 @@ impl Limit {
             path: name,
             planned_s: *planned,
             least_s: *least,
-            planned_over_least: planned / least,
+            planned_over_least_ratio: planned / least,
             rounds: *rounds,
             deviation_mm: verdict.deviation,
-            velocity: worst.velocity,
-            acceleration: worst.acceleration,
-            jerk: worst.jerk,
+            velocity_share: worst.velocity,
+            acceleration_share: worst.acceleration,
+            jerk_share: worst.jerk,
             broken: violations(verdict),
         })
     }
 }
 
-fn write(out: &Path, found: &Found, cycle: f64) -> Result<()> {
-    let mut text = String::from("time_s");
-    let axes = found.setpoints.first().map_or(0, Vec::len);
-    for axis in 0..axes {
-        let _ = write!(text, ",axis{axis}_mm");
+/// As `simulate` writes setpoints.
+fn write(out: &Path, found: &Found, cycle: f64, letters: impl Iterator<Item = char>) -> Result<()> {
+    let mut text = String::from("t");
+    for letter in letters {
+        let _ = write!(text, ",{letter}");
     }
     text.push('\n');
     for (k, position) in found.setpoints.iter().enumerate() {
-        let _ = write!(text, "{:.6}", k as f64 * cycle);
+        let _ = write!(text, "{:.9}", k as f64 * cycle);
         for x in position {
-            let _ = write!(text, ",{x:.9}");
+            let _ = write!(text, ",{x:.14e}");
         }
         text.push('\n');
     }

@@ -2,11 +2,16 @@
 
 pub mod bench;
 pub mod check;
+pub mod completions;
 #[cfg(unix)]
 pub mod controller;
 pub mod corners;
 pub mod files;
+pub mod formats;
+pub mod gcodes;
 pub mod limit;
+pub mod machine;
+mod page;
 pub mod paper;
 pub mod reading;
 pub mod simulate;
@@ -15,16 +20,72 @@ pub mod soak;
 pub mod stream;
 pub mod thesis;
 
-use splineway_simulator::program::Program;
+use anyhow::Result;
+use clap::{Parser, Subcommand};
 
-/// Puts a tolerance from the command line in the place of all that a program names (G64 P); says so if it
-/// names any. Exact stops (G61, G9) stay.
-pub(crate) fn override_tolerance(program: &mut Program, tolerance: Option<f64>) {
-    let Some(tolerance) = tolerance else { return };
-    let named = program.moves.iter_mut().filter_map(|step| step.tolerance.take()).count();
-    if named > 0 {
-        eprintln!(
-            "note: --tolerance {tolerance} counts for all; {named} moves name one of their own"
-        );
+/// Motion interpolator core: simulation of servo cycles on a PC, and programs for a controller
+#[derive(Debug, Parser)]
+#[command(name = "splineway", version, arg_required_else_help = true)]
+pub struct Arguments {
+    /// What is to be done.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+#[allow(missing_docs)] // each is described where it is
+pub enum Command {
+    Simulate(simulate::Simulate),
+    Check(check::Check),
+    Stream(stream::Stream),
+    #[cfg(unix)]
+    Controller(controller::ControllerCommand),
+    Machine(machine::MachineCommand),
+    Gcodes(gcodes::Gcodes),
+    Formats(formats::Formats),
+    Smooth(smooth::Smooth),
+    Bench(bench::Bench),
+    Soak(soak::Soak),
+    Limit(limit::Limit),
+    Corners(corners::Corners),
+    Paper(paper::Paper),
+    Thesis(thesis::Thesis),
+    Completions(completions::Completions),
+}
+
+impl Command {
+    /// Whether a machine may be moving meanwhile, so that nothing must end it but an operator.
+    pub fn has_a_machine(&self) -> bool {
+        #[cfg(unix)]
+        if matches!(self, Self::Controller(_)) {
+            return true;
+        }
+        matches!(self, Self::Stream(_))
+    }
+
+    /// Does it.
+    ///
+    /// # Errors
+    /// What the command has against its files, or what it found.
+    pub fn execute(&self) -> Result<()> {
+        match self {
+            Self::Simulate(simulate) => simulate.execute(),
+            Self::Check(check) => check.execute(),
+            Self::Stream(stream) => stream.execute(),
+            #[cfg(unix)]
+            Self::Controller(controller) => controller.execute(),
+            Self::Machine(machine) => machine.execute(),
+            Self::Gcodes(gcodes) => gcodes.execute(),
+            Self::Formats(formats) => formats.execute(),
+            Self::Smooth(smooth) => smooth.execute(),
+            Self::Bench(bench) => bench.execute(),
+            Self::Soak(soak) => soak.execute(),
+            Self::Limit(limit) => limit.execute(),
+            Self::Corners(corners) => corners.execute(),
+            Self::Paper(paper) => paper.execute(),
+            Self::Thesis(thesis) => thesis.execute(),
+            Self::Completions(completions) => completions.execute(),
+        }
     }
 }

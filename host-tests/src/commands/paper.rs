@@ -1,7 +1,8 @@
 //! `splineway paper`: the figures of Guo, Yan, Wang 2023 beside this program's.
 
-use crate::view::{Drawn, Panel, Series, plot_panels};
-use anyhow::{Context, Result};
+use super::files::make_folder;
+use crate::view::{Busy, Drawn, Panel, Series, plot_panels};
+use anyhow::Result;
 use splineway_studies::paper::printed::{Comparison, Figure, Run};
 use splineway_studies::paper::routines::Point;
 use std::path::PathBuf;
@@ -10,10 +11,11 @@ use std::path::PathBuf;
 /// its own, and prints the figures side by side, with those of the paper's list of further work
 #[derive(Clone, Debug, clap::Args)]
 pub struct Paper {
-    /// Writes pictures into this folder: the curvature profiles of figure 13b, and corners as in figure 12b (SVG).
+    /// Writes pictures into this folder: the curvature profiles of figure 13b, and corners as in figure 12b (SVG) [default: not
+    /// written]
     #[arg(long, value_name = "FOLDER")]
     pub plots: Option<PathBuf>,
-    /// Print JSON.
+    /// Print JSON
     #[arg(long)]
     pub json: bool,
 }
@@ -25,10 +27,11 @@ impl Paper {
     /// The core refuses a path, or a picture cannot be written.
     pub fn execute(&self) -> Result<()> {
         if let Some(folder) = &self.plots {
-            std::fs::create_dir_all(folder)
-                .with_context(|| format!("cannot make {}", folder.display()))?;
+            make_folder(("--plots", folder))?;
         }
+        let busy = Busy::new("running the paths of the paper", false);
         let all = Comparison::new()?;
+        drop(busy);
         if self.json {
             println!("{}", serde_json::to_string_pretty(&all.sections)?);
         } else {

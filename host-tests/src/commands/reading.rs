@@ -1,15 +1,20 @@
-//! Flags on how programs are read, of every command that reads one.
+//! Flags of every command that reads a program: how, at which feed, and for which machine.
 
-use anyhow::Result;
+use super::files::{Named, named};
+use anyhow::{Result, ensure};
 use clap::ValueEnum;
 use splineway_simulator::machine::Machine;
-use splineway_simulator::program::{Dialect, ReadOptions, Setup};
-use std::path::Path;
+use splineway_simulator::program::{Dialect, Overriding, ReadOptions, Setup, Tape};
+use std::path::PathBuf;
+
+/// Feed of programs that name none, mm/s.
+const FEED: f64 = ReadOptions::DEFAULT.feed;
 
 /// Dialects by the names of the command line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum DialectName {
     /// RS274/NGC, most milling machines: G4 P in seconds.
+    #[default]
     Linuxcnc,
     /// The same, with G0 in force at the beginning.
     Grbl,
@@ -27,24 +32,61 @@ impl From<DialectName> for Dialect {
     }
 }
 
-/// How G-code is read.
-#[derive(Clone, Copy, Debug, Default, clap::Args)]
+/// How programs are read.
+#[derive(Clone, Debug, Default, clap::Args)]
 pub struct Reading {
-    /// Whose G-code it is; told by the header where that is plain, else linuxcnc.
+    /// Machine description (TOML) [default: a small milling machine, which `splineway machine` prints]
+    #[arg(long, value_name = "TOML")]
+    pub machine: Option<PathBuf>,
+    /// Feed of all moves but rapids, mm/s, in place of what the file says [default: the file's; 50 where it says nothing]
+    #[arg(long, value_name = "MM_PER_S", allow_negative_numbers = true)]
+    pub feed: Option<f64>,
+    /// Whose G-code it is [default: told by the header where that is plain, else linuxcnc]
     #[arg(long, value_enum)]
     pub dialect: Option<DialectName>,
-    /// Leave out codes that cannot change where the tool goes, where they would be refused.
+    /// Leave out codes that cannot change where the tool goes, where they would be refused
     #[arg(long)]
     pub lenient: bool,
-    /// Leave out lines that begin with "/".
+    /// Leave out lines that begin with "/"
     #[arg(long)]
     pub block_delete: bool,
 }
 
 impl Reading {
+    /// Before anything is read: the flags themselves.
+    ///
+    /// # Errors
+    /// Names the flag and its value.
+    pub fn check(&self) -> Result<()> {
+        let feed = self.feed.unwrap_or(FEED);
+        ensure!(feed > 0.0 && feed.is_finite(), "--feed {feed}: it must be greater than 0");
+        Ok(())
+    }
+
+    /// The machine's file, if there is one.
+    pub fn file(&self) -> Option<Named<'_>> {
+        named("--machine", self.machine.as_ref())
+    }
+
+    /// The machine that is described, or the built-in one.
+    ///
+    /// # Errors
+    /// As [`Machine::read`].
+    pub fn machine(&self) -> Result<Machine> {
+        Ok(self.machine.as_deref().map(Machine::read).transpose()?.unwrap_or_default())
+    }
+
+    /// What is run is run on `machine`, unless none was described and the program brings limits of its own.
+    pub fn apply_header(&self, program: &dyn Tape, machine: &mut Machine) {
+        if let (Some(header), None) = (program.header(), &self.machine) {
+            machine.apply(&header);
+        }
+    }
+
     /// Options with these flags and what the machine brings.
-    pub fn options(self, setup: &Setup) -> ReadOptions<'_> {
+    pub fn options<'a>(&self, setup: &'a Setup) -> ReadOptions<'a> {
         ReadOptions {
+            feed: self.feed.unwrap_or(FEED),
             dialect: self.dialect.map(Dialect::from),
             lenient: self.lenient,
             block_delete: self.block_delete,
@@ -52,12 +94,19 @@ impl Reading {
             ..ReadOptions::DEFAULT
         }
     }
-}
 
-/// Offsets, tools and reference points of a machine description, if one is given.
-///
-/// # Errors
-/// As [`Machine::read`].
-pub fn setup(machine: Option<&Path>) -> Result<Setup> {
-    machine.map_or(Ok(Setup::NONE), |path| Ok(Machine::read(path)?.setup()))
+    /// A program with the feed and the tolerance of the command line in the place of all that it names; says so if it names any
+    /// other. Exact stops (G61, G9) stay.
+    pub fn overriding<'a>(&self, tape: &'a dyn Tape, tolerance: Option<f64>) -> Overriding<'a> {
+        let over = Overriding { tape, feed: self.feed, tolerance: tolerance.is_some() };
+        let (feeds, tolerances) = over.count();
+        for (option, value, named) in
+            [("--feed", self.feed, feeds), ("--tolerance", tolerance, tolerances)]
+        {
+            if let (Some(value), true) = (value, named > 0) {
+                eprintln!("note: {option} {value} counts for all; {named} moves name another");
+            }
+        }
+        over
+    }
 }

@@ -1,105 +1,94 @@
 //! `splineway simulate`: a file through the core, cycle by cycle.
 
 use super::files::{self, named};
-use super::reading::{Reading, setup};
-use crate::view::{Curve, Progress, Scene, plot, plot_speeds};
+use super::page;
+use super::reading::Reading;
+use crate::view::{Busy, Curve, Progress, Scene, plot, plot_speeds};
 use anyhow::{Context, Result, bail};
 use splineway_simulator::judge::{Judge, Track, violations};
 use splineway_simulator::machine::{Axis, Machine, Mode};
-use splineway_simulator::program::{self, Finding, LETTERS, Program, ReadOptions, Speed};
+use splineway_simulator::program::{self, LETTERS, Loaded, Program, ReadOptions, Tape};
 use splineway_simulator::record::{CsvOut, Report, Trace};
 use splineway_simulator::run::{
-    Events, Happenings, Observer, Precision, Stops, run_with, sharp_corners,
+    Events, Happenings, Observer, Precision, Stats, Stops, run_with, sharp_corners,
 };
 use splineway_studies::baseline::{self, Law};
-use std::path::PathBuf;
-
-/// Feed of programs that name none, mm/s.
-const DEFAULT_FEED: f64 = 50.0;
+use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Examples:
+  splineway simulate part.ngc --open
   splineway simulate host-tests/data/butterfly.json --tolerance 0.05 --plot butterfly.html
   splineway simulate part.gcode --machine mill.toml --report part.json
   splineway simulate path.txt --scalar f32 --setpoints setpoints.csv
 
 Exit codes: 0 done, 1 error or a limit broken, 2 wrong usage.";
 
-/// Runs a tool path through the motion core and judges every servo cycle.
+/// Runs a tool path through the motion core and judges every servo cycle
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Simulate {
-    /// G-code (.ngc .nc .gcode .tap ...), "-" for G-code on standard input, poly-line (.txt) or NURBS curve (.json).
+    /// G-code (.ngc .nc .gcode .tap ...), poly-line (.txt), spline (.toml) or curve (.json); "-" is standard input: see `splineway formats`
     pub file: PathBuf,
-    /// Machine description (TOML); a small milling machine if left out.
-    #[arg(long, value_name = "TOML")]
-    pub machine: Option<PathBuf>,
-    /// Greatest distance from the programmed path, mm: in place of the machine's, and of those that
-    /// the program names (G64 P).
-    #[arg(long, value_name = "MM")]
-    pub tolerance: Option<f64>,
-    /// Feed of all moves but rapids, mm/s.
-    #[arg(long, value_name = "MM_PER_S")]
-    pub feed: Option<f64>,
-    /// Servo cycle, s.
-    #[arg(long, value_name = "S")]
-    pub cycle: Option<f64>,
-    /// Look-ahead depth, blocks (16, 64 or 256).
-    #[arg(long, value_name = "BLOCKS")]
-    pub lookahead: Option<usize>,
-    /// Smoothing sweeps over runs of short lines (0 leaves them as they are laid).
-    #[arg(long, value_name = "COUNT")]
-    pub sweeps: Option<u16>,
-    /// Number type of the core.
-    #[arg(long, value_enum, default_value_t)]
-    pub scalar: Precision,
-    /// How corners are rounded.
-    #[arg(long, value_enum)]
-    pub mode: Option<Mode>,
-    /// Share of what is left of a line that stays straight between two of its corners, in paper mode (0 to 0.99).
-    #[arg(long, value_name = "SHARE")]
-    pub lambda: Option<f64>,
-    /// Runs a NURBS curve as so many chords of equal parameter steps, in place of the curve itself.
-    #[arg(long, value_name = "COUNT")]
-    pub segments: Option<usize>,
-    /// Operator's commands: lines "time, action[, value]" with hold, resume, stop, abort, feed,
-    /// rapid, single, starve, jog, jog-step, jog-to, jog-back, jog-cancel.
-    #[arg(long, value_name = "CSV")]
-    pub events: Option<PathBuf>,
-    /// Setpoints, one row per servo cycle (CSV).
-    #[arg(long, value_name = "CSV")]
-    pub setpoints: Option<PathBuf>,
-    /// Figures of the run (JSON).
-    #[arg(long, value_name = "JSON")]
-    pub report: Option<PathBuf>,
-    /// Plot (.html, .svg or .png).
-    #[arg(long, value_name = "FILE")]
-    pub plot: Option<PathBuf>,
-    /// Prints other speed laws on the same path beside this planner; `--plot` then shows their
-    /// speeds along the way.
-    #[arg(long)]
-    pub compare: bool,
-    /// Print the figures of the run as JSON.
-    #[arg(long, conflicts_with = "compare")]
-    pub json: bool,
-    /// Print nothing but errors.
-    #[arg(long, conflicts_with = "json")]
-    pub quiet: bool,
-    /// How G-code is read.
+    /// How the program is read, and the machine.
     #[command(flatten)]
     pub reading: Reading,
+    /// Greatest distance from the programmed path, mm, in place of the machine's, and of those that the program names (G64 P)
+    /// [default: those]
+    #[arg(long, value_name = "MM")]
+    pub tolerance: Option<f64>,
+    /// Servo cycle, s [default: the machine's]
+    #[arg(long, value_name = "S")]
+    pub cycle: Option<f64>,
+    /// Look-ahead depth, blocks: 16, 64 or 256 [default: the machine's]
+    #[arg(long, value_name = "BLOCKS")]
+    pub lookahead: Option<usize>,
+    /// Smoothing sweeps over runs of short lines; 0 leaves them as they are laid [default: the machine's]
+    #[arg(long, value_name = "COUNT")]
+    pub sweeps: Option<u16>,
+    /// Number type of the core
+    #[arg(long, value_enum, default_value_t)]
+    pub scalar: Precision,
+    /// How corners are rounded [default: the machine's]
+    #[arg(long, value_enum)]
+    pub mode: Option<Mode>,
+    /// Share of what is left of a line that stays straight between two of its corners, in paper mode, 0 to 0.99 [default: the
+    /// machine's]
+    #[arg(long, value_name = "SHARE")]
+    pub lambda: Option<f64>,
+    /// Runs a NURBS curve as so many chords of equal parameter steps [default: as the curve itself]
+    #[arg(long, value_name = "COUNT")]
+    pub segments: Option<usize>,
+    /// Operator's commands: lines "time, action[, value]"; `splineway formats` lists the actions [default: none]
+    #[arg(long, value_name = "CSV")]
+    pub events: Option<PathBuf>,
+    /// Writes setpoints, one row per servo cycle (CSV) [default: not written]
+    #[arg(long, value_name = "CSV")]
+    pub setpoints: Option<PathBuf>,
+    /// Writes figures of the run (JSON) [default: not written]
+    #[arg(long, value_name = "JSON")]
+    pub report: Option<PathBuf>,
+    /// Writes a plot (.html, .svg or .png) [default: not written]
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// Opens the plot; if --plot does not say where it goes, a page in the folder for temporary files
+    #[arg(long)]
+    pub open: bool,
+    /// Prints other speed laws on the same path beside this planner; the plot then shows their speeds along the way
+    #[arg(long)]
+    pub compare: bool,
+    /// Print the figures of the run as JSON
+    #[arg(long, conflicts_with = "compare")]
+    pub json: bool,
+    /// Print nothing but errors
+    #[arg(long, conflicts_with = "json")]
+    pub quiet: bool,
 }
 
 impl Simulate {
     /// The machine: description, then what the path file says, then flags.
-    fn machine(&self, program: &Program) -> Result<Machine> {
-        let mut machine = match &self.machine {
-            Some(path) => Machine::read(path)?,
-            None => Machine::default(),
-        };
-        if let (Some(header), None) = (&program.header, &self.machine) {
-            machine.apply(header);
-        }
+    fn machine(&self, mut machine: Machine, program: &dyn Tape) -> Result<Machine> {
+        self.reading.apply_header(program, &mut machine);
         if let Some(tolerance) = self.tolerance {
             machine.tolerance = tolerance;
         }
@@ -129,16 +118,22 @@ impl Simulate {
     /// # Errors
     /// What cannot be read, run or written, and limits broken by the run.
     pub fn execute(&self) -> Result<()> {
-        if let Some(feed) = self.feed
-            && !(feed > 0.0 && feed.is_finite())
-        {
-            bail!("--feed {feed}: it must be greater than 0");
+        self.reading.check()?;
+        let plotted = self.plot.clone().or_else(|| self.open.then(|| page::place(&self.file)));
+        self.check_files(plotted.as_ref())?;
+        let machine = self.reading.machine()?;
+        let busy = Busy::new(format!("reading {}", self.file.display()), self.quiet);
+        let setup = machine.setup();
+        let options = ReadOptions { segments: self.segments, ..self.reading.options(&setup) };
+        let file = Loaded::new(&self.file)?;
+        let (program, mut found) = file.program(options)?;
+        let program = &self.reading.overriding(&*program, self.tolerance);
+        for warning in program.warnings() {
+            eprintln!("warning: {}: {warning}", self.file.display());
         }
-        self.check_files()?;
-        let (program, mut found) = self.program()?;
-        let machine = self.machine(&program)?;
-        found.extend(splineway_simulator::run::validate(&program, &machine));
-        if let Some(words) = sharp_corners(&program, &machine) {
+        let machine = self.machine(machine, program)?;
+        found.extend(splineway_simulator::run::validate(program, &machine));
+        if let Some(words) = sharp_corners(program, &machine) {
             eprintln!("note: {words}");
         }
         program::refuse(&found).with_context(|| self.file.display().to_string())?;
@@ -146,31 +141,34 @@ impl Simulate {
             Some(path) => Events::read(path)?,
             None => Events::default(),
         };
-        let limits = machine.axes_of(&program)?;
+        let limits = machine.axes_of(program)?;
         let letters: Vec<char> = program.axes().into_iter().map(|axis| LETTERS[axis]).collect();
-        let track = Track::new(&program);
-        let judge = Judge::new(&track, &limits, machine.cycle, machine.tolerance)
-            .stopping(&machine.stop_axes_of(&program)?)
-            .driven_by(&machine.motors_for(&program));
-        let stops = Stops::new(&program, &machine)?;
+        // All of the path is looked at for a plot only; else it takes no room.
+        let track = plotted.is_some().then(|| Track::of(program));
+        let judge = Judge::passing(program, &limits, machine.cycle, machine.tolerance)
+            .stopping(&machine.stop_axes_of(program)?)
+            .driven_by(&machine.motors_for(program));
+        let stops = Stops::passing(program, &machine)?;
+        drop(busy);
         // A stop at every corner is within limits that a machine with shapers does not have.
         let mut judge = if machine.shaper.is_empty() { judge.timed(&stops, 0.0) } else { judge };
-        let mut happenings = Happenings::new(&program);
+        let mut happenings = Happenings::new(program);
         let mut trace = Trace::new(machine.cycle);
-        let mut progress = Progress::new(track.length(), self.quiet || self.json);
+        let last = program.summary().last_line;
+        let mut progress = Progress::over_lines(last, self.quiet);
         let mut csv = match &self.setpoints {
-            Some(path) => Some(CsvOut::new(path, &letters, machine.motors_for(&program))?),
+            Some(path) => Some(CsvOut::new(path, &letters, machine.motors_for(program))?),
             None => None,
         };
         let mut observers: Vec<&mut dyn Observer> =
             vec![&mut judge, &mut progress, &mut happenings];
-        if self.plot.is_some() || self.compare {
+        if plotted.is_some() || self.compare {
             observers.push(&mut trace);
         }
         if let Some(csv) = &mut csv {
             observers.push(csv);
         }
-        let stats = run_with(&program, &machine, self.scalar, &events, &mut observers)
+        let stats = run_with(program, &machine, self.scalar, &events, &mut observers)
             .with_context(|| self.file.display().to_string())?;
         progress.finish();
         if let Some(csv) = csv {
@@ -181,14 +179,12 @@ impl Simulate {
             // It was not meant to get to the end.
             verdict.end_error = 0.0;
         }
-        let mut report = Report::new(&program, &machine, self.scalar, &track, &verdict, &stats);
+        let mut report =
+            Report::new(program, &machine, self.scalar, judge.length(), &verdict, &stats);
         report.events = happenings.seen;
-        if let Some(path) = &self.report {
-            let text = serde_json::to_string_pretty(&report)?;
-            std::fs::write(path, text)
-                .with_context(|| format!("cannot write {}", path.display()))?;
-        }
-        if let Some(path) = &self.plot {
+        self.write(&report)?;
+        if let (Some(path), Some(track), false) = (&plotted, &track, self.compare) {
+            let _busy = Busy::new("drawing", self.quiet);
             let title = format!(
                 "{}: {:.3} s, tolerance {} mm",
                 self.file.file_name().unwrap_or_default().to_string_lossy(),
@@ -197,31 +193,21 @@ impl Simulate {
             );
             let scene = Scene {
                 title: &title,
-                track: &track,
+                track,
                 tolerance: machine.tolerance,
                 letters: &letters,
                 limits: &limits,
                 trace: &trace,
             };
-            if !self.compare {
-                plot(path, &scene)?;
-            }
+            plot(path, &scene)?;
         }
-        if self.json {
-            println!("{}", serde_json::to_string_pretty(&report)?);
-        } else if !self.quiet {
-            print_summary(&report);
-            for words in &stats.sought {
-                println!("{words}");
-            }
-            if stats.aborted {
-                println!("aborted         the rest of the program was dropped");
-            }
-        }
+        self.tell(&report, &stats)?;
         if self.compare {
             let setting = (machine.tolerance, machine.cycle);
-            self.compare(&program, &limits, setting, report.time_s, &trace)?;
+            let program = program.to_program();
+            self.compare(&program, &limits, setting, report.time_s, &trace, plotted.as_deref())?;
         }
+        self.show(plotted.as_deref())?;
         let broken = violations(&verdict);
         if !broken.is_empty() {
             bail!("the run broke limits: {}", broken.join("; "));
@@ -231,37 +217,51 @@ impl Simulate {
 }
 
 impl Simulate {
-    /// The program, with what flags put in the place of its own words.
-    fn program(&self) -> Result<(Program, Vec<Finding>)> {
-        let setup = setup(self.machine.as_deref())?;
-        let options = ReadOptions {
-            feed: self.feed.unwrap_or(DEFAULT_FEED),
-            segments: self.segments,
-            ..self.reading.options(&setup)
-        };
-        let (mut program, found) = program::inspect(&self.file, options)?;
-        if let Some(feed) = self.feed {
-            for step in &mut program.moves {
-                if step.speed != Speed::Rapid {
-                    step.speed = Speed::PerSecond(feed);
-                }
+    /// Writes the report, if it is wanted.
+    fn write(&self, report: &Report) -> Result<()> {
+        if let Some(path) = &self.report {
+            let text = serde_json::to_string_pretty(&report)?;
+            std::fs::write(path, text)
+                .with_context(|| format!("cannot write {}", path.display()))?;
+        }
+        Ok(())
+    }
+
+    /// Says what came of it.
+    fn tell(&self, report: &Report, stats: &Stats) -> Result<()> {
+        if self.json {
+            println!("{}", serde_json::to_string_pretty(report)?);
+        } else if !self.quiet {
+            print_summary(report);
+            for words in &stats.sought {
+                println!("{words}");
+            }
+            if stats.aborted {
+                println!("aborted         the rest of the program was dropped");
             }
         }
-        super::override_tolerance(&mut program, self.tolerance);
-        for warning in &program.warnings {
-            eprintln!("warning: {}: {warning}", self.file.display());
+        Ok(())
+    }
+
+    /// Opens the plot, if that is wanted.
+    fn show(&self, plotted: Option<&Path>) -> Result<()> {
+        if let (Some(page), true) = (plotted, self.open) {
+            if !(self.quiet || self.json) {
+                println!("page            {}", page.display());
+            }
+            page::show(page)?;
         }
-        Ok((program, found))
+        Ok(())
     }
 
     /// Before anything is read or run: what is to be written can be, and is no input.
-    fn check_files(&self) -> Result<()> {
-        let plot = named("--plot", self.plot.as_ref());
+    fn check_files(&self, plotted: Option<&PathBuf>) -> Result<()> {
+        let plot = named("--plot", plotted);
         files::check_ending(plot, &["html", "svg", "png"])?;
         files::check(
             &[
                 Some(("the program", &self.file)),
-                named("--machine", self.machine.as_ref()),
+                self.reading.file(),
                 named("--events", self.events.as_ref()),
             ],
             &[
@@ -280,6 +280,7 @@ impl Simulate {
         (tolerance, cycle): (f64, f64),
         time: f64,
         trace: &Trace,
+        plotted: Option<&Path>,
     ) -> Result<()> {
         let own = trace.points.iter().map(|point| (point.way, point.speed)).collect();
         let mut curves = vec![Curve { name: format!("splineway: {time:.3} s"), points: own }];
@@ -311,7 +312,7 @@ impl Simulate {
             "jump: greatest step of velocity at a corner, within one servo cycle. To keep the jerk\n\
              limit there, these laws would have to stop: they become the exact stop."
         );
-        if let Some(path) = &self.plot {
+        if let Some(path) = plotted {
             let name = self.file.file_name().unwrap_or_default().to_string_lossy();
             plot_speeds(path, &format!("{name}: speed along the way"), &curves)?;
         }
@@ -326,7 +327,7 @@ fn print_summary(report: &Report) {
     );
     println!(
         "path length     {:.3} mm, mean speed {:.2} mm/s",
-        report.path_length_mm, report.feed.mean
+        report.path_length_mm, report.feed.mean_mm_s
     );
     println!(
         "deviation       {:.6} mm (tolerance {} mm)",

@@ -1,16 +1,20 @@
 //! `splineway smooth`: lowers the curvature of a spline file inside a tube.
 
 use super::files::{self, named};
-use crate::view::{TubeScene, plot_tube};
+use crate::view::{Busy, TubeScene, plot_tube};
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
-use splineway_simulator::spline::{Path, SplineFile, read, write};
+use splineway_simulator::input::{self, is_stdin};
+use splineway_simulator::program::Kind;
+use splineway_simulator::spline::{Path, SplineFile, write};
 use splineway_splines::Trajectory;
 use splineway_studies::smoothing::{
     Figures, Method, Reading, Request, Smoothed, measure, profile, run, smooth,
 };
-use std::path::PathBuf;
+use std::path::{Path as FilePath, PathBuf};
 
+/// Feed of splines that name none, mm/s.
+const FEED: f64 = 400.0;
 /// Greatest number of places of a profile in the report.
 const PROFILE: usize = 2000;
 
@@ -18,9 +22,9 @@ const PROFILE: usize = 2000;
 /// and machining time before and after
 #[derive(Debug, clap::Args)]
 pub struct Smooth {
-    /// Spline file: .json, .toml or .txt (control points, knots, tolerance, precision, accuracy)
+    /// Spline file: .json, .toml or .txt (control points, knots, tolerance, precision, accuracy); "-" is standard input
     file: PathBuf,
-    /// Radius of the tube, mm; the file's if left out
+    /// Radius of the tube, mm [default: the file's]
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// Places per knot interval at which the thesis's method takes distances [default: the file's, or 5]
@@ -29,7 +33,7 @@ pub struct Smooth {
     /// Share of the radius within which the thesis's method ends [default: the file's, or 0.01]
     #[arg(long, value_name = "SHARE")]
     accuracy: Option<f64>,
-    /// Most iterations of the thesis's method, or sweeps per pass of the bounded one
+    /// Most iterations of the thesis's method, or sweeps per pass of the bounded one [default: 1000 iterations, 16 sweeps]
     #[arg(long, value_name = "COUNT")]
     iterations: Option<u32>,
     /// The spline is closed: the knots are its intervals
@@ -38,9 +42,9 @@ pub struct Smooth {
     /// How to smooth
     #[arg(long, value_enum, default_value = "bounded")]
     method: Method,
-    /// Feed of the trajectory generator, mm/s
-    #[arg(long, value_name = "MM_PER_S", default_value_t = 400.0)]
-    feed: f64,
+    /// Feed of the motion along it, mm/s, in place of what the file says [default: the file's; 400 where it says nothing]
+    #[arg(long, value_name = "MM_PER_S")]
+    feed: Option<f64>,
     /// Its acceleration, mm/s2
     #[arg(long, value_name = "MM_PER_S2", default_value_t = 4000.0)]
     acceleration: f64,
@@ -50,15 +54,18 @@ pub struct Smooth {
     /// How section 4.5 of the thesis is read
     #[arg(long, value_enum, default_value = "free")]
     reading: Reading,
-    /// The smoothed spline (.json, .toml or .txt)
+    /// Writes the smoothed spline (.json, .toml or .txt) [default: not written]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Figures and profiles (JSON)
+    /// Writes figures and profiles (JSON) [default: not written]
     #[arg(long, value_name = "JSON")]
     report: Option<PathBuf>,
-    /// Plot (.html, .svg or .png)
+    /// Writes a plot (.html, .svg or .png) [default: not written]
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
+    /// Print the figures, without the profiles, as JSON
+    #[arg(long)]
+    json: bool,
 }
 
 /// What is written as JSON.
@@ -81,9 +88,24 @@ struct Side {
     #[serde(flatten)]
     figures: Figures,
     /// Way, mm, and curvature, 1/mm.
+    #[serde(rename = "way_mm_curvature_per_mm", skip_serializing_if = "Vec::is_empty")]
     curvature: Vec<[f64; 2]>,
     /// Way, mm, and feed, mm/s.
+    #[serde(rename = "way_mm_feed_mm_s", skip_serializing_if = "Vec::is_empty")]
     feed: Vec<[f64; 2]>,
+}
+
+/// A spline file; the kind of standard input is told by what is in it.
+fn read(path: &FilePath) -> Result<SplineFile> {
+    let text = input::text(path)?;
+    let guessed = || match Kind::guessed(text.as_bytes()) {
+        Kind::Json => "json",
+        Kind::Toml => "toml",
+        Kind::Text | Kind::Gcode => "txt",
+    };
+    let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or("");
+    let ending = if is_stdin(path) { guessed() } else { ending };
+    SplineFile::parse(&text, ending).with_context(|| path.display().to_string())
 }
 
 fn thin(points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
@@ -108,6 +130,7 @@ impl Smooth {
     pub fn execute(&self) -> Result<()> {
         self.check_files()?;
         let mut file = read(&self.file)?;
+        let busy = Busy::new("smoothing", false);
         file.closed |= self.closed;
         let name = self.file.display();
         if !file.other.is_empty() {
@@ -118,29 +141,37 @@ impl Smooth {
         let Some(radius) = self.tolerance.or(file.tolerance) else {
             bail!("{name}: no tolerance in the file; give one with --tolerance");
         };
+        let feed = self.feed.or(file.feed).unwrap_or(FEED);
         for (what, value) in
-            [("feed", self.feed), ("acceleration", self.acceleration), ("jerk", self.jerk)]
+            [("feed", feed), ("acceleration", self.acceleration), ("jerk", self.jerk)]
         {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(anyhow!("--{what} {value} must be greater than 0"));
             }
         }
-        let trajectory =
-            Trajectory { feed: self.feed, acceleration: self.acceleration, jerk: self.jerk };
+        let trajectory = Trajectory { feed, acceleration: self.acceleration, jerk: self.jerk };
         let mut request = Request::new(self.method, radius);
         request.precision = self.precision.or(file.precision).unwrap_or(request.precision);
         request.accuracy = self.accuracy.or(file.accuracy).unwrap_or(request.accuracy);
         request.iterations = self.iterations;
         request.ends_stay = true;
         let smoothed = smooth(&given, &request)?;
-        let report = self.report(&given, &smoothed, radius, &trajectory);
-        print(&report);
+        drop(busy);
+        let mut report = self.report(&given, &smoothed, radius, &trajectory);
         if let Some(out) = &self.out {
             write(out, &SplineFile { feed: file.feed, ..SplineFile::of(&smoothed.path) })?;
         }
         if let Some(path) = &self.report {
             std::fs::write(path, serde_json::to_string_pretty(&report)?)
                 .with_context(|| format!("cannot write {}", path.display()))?;
+        }
+        if self.json {
+            for side in [&mut report.before, &mut report.after] {
+                (side.curvature, side.feed) = (Vec::new(), Vec::new());
+            }
+            println!("{}", serde_json::to_string_pretty(&report)?);
+        } else {
+            print(&report);
         }
         if let Some(path) = &self.plot {
             let title = format!("{name}, R = {radius} mm, {}", report.method);

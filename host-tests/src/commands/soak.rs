@@ -1,10 +1,10 @@
 //! `splineway soak`: random programs, machines and operators until a number of cases has been judged.
 
+use crate::view::bar;
 use anyhow::{Result, bail};
-use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
 use splineway_trials::soak::{Case, PLANTS, Plant, Print, Run, run, shrunk};
 use std::collections::BTreeMap;
-use std::io::IsTerminal;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
@@ -13,29 +13,32 @@ const SHOWN: usize = 20;
 
 /// Runs random programs on random machines while an operator presses anything at any moment, the interrupt
 /// comes in between any two accesses to shared state and the background is late; and holds every servo
-/// cycle, command and answer against the rules.
+/// cycle, command and answer against the rules
 #[derive(Clone, Debug, clap::Args)]
 pub struct Soak {
-    /// Cases to be run.
-    #[arg(long, default_value_t = 100_000)]
+    /// Cases to be run
+    #[arg(long, value_name = "COUNT", default_value_t = 100_000)]
     pub cases: u64,
-    /// Number of the first case; the same numbers give the same cases.
-    #[arg(long, default_value_t = 0)]
+    /// Number of the first case; the same numbers give the same cases
+    #[arg(long, value_name = "NUMBER", default_value_t = 0)]
     pub seed: u64,
-    /// Threads; as many as the machine has cores if left out.
-    #[arg(long)]
+    /// Threads [default: as many as the machine has cores]
+    #[arg(long, value_name = "COUNT")]
     pub threads: Option<usize>,
-    /// Runs this case alone, and tells what happens in it.
-    #[arg(long)]
+    /// Runs this case alone, and tells what happens in it [default: all of them]
+    #[arg(long, value_name = "NUMBER")]
     pub case: Option<u64>,
-    /// Shows the least case that breaks the same rule.
+    /// Shows the least case that breaks the same rule
     #[arg(long, requires = "case")]
     pub shrink: bool,
-    /// Puts a bug between the core and the rest, to see whether it is found (0: the first of the list).
+    /// Puts a bug between the core and the rest, to see whether it is found (0: the first of the list) [default: none]
     #[arg(long, hide = true)]
     pub plant: Option<usize>,
-    /// Print nothing but what was broken.
-    #[arg(long)]
+    /// Print JSON
+    #[arg(long, conflicts_with = "case")]
+    pub json: bool,
+    /// Print nothing but what was broken
+    #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
 }
 
@@ -71,6 +74,38 @@ impl Tally {
     }
 }
 
+/// What was found, as JSON.
+#[derive(Serialize)]
+struct Report<'a> {
+    cases: u64,
+    blocks: u64,
+    cycles: u64,
+    /// How often which rule was broken.
+    findings_by_rule: &'a BTreeMap<String, u64>,
+    /// By the number of the case.
+    findings: &'a BTreeMap<u64, String>,
+    /// Cases that took longer than with a stop after every block.
+    slower_cases: u64,
+    /// The greatest of their times over that with stops, and its case.
+    slowest_ratio: f64,
+    slowest_case: u64,
+}
+
+impl<'a> Report<'a> {
+    fn new(tally: &'a Tally) -> Self {
+        Self {
+            cases: tally.cases,
+            blocks: tally.blocks,
+            cycles: tally.cycles,
+            findings_by_rule: &tally.rules,
+            findings: &tally.broken,
+            slower_cases: tally.slower,
+            slowest_ratio: tally.slowest.0,
+            slowest_case: tally.slowest.1,
+        }
+    }
+}
+
 impl Soak {
     /// Runs the command.
     ///
@@ -84,10 +119,15 @@ impl Soak {
         let tally = Mutex::new(Tally::default());
         self.all(&tally, plant);
         let tally = lock(&tally);
-        for (number, text) in tally.broken.iter().take(SHOWN) {
-            println!("case {number}: {text}");
+        if self.json {
+            println!("{}", serde_json::to_string_pretty(&Report::new(&tally))?);
         }
-        if !self.quiet {
+        for (number, text) in tally.broken.iter().take(SHOWN) {
+            if !self.json {
+                println!("case {number}: {text}");
+            }
+        }
+        if !(self.quiet || self.json) {
             println!(
                 "{} cases, {} blocks, {} servo cycles judged, {} findings",
                 tally.cases,
@@ -130,14 +170,7 @@ impl Soak {
     fn all(&self, tally: &Mutex<Tally>, plant: Option<Plant>) {
         let next = AtomicU64::new(self.seed);
         let end = self.seed.saturating_add(self.cases);
-        let bar = if self.quiet || !std::io::stderr().is_terminal() {
-            ProgressBar::hidden()
-        } else {
-            ProgressBar::new(self.cases)
-        };
-        if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} cases  {eta} left") {
-            bar.set_style(style);
-        }
+        let bar = bar(self.cases, self.quiet, "{bar:40} {pos}/{len} cases  {eta} left");
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
         std::thread::scope(|scope| {
             for _ in 0..self.threads.unwrap_or_else(cores).max(1) {

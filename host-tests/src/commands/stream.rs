@@ -1,16 +1,21 @@
 //! `splineway stream`: a program to a controller over a serial line.
 
-use super::reading::{Reading, setup};
+use super::files::check_stdin;
+use super::reading::Reading;
 use crate::stream::{
     Controlled, News, Order, Settings, Summary, check, describe_place, describe_state, items,
     open_port, parse_command, placed, send,
 };
+use crate::view::bar;
 use anyhow::{Context, Result, ensure};
-use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
 use splineway::wire::{Item, Situation};
-use splineway_simulator::program::{self, AXES, Point, ReadOptions, STDIN, refuse};
+use splineway_simulator::input::{self, is_stdin};
+use splineway_simulator::machine::is_rotary;
+use splineway_simulator::program::{self, AXES, LETTERS, Point, ReadOptions, Setup, Tape, refuse};
+use std::collections::BTreeMap;
 use std::io::{BufRead, IsTerminal, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{Sender, channel};
 
@@ -36,38 +41,34 @@ Example, without hardware:
 
 Exit codes: 0 run to its end, 1 error or aborted, 2 wrong usage.";
 
-/// Sends a program to a controller and waits until it has been run.
+/// Sends a program to a controller and waits until it has been run
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Stream {
-    /// G-code (.ngc .nc .gcode .tap ...), "-" for G-code on standard input, poly-line (.txt), spline (.toml) or
-    /// curve (.json).
+    /// G-code (.ngc .nc .gcode .tap ...), poly-line (.txt), spline (.toml) or curve (.json); "-" is standard input: see `splineway formats`
     pub file: PathBuf,
-    /// The serial port. It is locked: one sender at a time.
+    /// The serial port. It is locked: one sender at a time
     #[arg(long)]
     pub port: PathBuf,
-    /// Bits per second.
-    #[arg(long, default_value_t = 921_600)]
+    /// Bits per second
+    #[arg(long, value_name = "BITS_PER_S", default_value_t = 921_600)]
     pub baud: u32,
-    /// Feed of moves before any F word, mm/s.
-    #[arg(long, value_name = "MM_PER_S", default_value_t = 50.0)]
-    pub feed: f64,
-    /// Silence of this program after which the controller stops the machine, 0.1 to 60; 0: never.
-    #[arg(long, value_name = "SECONDS", default_value_t = 1.0)]
+    /// Silence of this program after which the controller stops the machine, s, 0.1 to 60; 0: never
+    #[arg(long, value_name = "S", default_value_t = 1.0)]
     pub watchdog: f64,
-    /// Move straight to the first point of a path that does not begin where the machine stands.
+    /// Move straight to the first point of a path that does not begin where the machine stands
     #[arg(long)]
     pub approach: bool,
-    /// Abort what a program before has left whose sender is gone.
+    /// Abort what a program before has left whose sender is gone
     #[arg(long)]
     pub abort: bool,
-    /// Print nothing but errors.
+    /// Print what came of it as JSON
     #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors
+    #[arg(long, conflicts_with = "json")]
     pub quiet: bool,
-    /// Machine description (TOML), for its work offsets, tools and reference points.
-    #[arg(long, value_name = "TOML")]
-    pub machine: Option<PathBuf>,
-    /// How G-code is read.
+    /// How the program is read. Of the machine, its work offsets, tools and reference points count; its limits are the controller's.
     #[command(flatten)]
     pub reading: Reading,
 }
@@ -83,21 +84,24 @@ impl Stream {
             "watchdog is {} s; it must be 0.1 to 60, or 0 for none",
             self.watchdog
         );
+        self.reading.check()?;
+        check_stdin(&[Some(("the program", &self.file)), self.reading.file()])?;
+        let setup = self.reading.machine()?.setup();
         // All of it, before the port is anybody's: standard input may be slow.
-        let program = program::bytes(&self.file)?;
+        let program = input::bytes(&self.file)?;
         let settings =
             Settings { silence: (self.watchdog * 1000.0).round() as u16, abort: self.abort };
         let mut port = open_port(&self.port, self.baud)?;
         let (sender, orders) = channel();
         obey_signals(sender.clone())?;
-        if self.file != Path::new(STDIN) {
+        if !is_stdin(&self.file) {
             listen(sender);
         }
-        let bar = bar(self.quiet);
+        let bar = bar(0, self.quiet, "{bar:30} {pos}/{len}  {msg}");
         let outcome = send(
             &mut port,
             settings,
-            |controlled| self.prepare(&program, controlled),
+            |controlled| self.prepare(&program, &setup, controlled),
             &orders,
             &mut |news| match news {
                 News::Status { taken, items, situation } => {
@@ -105,7 +109,7 @@ impl Stream {
                     bar.set_position(u64::from(taken));
                     bar.set_message(describe(situation));
                 }
-                News::Event { line, event } if !self.quiet => {
+                News::Event { line, event } if !(self.quiet || self.json) => {
                     bar.suspend(|| say(&format!("line {line}: {event}")));
                 }
                 News::Event { .. } => {}
@@ -114,7 +118,9 @@ impl Stream {
         );
         bar.finish_and_clear();
         let summary = outcome.with_context(|| self.port.display().to_string())?;
-        if !self.quiet {
+        if self.json {
+            say(&serde_json::to_string_pretty(&Report::new(&summary))?);
+        } else if !self.quiet {
             print(&summary);
         }
         match summary.aborted {
@@ -127,20 +133,20 @@ impl Stream {
     }
 
     /// The program for the machine where it stands, read and checked as a whole.
-    fn prepare(&self, bytes: &[u8], controlled: &Controlled) -> Result<Vec<Item>> {
+    fn prepare(&self, bytes: &[u8], setup: &Setup, controlled: &Controlled) -> Result<Vec<Item>> {
         let position = &controlled.situation.position;
         let mut start: Point = [0.0; AXES];
         for (mm, &nm) in start.iter_mut().zip(position) {
             *mm = nm as f64 * 1.0e-6;
         }
-        let setup = setup(self.machine.as_deref())?;
-        let options = ReadOptions { feed: self.feed, start, ..self.reading.options(&setup) };
+        let options = ReadOptions { start, ..self.reading.options(setup) };
         let name = self.file.display();
         let (program, found) = program::inspect_bytes(&self.file, bytes, options)?;
         refuse(&found).with_context(|| name.to_string())?;
         for warning in &program.warnings {
             complain(&format!("warning: {warning}"));
         }
+        let program = self.reading.overriding(&program, None).to_program();
         let (program, approach) = placed(&program, &start, self.approach)?;
         if let Some(to) = approach {
             let words = |point: &Point| -> String {
@@ -204,21 +210,47 @@ fn listen(sender: Sender<Order>) {
     });
 }
 
-fn bar(quiet: bool) -> ProgressBar {
-    if quiet || !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(0);
-    if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len}  {msg}") {
-        bar.set_style(style);
-    }
-    bar
-}
-
 fn describe(situation: &Situation) -> String {
     let state = describe_state(situation.state);
     let place = describe_place(&situation.position);
     format!("{state}, line {}, {:.1} mm/s, {place}", situation.tag, situation.speed)
+}
+
+/// What came of it, as JSON.
+#[derive(Serialize)]
+struct Report {
+    blocks: u32,
+    items_sent: u32,
+    damaged_frames: u32,
+    starved: u32,
+    state: String,
+    line: u32,
+    speed_mm_s: f64,
+    /// `X_mm`, `A_deg`.
+    position: BTreeMap<String, f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    aborted: Option<&'static str>,
+}
+
+impl Report {
+    fn new(summary: &Summary) -> Self {
+        let situation = &summary.situation;
+        let place = situation.position.iter().enumerate().map(|(axis, &nm)| {
+            let unit = if is_rotary(axis) { "deg" } else { "mm" };
+            (format!("{}_{unit}", LETTERS[axis]), nm as f64 * 1.0e-6)
+        });
+        Self {
+            blocks: summary.blocks,
+            items_sent: summary.sent,
+            damaged_frames: summary.damaged,
+            starved: situation.starved,
+            state: describe_state(situation.state).to_owned(),
+            line: situation.tag,
+            speed_mm_s: f64::from(situation.speed),
+            position: place.collect(),
+            aborted: summary.aborted,
+        }
+    }
 }
 
 fn print(summary: &Summary) {

@@ -1,13 +1,14 @@
 //! `splineway thesis`: the tables and figures of Naseath 2007 beside this program's.
 
-use crate::view::{Drawn, Panel, TubeScene, plot_panels, plot_tube};
-use anyhow::{Context, Result};
+use super::files::make_folder;
+use crate::view::{Busy, Drawn, Panel, TubeScene, plot_panels, plot_tube};
+use anyhow::Result;
 use clap::ValueEnum;
 use splineway_splines::Trajectory;
 use splineway_studies::smoothing::cases::{Family, RADII, ripple_peaks};
 use splineway_studies::smoothing::comparison::{Comparison, MEASURES, saved};
 use splineway_studies::smoothing::printed::{CORRELATIONS, NAMES};
-use splineway_studies::smoothing::{Method, Reading, Request, measure, smooth, tables};
+use splineway_studies::smoothing::{Method, Reading, Request, measure, records, smooth, tables};
 use std::path::{Path, PathBuf};
 
 /// What a plateau of the speed is when section 4.5 is read word by word.
@@ -26,9 +27,12 @@ pub struct Thesis {
     /// What a plateau of the speed is when section 4.5 is read word by word
     #[arg(long, value_enum, default_value = "edges")]
     plateau: Plateau,
-    /// Writes figures 3-26, 3-27 and 4-8 to 4-31 into this folder
+    /// Writes figures 3-26, 3-27 and 4-8 to 4-31 into this folder [default: not written]
     #[arg(long, value_name = "FOLDER")]
     plots: Option<PathBuf>,
+    /// Print the figures of every case as JSON
+    #[arg(long)]
+    json: bool,
 }
 
 impl Thesis {
@@ -39,11 +43,20 @@ impl Thesis {
             Plateau::Middle => Reading::Middle,
             Plateau::Edges => Reading::Edges,
         };
+        if let Some(folder) = &self.plots {
+            make_folder(("--plots", folder))?;
+        }
+        let busy = Busy::new("smoothing the cases", false);
         let comparison = Comparison::new([Reading::Free, literal])?;
-        print!("{}", tables(&comparison)?);
+        let text = if self.json {
+            serde_json::to_string_pretty(&records(&comparison))?
+        } else {
+            tables(&comparison)?
+        };
+        drop(busy);
+        println!("{}", text.trim_end());
         let Some(folder) = &self.plots else { return Ok(()) };
-        std::fs::create_dir_all(folder)
-            .with_context(|| format!("cannot make {}", folder.display()))?;
+        let _busy = Busy::new("drawing", false);
         plot_cases(folder, &comparison, literal)?;
         plot_correlations(folder, &comparison)?;
         plot_ripples(folder)

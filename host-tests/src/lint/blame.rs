@@ -1,30 +1,21 @@
 //! Whose fault a slow place is: time lost while braking and getting up to speed again counts for the line
 //! on which the motion was slowest between, with what held it back there.
 
+use super::ledger::Ledger;
 use anyhow::Result;
 use splineway::Activity;
 use splineway_simulator::machine::Axis;
-use splineway_simulator::program::arc::Spiral;
-use splineway_simulator::program::{Course, LETTERS, Point, Program};
+use splineway_simulator::program::{LETTERS, Tape};
 use splineway_simulator::run::{Observer, Sample};
-use std::collections::BTreeMap;
 
 /// A move counts as run at its feed from this share of it on.
-pub const AT_FEED: f64 = 0.98;
+const AT_FEED: f64 = 0.98;
 /// A limit counts as reached from this share of it on.
 const REACHED: f64 = 0.95;
 /// A place is over when the speed has risen by this share, and is about to fall again.
 const RISE: f64 = 1.02;
 /// Turns less than this, degrees, are no corners.
 const CORNER: f64 = 1.0;
-
-/// Turns of the path at the beginning and the end of a line, degrees; whether it ends in an exact stop.
-#[derive(Clone, Copy, Debug, Default)]
-struct Joints {
-    turns: [f64; 2],
-    stops: bool,
-    dwells: bool,
-}
 
 /// A slow stretch between two faster ones.
 #[derive(Clone, Copy, Debug)]
@@ -36,113 +27,51 @@ struct Valley {
     limit: Option<(&'static str, usize)>,
 }
 
-/// Collects what was lost, and why.
-#[derive(Debug)]
-pub struct Blame {
+/// Collects where the time goes, what was lost, and why.
+pub struct Blame<'a> {
+    /// The lines of the program.
+    pub ledger: Ledger<'a>,
     cycle: f64,
     limits: Vec<Axis>,
     letters: Vec<char>,
-    feeds: BTreeMap<u32, f64>,
-    joints: BTreeMap<u32, Joints>,
     valley: Option<Valley>,
     before: Vec<f64>,
-    /// Time lost per line, s, and why most of it was.
-    lost: BTreeMap<u32, (f64, f64, String)>,
+    /// Time of all, at the feed asked for, and at rest, s.
+    pub times: [f64; 3],
 }
 
-fn tangents(course: &Course, here: &Point) -> Option<[Vec<f64>; 2]> {
-    let unit = |from: &Point, to: &Point| {
-        let way: Vec<f64> = from.iter().zip(to).map(|(a, b)| b - a).collect();
-        let length = way.iter().map(|x| x * x).sum::<f64>().sqrt();
-        (length > 1e-9).then(|| way.iter().map(|x| x / length).collect::<Vec<f64>>())
-    };
-    match course {
-        Course::Line { to } => unit(here, to).map(|tangent| [tangent.clone(), tangent]),
-        Course::Arc { .. } => {
-            let arc = Spiral::of(course, here)?;
-            let small = 1e-5;
-            Some([
-                unit(&arc.point(0.0), &arc.point(small))?,
-                unit(&arc.point(1.0 - small), &arc.point(1.0))?,
-            ])
-        }
-        Course::Cubic { controls: [first, second], to } => {
-            let begin =
-                unit(here, first).or_else(|| unit(here, second)).or_else(|| unit(here, to))?;
-            let end = unit(second, to).or_else(|| unit(first, to)).or_else(|| unit(here, to))?;
-            Some([begin, end])
-        }
-        Course::Dwell { .. } | Course::Event { .. } => None,
-    }
-}
-
-fn joints(program: &Program) -> BTreeMap<u32, Joints> {
-    let mut map: BTreeMap<u32, Joints> = BTreeMap::new();
-    let mut here = program.start;
-    let mut before: Option<(u32, Vec<f64>)> = None;
-    for step in &program.moves {
-        let own = map.entry(step.line).or_default();
-        own.stops |= step.exact_stop;
-        own.dwells |= step.path.end().is_none();
-        let Some(to) = step.path.end() else { continue };
-        if let Some([begin, end]) = tangents(&step.path, &here)
-            && let Some((line, last)) = before.replace((step.line, end))
-        {
-            let cosine: f64 = last.iter().zip(&begin).map(|(a, b)| a * b).sum();
-            let turn = cosine.clamp(-1.0, 1.0).acos().to_degrees();
-            let own = map.entry(step.line).or_default();
-            own.turns[0] = own.turns[0].max(turn);
-            let other = map.entry(line).or_default();
-            other.turns[1] = other.turns[1].max(turn);
-        }
-        here = *to;
-    }
-    map
-}
-
-impl Blame {
-    /// For a program with the feed of every line, mm/s.
-    pub fn new(program: &Program, limits: &[Axis], cycle: f64, feeds: BTreeMap<u32, f64>) -> Self {
+impl<'a> Blame<'a> {
+    /// Of a program.
+    pub fn new(program: &dyn Tape, limits: &[Axis], cycle: f64, ledger: Ledger<'a>) -> Self {
         Self {
+            ledger,
             cycle,
             limits: limits.to_vec(),
             letters: program.axes().into_iter().map(|axis| LETTERS[axis]).collect(),
-            feeds,
-            joints: joints(program),
             valley: None,
             before: vec![0.0; limits.len()],
-            lost: BTreeMap::new(),
+            times: [0.0; 3],
         }
     }
 
-    /// Feed of a line, mm/s.
-    pub fn feed(&self, line: u32) -> f64 {
-        self.feeds.get(&line).copied().unwrap_or(f64::INFINITY)
-    }
-
-    /// What was lost on every line, s, and why most of it was.
-    pub fn finish(mut self) -> BTreeMap<u32, (f64, String)> {
-        self.close();
-        self.lost.into_iter().map(|(line, (lost, _, cause))| (line, (lost, cause))).collect()
-    }
-
-    fn close(&mut self) {
+    /// The end of the run.
+    pub fn close(&mut self) {
         let Some(valley) = self.valley.take() else { return };
         let cause = self.cause(&valley);
-        let entry = self.lost.entry(valley.line).or_default();
-        entry.0 += valley.lost;
-        if valley.lost > entry.1 {
-            (entry.1, entry.2) = (valley.lost, cause);
+        let line = self.ledger.line(valley.line);
+        line.place.lost += valley.lost;
+        if valley.lost > line.most {
+            (line.most, line.place.cause) = (valley.lost, cause);
         }
     }
 
-    fn cause(&self, valley: &Valley) -> String {
-        let joints = self.joints.get(&valley.line).copied().unwrap_or_default();
-        let [begin, end] = joints.turns;
-        let stands = valley.slowest < 1e-3 * self.feed(valley.line).min(1e3);
-        if joints.dwells {
+    fn cause(&mut self, valley: &Valley) -> String {
+        let line = self.ledger.line(valley.line);
+        let [begin, end] = line.turns;
+        let stands = valley.slowest < 1e-3 * line.place.feed.min(1e3);
+        if line.dwells {
             "standstill".to_owned()
-        } else if stands && joints.stops {
+        } else if stands && line.stops {
             "exact stop".to_owned()
         } else if begin.max(end) > CORNER {
             let (turn, place) = if end > begin { (end, "end") } else { (begin, "beginning") };
@@ -177,19 +106,38 @@ impl Blame {
     }
 }
 
-impl Observer for Blame {
+impl Observer for Blame<'_> {
     fn setpoint(&mut self, sample: &Sample<'_>) -> Result<()> {
-        let (feed, speed) = (self.feed(sample.tag), sample.speed);
         let limit = self.limit(sample);
         self.before.copy_from_slice(&sample.acceleration[..self.limits.len()]);
         if sample.time == 0.0 {
             return Ok(());
         }
+        let (cycle, speed) = (self.cycle, sample.speed);
+        let place = &mut self.ledger.line(sample.tag).place;
+        let feed = place.feed;
+        place.time += cycle;
+        place.slowest = place.slowest.min(speed);
         let running = sample.activity == Activity::Running;
-        if running && speed >= AT_FEED * feed {
-            self.close();
-            return Ok(());
+        let at_feed = speed >= AT_FEED * feed;
+        for (sum, counts) in self.times.iter_mut().zip([true, at_feed, !running]) {
+            *sum += if counts { cycle } else { 0.0 };
         }
+        if running && at_feed {
+            self.close();
+        } else {
+            self.lose(sample, feed, limit);
+        }
+        let open = self.valley.map_or(u32::MAX, |valley| valley.line);
+        self.ledger.retire(open.min(sample.tag));
+        Ok(())
+    }
+}
+
+impl Blame<'_> {
+    /// A cycle below the feed.
+    fn lose(&mut self, sample: &Sample<'_>, feed: f64, limit: Option<(&'static str, usize)>) {
+        let speed = sample.speed;
         // Down again after a rise: another place.
         if let Some(valley) = &self.valley
             && speed < valley.greatest_since / RISE
@@ -212,6 +160,5 @@ impl Observer for Blame {
             valley.greatest_since = speed;
         }
         valley.greatest_since = valley.greatest_since.max(speed);
-        Ok(())
     }
 }

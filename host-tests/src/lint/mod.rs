@@ -1,21 +1,20 @@
 //! What the core will do with a program, before a machine does it.
 
 mod blame;
+mod ledger;
+mod listing;
 
-use self::blame::{AT_FEED, Blame};
+pub use listing::Listing;
+
+use self::blame::Blame;
+use self::ledger::Ledger;
 use crate::view::Progress;
 use anyhow::Result;
-use serde::Serialize;
-use splineway::Activity;
-use splineway_simulator::judge::Track;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 use splineway_simulator::machine::Machine;
-use splineway_simulator::program::arc::Spiral;
-use splineway_simulator::program::{Course, Point, Program, Speed};
-use splineway_simulator::run::{Observer, Precision, Sample, run};
-use std::collections::BTreeMap;
-
-/// Lines shorter than this, mm, are left out by the core.
-const NOTHING: f64 = 0.5e-6;
+use splineway_simulator::program::Tape;
+use splineway_simulator::run::{Precision, run};
 
 /// What a line of the file costs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -23,32 +22,90 @@ pub struct Place {
     /// Line of the file.
     pub line: u32,
     /// Length of its moves, mm.
+    #[serde(rename = "length_mm")]
     pub length: f64,
     /// Its feed, mm/s; of a rapid, what the axes allow.
+    #[serde(rename = "feed_mm_s")]
     pub feed: f64,
     /// Time, s.
+    #[serde(rename = "time_s")]
     pub time: f64,
     /// Time lost against the feed around its slowest place, s, be it on other lines.
+    #[serde(rename = "lost_s")]
     pub lost: f64,
     /// Least speed, mm/s.
+    #[serde(rename = "slowest_mm_s")]
     pub slowest: f64,
     /// What held the motion back there.
     pub cause: String,
 }
 
+/// Moves by kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Moves {
+    /// Straight ones.
+    pub lines: usize,
+    /// Arcs and helices.
+    pub arcs: usize,
+    /// Cubic curves.
+    pub curves: usize,
+    /// Dwells and events.
+    pub dwells: usize,
+}
+
+/// Shares of the time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Shares {
+    /// At the feed asked for.
+    #[serde(rename = "at_feed_share")]
+    pub at_feed: f64,
+    /// At less.
+    #[serde(rename = "below_feed_share")]
+    pub below_feed: f64,
+    /// At rest.
+    #[serde(rename = "at_rest_share")]
+    pub at_rest: f64,
+}
+
+/// Least and greatest coordinate of an axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    /// Its letter.
+    pub axis: char,
+    /// `mm` or `deg`.
+    pub unit: &'static str,
+    /// Least.
+    pub least: f64,
+    /// Greatest.
+    pub greatest: f64,
+}
+
+impl Serialize for Extent {
+    /// As `axis`, `least_mm`, `greatest_mm`.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut out = serializer.serialize_map(Some(3))?;
+        out.serialize_entry("axis", &self.axis)?;
+        out.serialize_entry(&format!("least_{}", self.unit), &self.least)?;
+        out.serialize_entry(&format!("greatest_{}", self.unit), &self.greatest)?;
+        out.end()
+    }
+}
+
 /// What was found.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Findings {
-    /// Moves by kind: lines, arcs, curves, dwells.
-    pub moves: [usize; 4],
+    /// Moves by kind.
+    pub moves: Moves,
     /// Length, mm.
+    #[serde(rename = "length_mm")]
     pub length: f64,
-    /// Least and greatest coordinate of every axis in use, mm or degrees.
-    pub extent: Vec<(char, f64, f64)>,
+    /// Of every axis in use.
+    pub extent: Vec<Extent>,
     /// Machining time, s.
+    #[serde(rename = "time_s")]
     pub time: f64,
-    /// Share of it at the feed asked for, at less, and at rest.
-    pub shares: [f64; 3],
+    /// Shares of it.
+    pub shares: Shares,
     /// Stops at the end of a move.
     pub stops: usize,
     /// The places that lose most time.
@@ -57,200 +114,43 @@ pub struct Findings {
     pub advice: Vec<String>,
 }
 
-/// Time per line.
-#[derive(Default)]
-struct Clock {
-    cycle: f64,
-    time: BTreeMap<u32, (f64, f64)>,
-    at_feed: f64,
-    resting: f64,
-    total: f64,
-    feeds: BTreeMap<u32, f64>,
-}
-
-impl Observer for Clock {
-    fn setpoint(&mut self, sample: &Sample<'_>) -> Result<()> {
-        if sample.time == 0.0 {
-            return Ok(());
-        }
-        self.total += self.cycle;
-        if sample.activity != Activity::Running {
-            self.resting += self.cycle;
-        }
-        let feed = self.feeds.get(&sample.tag).copied().unwrap_or(f64::INFINITY);
-        if sample.speed >= AT_FEED * feed {
-            self.at_feed += self.cycle;
-        }
-        let entry = self.time.entry(sample.tag).or_insert((0.0, f64::INFINITY));
-        entry.0 += self.cycle;
-        entry.1 = entry.1.min(sample.speed);
-        Ok(())
-    }
-}
-
-fn distance(a: &Point, b: &Point, axes: &[usize]) -> f64 {
-    axes.iter().map(|&axis| (b[axis] - a[axis]).powi(2)).sum::<f64>().sqrt()
-}
-
-/// Length of a move, mm; of a curve, of its chords.
-fn length(here: &Point, course: &Course, axes: &[usize]) -> f64 {
-    match course {
-        Course::Line { to } => distance(here, to, axes),
-        Course::Dwell { .. } | Course::Event { .. } => 0.0,
-        Course::Cubic { controls, to } => {
-            let mut before = *here;
-            (1..=16u32)
-                .map(|k| {
-                    let at = splineway_simulator::program::on_cubic(
-                        here,
-                        controls,
-                        to,
-                        f64::from(k) / 16.0,
-                    );
-                    distance(&std::mem::replace(&mut before, at), &at, axes)
-                })
-                .sum()
-        }
-        Course::Arc { .. } => Spiral::of(course, here).map_or(0.0, |arc| arc.length(axes)),
-    }
-}
-
-/// Least and greatest coordinates over the axes: of arcs and curves, too, not of their ends alone.
-fn extent(program: &Program, track: &Track, axes: &[usize]) -> Vec<(f64, f64)> {
-    let mut extent: Vec<(f64, f64)> =
-        axes.iter().map(|&axis| (program.start[axis], program.start[axis])).collect();
-    let mut see = |n: usize, x: f64| {
-        let (least, greatest) = &mut extent[n];
-        (*least, *greatest) = (least.min(x), greatest.max(x));
-    };
-    for k in 0..track.len() {
-        track.point(k).iter().enumerate().for_each(|(n, x)| see(n, *x));
-    }
-    let mut here = program.start;
-    for step in &program.moves {
-        if let Some(arc) = Spiral::of(&step.path, &here) {
-            for u in arc.extremes() {
-                let point = arc.point(u);
-                axes.iter().enumerate().for_each(|(n, &axis)| see(n, point[axis]));
-            }
-        }
-        if let Some(to) = step.path.end() {
-            here = *to;
-            axes.iter().enumerate().for_each(|(n, &axis)| see(n, to[axis]));
-        }
-    }
-    extent
-}
-
-/// Whether a line of the file pushes or pulls filament (an E word): without a way, it is not useless.
-fn is_extrusion(text: &str) -> bool {
-    let code = text.split([';', '(']).next().unwrap_or("");
-    let letters = code.char_indices().filter(|(_, letter)| letter.eq_ignore_ascii_case(&'e'));
-    let number = |rest: &str| {
-        rest.trim_start().starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c))
-    };
-    letters.into_iter().any(|(at, _)| {
-        let before = code[..at].chars().next_back();
-        !before.is_some_and(|c| c.is_ascii_digit() || c == '.') && number(&code[at + 1..])
-    })
-}
-
 /// Looks at a program and runs it.
 ///
-/// `source` are the lines of its file; a bar on a terminal shows how far it is, unless it is to be `quiet`.
+/// `source` are the lines of its file; a bar on a terminal shows how far it is, unless it is to be `quiet`. Of a program whose lines come
+/// in order no more is kept than what is around the motion.
 ///
 /// # Errors
 /// It cannot be run on this machine.
 pub fn look(
-    program: &Program,
+    program: &dyn Tape,
     machine: &Machine,
     places: usize,
-    source: &[&str],
+    source: Listing<'_>,
     quiet: bool,
 ) -> Result<Findings> {
-    let axes = program.axes();
     let limits = machine.axes_of(program)?;
-    let fastest = |way: f64, from: &Point, to: &Point| {
-        let per_axis = axes
-            .iter()
-            .zip(&limits)
-            .map(|(&axis, limit)| limit.velocity * way / (to[axis] - from[axis]).abs().max(1e-12));
-        per_axis.fold(f64::INFINITY, f64::min)
-    };
-    let mut findings = Findings::default();
-    let mut lines: BTreeMap<u32, Place> = BTreeMap::new();
-    let mut here = program.start;
-    let (mut nothing, mut beyond) = (0, 0);
-    for step in &program.moves {
-        let way = length(&here, &step.path, &axes);
-        let (kind, to) = match &step.path {
-            Course::Line { to } => (0, to),
-            Course::Arc { to, .. } => (1, to),
-            Course::Cubic { to, .. } => (2, to),
-            Course::Dwell { .. } | Course::Event { .. } => (3, &here),
-        };
-        findings.moves[kind] += 1;
-        findings.stops += usize::from(step.exact_stop);
-        let empty = kind == 0 && way < NOTHING;
-        let text = (step.line as usize).checked_sub(1).and_then(|n| source.get(n)).unwrap_or(&"");
-        nothing += usize::from(empty && !is_extrusion(text));
-        let most = if kind == 0 && !empty { fastest(way, &here, to) } else { f64::INFINITY };
-        let wanted = match step.speed {
-            Speed::PerSecond(feed) => feed,
-            Speed::Duration(seconds) => way / seconds,
-            Speed::Rapid => most,
-        };
-        let wanted = if empty { 0.0 } else { wanted };
-        beyond += usize::from(step.speed != Speed::Rapid && wanted > most * 1.001);
-        let place = lines.entry(step.line).or_default();
-        place.line = step.line;
-        place.length += way;
-        place.feed = place.feed.max(wanted.min(most));
-        findings.length += way;
-        here = *to;
-    }
-    let track = Track::new(program);
-    findings.extent = axes
-        .iter()
-        .zip(extent(program, &track, &axes))
-        .map(|(&axis, (least, greatest))| {
-            (splineway_simulator::program::LETTERS[axis], least, greatest)
-        })
-        .collect();
-    let feeds: BTreeMap<u32, f64> = lines.values().map(|place| (place.line, place.feed)).collect();
-    let mut blame = Blame::new(program, &limits, machine.cycle, feeds.clone());
-    let mut clock = Clock { cycle: machine.cycle, feeds, ..Clock::default() };
-    let mut progress = Progress::new(track.length(), quiet);
-    run(program, machine, Precision::F64, &mut [&mut clock, &mut blame, &mut progress])?;
+    let ledger = Ledger::new(program, machine, places, source)?;
+    let mut blame = Blame::new(program, &limits, machine.cycle, ledger);
+    let last = program.summary().last_line;
+    let mut progress = Progress::over_lines(last, quiet);
+    run(program, machine, Precision::F64, &mut [&mut blame, &mut progress])?;
     progress.finish();
-    findings.time = clock.total;
-    let total = clock.total.max(machine.cycle);
-    let slow = (total - clock.at_feed - clock.resting).max(0.0);
-    findings.shares = [clock.at_feed / total, slow / total, clock.resting / total];
-    for (line, (time, slowest)) in clock.time {
-        let place = lines.entry(line).or_default();
-        (place.line, place.time, place.slowest) = (line, time, slowest);
-    }
-    for (line, (lost, cause)) in blame.finish() {
-        let place = lines.entry(line).or_default();
-        (place.line, place.lost, place.cause) = (line, lost, cause);
-    }
-    let mut slowest: Vec<Place> = lines.into_values().collect();
-    slowest.sort_by(|a, b| b.lost.total_cmp(&a.lost));
-    slowest.retain(|place| place.lost > 2.0 * machine.cycle);
-    slowest.truncate(places);
-    findings.slowest = slowest;
-    findings.advice = advice(&findings, machine, (nothing, beyond));
+    blame.close();
+    let [time, at_feed, resting] = blame.times;
+    let (mut findings, odd) = blame.ledger.finish();
+    let total = time.max(machine.cycle);
+    let slow = (total - at_feed - resting).max(0.0);
+    findings.time = time;
+    findings.shares =
+        Shares { at_feed: at_feed / total, below_feed: slow / total, at_rest: resting / total };
+    findings.advice = advice(&findings, machine, odd);
     Ok(findings)
 }
 
-fn advice(
-    findings: &Findings,
-    machine: &Machine,
-    (nothing, beyond): (usize, usize),
-) -> Vec<String> {
+fn advice(findings: &Findings, machine: &Machine, [nothing, beyond]: [usize; 2]) -> Vec<String> {
     let mut advice = Vec::new();
-    let moves: usize = findings.moves.iter().sum();
+    let Moves { lines, arcs, curves, dwells } = findings.moves;
+    let moves = lines + arcs + curves + dwells;
     if machine.tolerance == 0.0 && moves > 1 {
         advice.push("the tolerance is 0, so every corner is an exact stop: give one (G64 P0.01, or --tolerance 0.01)".to_owned());
     }
@@ -270,7 +170,7 @@ fn advice(
             "{beyond} moves ask for more feed than the axes allow: they run as fast as those do"
         ));
     }
-    if findings.shares[1] > 0.5 && machine.tolerance > 0.0 {
+    if findings.shares.below_feed > 0.5 && machine.tolerance > 0.0 {
         advice.push(format!(
             "more than half of the time is spent below the feed: a tolerance wider than {} mm, or more acceleration and jerk, would tell",
             machine.tolerance

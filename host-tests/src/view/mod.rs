@@ -8,7 +8,7 @@ pub mod table;
 mod tube;
 
 pub use panels::{Drawn, Panel, Series};
-pub use progress::Progress;
+pub use progress::{Busy, Progress, bar};
 pub use tube::TubeScene;
 
 use anyhow::{Context, Result, anyhow, bail};

@@ -1,12 +1,13 @@
 //! The figures of `docs/figures.md`: machining times beside other speed laws, judged, and what they cost.
 
 use crate::baseline::{self, Law};
+use crate::paths::Made;
 use anyhow::{Context, Result};
 use serde::Serialize;
 use splineway::{Link, Planner, Scalar};
 use splineway_simulator::judge::{Verdict, judged, violations};
 use splineway_simulator::machine::Machine;
-use splineway_simulator::program::{self, Program, ReadOptions};
+use splineway_simulator::program::{self, Program, ReadOptions, poly};
 use splineway_simulator::run::{Events, Precision};
 use std::path::Path;
 
@@ -50,8 +51,10 @@ pub struct Memory {
     /// Nodes of the window.
     pub nodes: usize,
     /// What both contexts share.
+    #[serde(rename = "link_bytes")]
     pub link: usize,
     /// The background's.
+    #[serde(rename = "planner_bytes")]
     pub planner: usize,
 }
 
@@ -88,20 +91,28 @@ pub struct PathFigures {
     /// Blocks.
     pub blocks: u64,
     /// mm.
+    #[serde(rename = "tolerance_mm")]
     pub tolerance: f64,
     /// Machining time in `f64`, s.
+    #[serde(rename = "time_f64_s")]
     pub seconds_f64: f64,
     /// In `f32`.
+    #[serde(rename = "time_f32_s")]
     pub seconds_f32: f64,
     /// With an exact stop after every block, run by this core.
+    #[serde(rename = "time_stops_s")]
     pub seconds_stops: f64,
     /// With trapezoids and junction deviation, which knows no jerk.
+    #[serde(rename = "time_trapezoid_s")]
     pub seconds_trapezoid: f64,
     /// With S-curves and junction deviation.
+    #[serde(rename = "time_s_curve_s")]
     pub seconds_s_curve: f64,
     /// Greatest deviation over the tolerance.
+    #[serde(rename = "deviation_share")]
     pub deviation: f64,
     /// Greatest velocity, acceleration and jerk of any axis over its limit.
+    #[serde(rename = "velocity_acceleration_jerk_share")]
     pub peaks: [f64; 3],
     /// Planning, ns per block.
     pub ns_per_block: f64,
@@ -132,10 +143,25 @@ impl PathFigures {
         if let Some(header) = &program.header {
             machine.apply(header);
         }
-        Self::new(path, &program, &machine).with_context(|| path.display().to_string())
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        Self::new(name, &program, &machine).with_context(|| path.display().to_string())
     }
 
-    fn new(path: &Path, program: &Program, machine: &Machine) -> Result<Self> {
+    /// Of one of our own making.
+    ///
+    /// # Errors
+    /// It cannot be run.
+    pub fn of_made(made: &Made) -> Result<Self> {
+        let program = poly::parse(&made.text())?;
+        let mut machine = Machine::default();
+        if let Some(header) = &program.header {
+            machine.apply(header);
+        }
+        let name = format!("{}_{}", made.name, made.tolerance);
+        Self::new(name.clone(), &program, &machine).context(name)
+    }
+
+    fn new(name: String, program: &Program, machine: &Machine) -> Result<Self> {
         let (wide, ns_per_block, ns_per_tick, blocks) = run(program, machine, Precision::F64)?;
         let (narrow, ..) = run(program, machine, Precision::F32)?;
         let mut stops = program.clone();
@@ -147,7 +173,7 @@ impl PathFigures {
         let law = |law| baseline::run(program, &limits, machine.tolerance, law).time;
         let worst = wide.worst();
         Ok(Self {
-            name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+            name,
             blocks,
             tolerance: machine.tolerance,
             seconds_f64: wide.time,
@@ -180,13 +206,24 @@ impl Figures {
     ///
     /// # Errors
     /// A file cannot be read or run.
-    pub fn of(files: &[impl AsRef<Path>], mut each: impl FnMut(&PathFigures)) -> Result<Self> {
-        let mut paths = Vec::with_capacity(files.len());
-        for file in files {
-            let figures = PathFigures::of(file.as_ref())?;
-            each(&figures);
-            paths.push(figures);
-        }
+    pub fn of(files: &[impl AsRef<Path>], each: impl FnMut(&PathFigures)) -> Result<Self> {
+        Self::of_all(files.iter().map(|file| PathFigures::of(file.as_ref())), each)
+    }
+
+    /// Of paths of our own making.
+    ///
+    /// # Errors
+    /// One cannot be run.
+    pub fn of_made(made: &[Made], each: impl FnMut(&PathFigures)) -> Result<Self> {
+        Self::of_all(made.iter().map(PathFigures::of_made), each)
+    }
+
+    fn of_all(
+        all: impl Iterator<Item = Result<PathFigures>>,
+        mut each: impl FnMut(&PathFigures),
+    ) -> Result<Self> {
+        let look = |figures: Result<PathFigures>| figures.inspect(&mut each);
+        let paths = all.map(look).collect::<Result<_>>()?;
         Ok(Self { host: Host::this(), memory: Memory::table(), paths })
     }
 }

@@ -1,6 +1,7 @@
 //! Every setpoint against the band, the axis limits and the time that a run may take; pass or fail is said here
 //! and nowhere else.
 
+mod guide;
 mod pass;
 mod track;
 mod verdict;

@@ -1,10 +1,9 @@
 //! The programmed path as a fine poly-line, to hold setpoints against: arcs as they are meant, and of a
-//! curve file the curve itself, not the blocks that stand for it.
+//! curve file the curve itself, not the blocks that stand for it. All of it, or the stretch that a [`Follower`] is on.
 
 use crate::program::arc::Spiral;
-use crate::program::{Course, Move, Point, Program, on_cubic};
+use crate::program::{Course, Move, Point, Program, Tape, on_cubic};
 use crate::spline::Rational;
-use splineway::block::FINEST_BAND;
 
 /// Arcs and curves are cut into chords that leave them by no more than this, mm.
 pub const SAGITTA: f64 = 1.0e-6;
@@ -35,6 +34,12 @@ impl Default for Outside {
 pub struct Track {
     /// Number of axes.
     pub axes: usize,
+    /// Their indices.
+    indices: Vec<usize>,
+    /// Where the path has come to with what has been added.
+    here: Point,
+    /// Vertices, and moves, that have been left behind.
+    gone: [usize; 2],
     /// Vertices, one after the other.
     points: Vec<f64>,
     /// Arc length up to each vertex.
@@ -43,47 +48,89 @@ pub struct Track {
     moves: Vec<u32>,
     /// Tolerance of every move, if it names one, the least that it has whatever is named, and its line.
     bands: Vec<(Option<f64>, f64, u32)>,
+    /// The widest tolerance that a move names, or has.
+    widest: f64,
 }
 
 impl Track {
     /// The path of a program.
     pub fn new(program: &Program) -> Self {
-        let axes = program.axes();
-        let mut track = Self {
-            axes: axes.len(),
-            points: Vec::new(),
-            way: Vec::new(),
-            moves: Vec::new(),
-            bands: Vec::new(),
-        };
-        let mut here = program.start;
-        track.add(&here, &axes);
-        for (n, step) in program.moves.iter().enumerate() {
-            let least = if matches!(step.path, Course::Arc { .. }) { FINEST_BAND } else { 0.0 };
-            track.bands.push((step.tolerance, least, step.line));
-            match program.exact.get(n) {
-                Some(curve) => track.curve(curve, &axes, 0),
-                None => track.course(step, &here, &axes),
-            }
-            if let Some(to) = step.path.end() {
-                here = *to;
-            }
+        Self::of(program)
+    }
+
+    /// The same, gone through.
+    pub fn of(program: &dyn Tape) -> Self {
+        let mut track = Self::begin(program);
+        for (n, step) in program.steps().enumerate() {
+            track.extend(&step, program.exact().get(n));
         }
         track
     }
 
-    fn course(&mut self, step: &Move, here: &Point, axes: &[usize]) {
+    /// Its first point.
+    pub fn begin(program: &dyn Tape) -> Self {
+        let indices = program.axes();
+        let mut track = Self {
+            axes: indices.len(),
+            indices,
+            here: program.start(),
+            gone: [0; 2],
+            points: Vec::new(),
+            way: Vec::new(),
+            moves: Vec::new(),
+            bands: Vec::new(),
+            widest: 0.0,
+        };
+        track.add(&program.start());
+        track
+    }
+
+    /// A further move, or the curve that it stands for.
+    pub fn extend(&mut self, step: &Move, exact: Option<&Rational>) {
+        let least = step.least_band();
+        self.widest = self.widest.max(step.tolerance.unwrap_or(0.0)).max(least);
+        self.bands.push((step.tolerance, least, step.line));
+        match exact {
+            Some(curve) => self.curve(curve, 0),
+            None => self.course(step),
+        }
+        if let Some(to) = step.path.end() {
+            self.here = *to;
+        }
+    }
+
+    /// Leaves behind what lies before an arc length, all but a vertex. The numbers of the others stay.
+    pub fn forget(&mut self, way: f64) {
+        let before = self.way.partition_point(|end| *end < way).saturating_sub(1);
+        // Not worth the while for a few.
+        if before < 1024 || before < self.way.len() / 2 {
+            return;
+        }
+        self.points.drain(..before * self.axes);
+        self.way.drain(..before);
+        self.moves.drain(..before);
+        self.gone[0] += before;
+        let first = self.moves.first().map_or(0, |&step| step as usize) - self.gone[1];
+        // The band of the vertex before counts at a corner.
+        let first = first.saturating_sub(1);
+        self.bands.drain(..first);
+        self.gone[1] += first;
+    }
+
+    fn course(&mut self, step: &Move) {
+        let here = self.here;
+        let here = &here;
         match &step.path {
-            Course::Line { to } => self.add(to, axes),
+            Course::Line { to } => self.add(to),
             Course::Arc { to, .. } => {
                 let Some(arc) = Spiral::of(&step.path, here) else { return };
                 let radius = arc.radii.0.max(arc.radii.1).max(1e-9);
                 let chord = (8.0 * radius * SAGITTA).sqrt();
                 let n = ((radius * arc.sweep.abs() / chord).ceil() as usize).clamp(8, MOST);
                 for k in 1..n {
-                    self.add(&arc.point(k as f64 / n as f64), axes);
+                    self.add(&arc.point(k as f64 / n as f64));
                 }
-                self.add(to, axes);
+                self.add(to);
             }
             Course::Cubic { controls, to } => {
                 let bend = [(here, &controls[0], &controls[1]), (&controls[0], &controls[1], to)]
@@ -94,7 +141,7 @@ impl Track {
                 let n = (bend[0].max(bend[1]) / (8.0 * SAGITTA)).sqrt().ceil();
                 let n = (n as usize).clamp(8, MOST);
                 for k in 1..=n {
-                    self.add(&on_cubic(here, controls, to, k as f64 / n as f64), axes);
+                    self.add(&on_cubic(here, controls, to, k as f64 / n as f64));
                 }
             }
             Course::Dwell { .. } | Course::Event { .. } => {}
@@ -102,19 +149,19 @@ impl Track {
     }
 
     /// A curve, halved until its chords are near enough.
-    fn curve(&mut self, curve: &Rational, axes: &[usize], depth: u32) {
+    fn curve(&mut self, curve: &Rational, depth: u32) {
         if depth == HALVINGS || curve.is_flat(SAGITTA) {
-            self.add(&curve.point(1.0), axes);
+            self.add(&curve.point(1.0));
         } else {
             for half in curve.halves() {
-                self.curve(&half, axes, depth + 1);
+                self.curve(&half, depth + 1);
             }
         }
     }
 
-    fn add(&mut self, point: &Point, axes: &[usize]) {
+    fn add(&mut self, point: &Point) {
         let start = self.points.len();
-        self.points.extend(axes.iter().map(|&axis| point[axis]));
+        self.points.extend(self.indices.iter().map(|&axis| point[axis]));
         let step = match start.checked_sub(self.axes) {
             Some(before) => distance(&self.points[before..start], &self.points[start..]),
             None => 0.0,
@@ -124,34 +171,51 @@ impl Track {
             return;
         }
         self.way.push(self.way.last().copied().unwrap_or(0.0) + step);
-        self.moves.push((self.bands.len() as u32).saturating_sub(1));
+        self.moves.push(((self.gone[1] + self.bands.len()) as u32).saturating_sub(1));
     }
 
-    /// The widest tolerance of any move, mm; `default` is that of moves which name none.
+    /// The widest tolerance of any move so far, mm; `default` is that of moves which name none.
     pub fn widest(&self, default: f64) -> f64 {
-        let named = self.bands.iter().map(|(band, least, _)| band.unwrap_or(default).max(*least));
-        named.fold(default, f64::max)
+        self.widest.max(default)
     }
 
     /// Tolerance and line of the move that leads to a vertex.
     fn band(&self, k: usize, default: f64) -> (f64, u32) {
-        let band = self.moves.get(k).and_then(|&step| self.bands.get(step as usize));
+        let step = k.checked_sub(self.gone[0]).and_then(|k| self.moves.get(k));
+        let band =
+            step.and_then(|&step| self.bands.get((step as usize).checked_sub(self.gone[1])?));
         band.map_or((default, 0), |&(band, least, line)| (band.unwrap_or(default).max(least), line))
     }
 
-    /// Number of vertices.
+    /// Number of vertices, with those left behind.
     pub fn len(&self) -> usize {
-        self.way.len()
+        self.gone[0] + self.way.len()
     }
 
     /// Whether it has no vertex.
     pub fn is_empty(&self) -> bool {
-        self.way.is_empty()
+        self.len() == 0
     }
 
-    /// A vertex.
+    /// Number of the first vertex that has not been left behind.
+    pub fn first(&self) -> usize {
+        self.gone[0]
+    }
+
+    /// A vertex that has not been left behind.
     pub fn point(&self, k: usize) -> &[f64] {
+        let k = k - self.gone[0];
         &self.points[k * self.axes..(k + 1) * self.axes]
+    }
+
+    /// Arc length up to it, mm.
+    fn way(&self, k: usize) -> f64 {
+        self.way[k - self.gone[0]]
+    }
+
+    /// How many vertices lie beyond an arc length, up to 3.
+    pub fn beyond(&self, way: f64) -> usize {
+        self.way.iter().rev().take(3).take_while(|end| **end > way).count()
     }
 
     /// The last vertex.
@@ -207,7 +271,7 @@ impl Follower {
             return Off { distance: off, outside };
         }
         let mut lo = self.segment;
-        while lo > 0 && track.way[lo] > self.way - reach {
+        while lo > track.first() && track.way(lo) > self.way - reach {
             lo -= 1;
         }
         let mut nearest = (self.segment, self.way);
@@ -215,11 +279,11 @@ impl Follower {
         let step = if self.last.is_empty() { 0.0 } else { distance(&self.last, x) };
         let mut winding = Winding::new(self.way, self.far + 2.0 * step);
         for k in lo..last {
-            if k > self.segment && track.way[k] > self.far + reach {
+            if k > self.segment && track.way(k) > self.far + reach {
                 break;
             }
             let (a, b) = (track.point(k), track.point(k + 1));
-            let length = track.way[k + 1] - track.way[k];
+            let length = track.way(k + 1) - track.way(k);
             let along: f64 = a.iter().zip(b).zip(x).map(|((a, b), x)| (x - a) * (b - a)).sum();
             let off = |t: f64| {
                 let square = |((a, b), x): ((&f64, &f64), &f64)| (a + t * (b - a) - x).powi(2);
@@ -229,7 +293,7 @@ impl Follower {
             let distance = off(t);
             if distance < best.distance {
                 best.distance = distance;
-                nearest = (k, track.way[k] + t * length);
+                nearest = (k, track.way(k) + t * length);
             }
             let (own, line) = track.band(k + 1, default);
             let tolerance = if t <= 0.0 && k > 0 {
@@ -244,14 +308,14 @@ impl Follower {
             }
             if k >= self.segment && place.is_none() {
                 // Never back: a path that is run to and fro is passed twice.
-                let t = t.max((self.way - track.way[k]) / length).min(1.0);
+                let t = t.max((self.way - track.way(k)) / length).min(1.0);
                 if off(t) <= own * 1.001 + SAGITTA {
-                    place = Some((k, track.way[k] + t * length));
+                    place = Some((k, track.way(k) + t * length));
                 }
             }
             let t = along / (length * length);
             let band = (own * 1.001 + SAGITTA) / length;
-            winding.pass((track.way[k], length), t, off(t) / length, band);
+            winding.pass((track.way(k), length), t, off(t) / length, band);
         }
         let (segment, way) = place.unwrap_or(nearest);
         if way > self.way {
@@ -267,6 +331,11 @@ impl Follower {
     /// Arc length reached at least, mm.
     pub const fn way(&self) -> f64 {
         self.way
+    }
+
+    /// Arc length that may have been reached, mm.
+    pub const fn far(&self) -> f64 {
+        self.far
     }
 }
 

@@ -1,8 +1,10 @@
 //! Every setpoint against the band, the axis limits and the time that a run may take.
 
+use super::guide::{Guide, Passing};
 use super::track::{Follower, Outside, Track};
 use super::witness::{Peaks, Witness};
 use crate::machine::{Axis, MotorRow};
+use crate::program::Tape;
 use crate::run::{Observer, Overtime, Sample, Stops, Stopwatch};
 use splineway::Activity;
 
@@ -47,9 +49,8 @@ impl Verdict {
 }
 
 /// Watches a run.
-#[derive(Debug)]
 pub struct Judge<'a> {
-    track: &'a Track,
+    guide: Guide<'a>,
     limits: &'a [Axis],
     /// Of the motors.
     driven: Vec<Axis>,
@@ -68,14 +69,23 @@ pub struct Judge<'a> {
 impl<'a> Judge<'a> {
     /// A judge of runs along `track`; `tolerance` (mm) is that of moves which name none.
     pub fn new(track: &'a Track, limits: &'a [Axis], cycle: f64, tolerance: f64) -> Self {
+        Self::along(Guide::Whole(track), limits, cycle, tolerance)
+    }
+
+    /// A judge of a run of a program that is gone through as it is run, so that its length takes no room.
+    pub fn passing(tape: &'a dyn Tape, limits: &'a [Axis], cycle: f64, tolerance: f64) -> Self {
+        Self::along(Guide::Passing(Box::new(Passing::new(tape))), limits, cycle, tolerance)
+    }
+
+    fn along(guide: Guide<'a>, limits: &'a [Axis], cycle: f64, tolerance: f64) -> Self {
         Self {
-            track,
             limits,
             driven: Vec::new(),
             cycle,
             tolerance,
             // A sharp corner inside the band cuts off this much of the path.
-            reach: 20.0 * track.widest(tolerance) + 0.02,
+            reach: 20.0 * guide.widest(tolerance) + 0.02,
+            guide,
             follower: Follower::default(),
             witness: Witness::new(limits, cycle),
             watch: None,
@@ -103,13 +113,18 @@ impl<'a> Judge<'a> {
     /// Holds the run against the time with stops, too; `slack` (s) is what late planning may add to
     /// every command.
     #[must_use]
-    pub fn timed(mut self, stops: &'a Stops, slack: f64) -> Self {
+    pub fn timed(mut self, stops: &'a Stops<'a>, slack: f64) -> Self {
         self.watch = Some(Stopwatch::new(stops, slack));
         self
     }
 
+    /// The length of the path, mm.
+    pub fn length(&mut self) -> f64 {
+        self.guide.length()
+    }
+
     /// The findings.
-    pub fn verdict(&self) -> Verdict {
+    pub fn verdict(&mut self) -> Verdict {
         let mut verdict = self.verdict.clone();
         verdict.time = verdict.cycles.saturating_sub(1) as f64 * self.cycle;
         let over = |peaks: &[Peaks]| {
@@ -125,7 +140,7 @@ impl<'a> Judge<'a> {
         verdict.mismatch = self.witness.mismatch();
         verdict.overtime = self.watch.as_ref().map(Stopwatch::overtime);
         if !self.before.is_empty() && !self.jogged {
-            verdict.end_error = distance(self.track.end(), &self.before);
+            verdict.end_error = distance(self.guide.end(), &self.before);
         }
         verdict
     }
@@ -146,7 +161,8 @@ impl Observer for Judge<'_> {
             _ => self.jogged = false,
         }
         if !self.jogged {
-            let off = self.follower.look(self.track, x, self.reach + 2.0 * step, self.tolerance);
+            let reach = self.reach + 2.0 * step;
+            let off = self.guide.look(&mut self.follower, x, reach, self.tolerance);
             self.verdict.deviation = self.verdict.deviation.max(off.distance);
             if off.outside.distance > self.verdict.outside.distance {
                 self.verdict.outside = off.outside;

@@ -1,22 +1,74 @@
 //! Files: the kind is told by the ending.
 
 use super::finding::{Finding, refuse};
+use super::tape::{Reel, Tape};
 use super::tool_path::{Program, ReadOptions};
 use super::{curve, gcode, poly};
+use crate::input::{bytes, is_stdin};
 use crate::spline::{self, SplineFile};
-use anyhow::{Context, Result, bail, ensure};
-use std::fs::File;
-use std::io::Read;
-use std::path::Path;
+use anyhow::{Context, Result, bail};
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
 
-/// Most bytes of a file: 1 GB.
-const MOST_BYTES: u64 = 1_000_000_000;
+/// What a tool path is written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// G-code.
+    Gcode,
+    /// Points, or a spline by items, one a line.
+    Text,
+    /// A spline.
+    Toml,
+    /// A spline or a NURBS curve.
+    Json,
+}
 
-/// The name of standard input.
-pub const STDIN: &str = "-";
+/// Kinds of tool paths by the endings of their files, in small letters, and what is in them. G-code needs no ending.
+pub const KINDS: [(Kind, &[&str], &str); 4] = [
+    (Kind::Gcode, &["ngc", "nc", "gcode", "gco", "g", "gc", "tap", "cnc", "mpf", "eia"], "G-code"),
+    (Kind::Text, &["txt"], "poly-line, or spline of lines `point X Y [Z]`"),
+    (Kind::Toml, &["toml"], "spline"),
+    (Kind::Json, &["json"], "spline, or NURBS curve with weights"),
+];
 
-/// Reads a tool path; the kind of file is told by its ending. `-` is standard input: JSON if it begins with `{`,
-/// else G-code.
+impl Kind {
+    /// By the ending of a file's name; `None` of one that is not known.
+    pub fn of(path: &Path) -> Option<Self> {
+        let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or("");
+        let ending = ending.to_lowercase();
+        if ending.is_empty() {
+            return Some(Self::Gcode);
+        }
+        let mut kinds = KINDS.iter().filter(|(_, endings, _)| endings.contains(&&*ending));
+        kinds.next().map(|(kind, ..)| *kind)
+    }
+
+    /// By what is in it, where there is no name: no line of G-code begins with a number, a brace or a bracket, `point` or
+    /// an equation.
+    pub fn guessed(bytes: &[u8]) -> Self {
+        let text = String::from_utf8_lossy(&bytes[..bytes.len().min(GUESSED)]);
+        let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+        let first = lines.clone().find(|line| !line.starts_with('#')).unwrap_or("");
+        let number =
+            |line: &str| line.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
+        let key = first.split('=').next().unwrap_or("").trim();
+        let is_key = key.len() > 1 && key.chars().all(|c| c.is_ascii_lowercase() || c == '_');
+        if first.starts_with('{') {
+            Self::Json
+        } else if first.contains('=') && is_key {
+            Self::Toml
+        } else if number(first) || lines.any(|line| line.starts_with("point ")) {
+            Self::Text
+        } else {
+            Self::Gcode
+        }
+    }
+}
+
+/// So many bytes are looked at to guess what they are.
+const GUESSED: usize = 4096;
+
+/// Reads a tool path; the kind of file is told by its ending, and of standard input (`-`) by what is in it.
 ///
 /// # Errors
 /// Names the file, and the places in it that are refused ([`refuse`]).
@@ -35,25 +87,6 @@ pub fn inspect(path: &Path, options: ReadOptions<'_>) -> Result<(Program, Vec<Fi
     inspect_bytes(path, &bytes(path)?, options)
 }
 
-/// What is in a file, or comes on standard input.
-///
-/// # Errors
-/// It cannot be read; it is larger than any program.
-pub fn bytes(path: &Path) -> Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    let count = if path == Path::new(STDIN) {
-        let input = std::io::stdin().lock();
-        input.take(MOST_BYTES + 1).read_to_end(&mut bytes).context("cannot read standard input")
-    } else {
-        let read = |file: File| file.take(MOST_BYTES + 1).read_to_end(&mut bytes);
-        let name = path.display();
-        File::open(path).and_then(read).with_context(|| format!("cannot read {name}"))
-    };
-    // A device may have no end.
-    ensure!(count? as u64 <= MOST_BYTES, "{}: more than {MOST_BYTES} bytes", path.display());
-    Ok(bytes)
-}
-
 /// The same of a file that has been read; `path` tells the kind.
 ///
 /// # Errors
@@ -63,29 +96,105 @@ pub fn inspect_bytes(
     bytes: &[u8],
     options: ReadOptions<'_>,
 ) -> Result<(Program, Vec<Finding>)> {
-    let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or("").to_lowercase();
     let name = path.display();
     let text = || String::from_utf8_lossy(bytes);
-    let is_json = path == Path::new(STDIN) && bytes.trim_ascii_start().starts_with(b"{");
-    let program = match ending.as_str() {
-        "" if is_json => curve::parse_json(&text(), options),
-        "txt" if spline::is_spline(&text()) => of_spline(&text(), "txt", options),
-        "txt" => poly::parse(&text()),
-        "toml" => of_spline(&text(), "toml", options),
-        "json" => curve::parse_json(&text(), options),
-        "ngc" | "nc" | "gcode" | "tap" | "cnc" | "g" | "gc" | "gco" | "mpf" | "eia" | "" => {
-            return Ok(gcode::examine(bytes, options));
+    let program = match kind(path, bytes) {
+        Some(Kind::Gcode) => return Ok(gcode::examine(bytes, options)),
+        Some(Kind::Text) if spline::is_spline(&text()) => of_spline(&text(), "txt", options),
+        Some(Kind::Text) => poly::parse(&text()),
+        Some(Kind::Toml) => of_spline(&text(), "toml", options),
+        Some(Kind::Json) => curve::parse_json(&text(), options),
+        None => {
+            let known = KINDS.map(|(_, endings, what)| format!(".{} ({what})", endings.join(" .")));
+            bail!("{name}: unknown kind of file; known are {}", known.join(", "))
         }
-        _ => bail!(
-            "{name}: unknown kind of file \".{ending}\"; known are .ngc .nc .gcode .gco .g .gc .tap .cnc .mpf .eia \
-             (G-code), .txt (poly-line or spline), .toml (spline) and .json (spline or NURBS curve)"
-        ),
     };
     let program = program.with_context(|| format!("{name}"))?;
     let findings = program.warnings.iter().map(|text| Finding::warning(0, text)).collect();
     Ok((program, findings))
 }
 
+/// A file in memory.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    path: PathBuf,
+    kind: Option<Kind>,
+    bytes: Vec<u8>,
+}
+
+impl Loaded {
+    /// A file, or standard input.
+    ///
+    /// # Errors
+    /// As [`bytes`].
+    pub fn new(path: &Path) -> Result<Self> {
+        let mut bytes = bytes(path)?;
+        let kind = kind(path, &bytes);
+        if kind == Some(Kind::Gcode) {
+            let plain = match gcode::plain(&bytes) {
+                Cow::Borrowed(plain) if plain.len() == bytes.len() => None,
+                plain => Some(plain.into_owned()),
+            };
+            bytes = plain.unwrap_or(bytes);
+        }
+        Ok(Self { path: path.to_owned(), kind, bytes })
+    }
+
+    /// Its text, if it has lines to speak of: a curve has none.
+    pub fn lines(&self) -> &[u8] {
+        let has_lines = matches!(self.kind, Some(Kind::Gcode | Kind::Text));
+        if has_lines { &self.bytes } else { &[] }
+    }
+
+    /// The program in it: G-code is gone through again and again, so that its length takes no room; others are lists. With what there
+    /// is to say of it: if there is an error among that, it must not be run.
+    ///
+    /// # Errors
+    /// As [`inspect`].
+    pub fn program<'a>(
+        &'a self,
+        options: ReadOptions<'a>,
+    ) -> Result<(Box<dyn Tape + 'a>, Vec<Finding>)> {
+        if self.kind == Some(Kind::Gcode) {
+            let (reel, findings) = Reel::new(&self.bytes, options);
+            return Ok((Box::new(reel), findings));
+        }
+        let (program, findings) = inspect_bytes(&self.path, &self.bytes, options)?;
+        Ok((Box::new(program), findings))
+    }
+}
+
+/// What is in a file by its name, or by what is in it.
+fn kind(path: &Path, bytes: &[u8]) -> Option<Kind> {
+    if is_stdin(path) { Some(Kind::guessed(bytes)) } else { Kind::of(path) }
+}
+
 fn of_spline(text: &str, ending: &str, options: ReadOptions<'_>) -> Result<Program> {
     curve::parse_spline(&SplineFile::parse(text, ending)?, options)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn standard_input_is_told_by_what_is_in_it() {
+        for (text, kind) in [
+            ("G21 G90\nG1 X1 F100\n", Kind::Gcode),
+            ("%\nO1 (point X)\n", Kind::Gcode),
+            ("; x = 3\nG0 X1\n", Kind::Gcode),
+            ("X10\n", Kind::Gcode),
+            ("#5=3\nG1 X1\n", Kind::Gcode),
+            ("", Kind::Gcode),
+            ("# 200 2000 50000 0.05 0.001\n0 0 0 100\n", Kind::Text),
+            ("-1.5 0 0 100\n", Kind::Text),
+            ("# a wave\ntolerance 0.25\npoint 0 0\n", Kind::Text),
+            ("# a wave\nname = \"w\"\nknots = [0]\n", Kind::Toml),
+            (" {\"knots\": []}", Kind::Json),
+        ] {
+            assert_eq!(Kind::guessed(text.as_bytes()), kind, "{text}");
+        }
+        assert_eq!(Kind::of(Path::new("A.NGC")), Some(Kind::Gcode));
+        assert_eq!(Kind::of(Path::new("a.xyz")), None);
+    }
 }

@@ -2,6 +2,7 @@
 
 use crate::point::{AXES, Point, on_cubic};
 use crate::spline::Rational;
+use splineway::block::FINEST_BAND;
 use splineway::gcode::{Code, Dialect, Setup};
 use std::collections::BTreeSet;
 
@@ -89,6 +90,11 @@ impl Move {
     /// With the program's tolerance, and no exact stop.
     pub const fn new(path: Course, speed: Speed, line: u32) -> Self {
         Self { path, speed, tolerance: None, exact_stop: false, line }
+    }
+
+    /// The tolerance that it has, whatever it names, mm.
+    pub const fn least_band(&self) -> f64 {
+        if matches!(self.path, Course::Arc { .. }) { FINEST_BAND } else { 0.0 }
     }
 
     /// Whether the machine waits for the operator there.

@@ -1,10 +1,11 @@
 //! The report of a run.
 
-use crate::judge::{Track, Verdict};
-use crate::machine::Machine;
-use crate::program::Program;
+use crate::judge::{Peaks, Verdict};
+use crate::machine::{Machine, is_rotary};
+use crate::program::{LETTERS, Tape};
 use crate::run::{Happening, Precision, Stats, Timing};
-use serde::Serialize;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 
 /// Mean, 99th percentile and maximum, ns.
@@ -26,13 +27,29 @@ impl Nanoseconds {
 }
 
 /// A peak and its ratio to the limit.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Peak {
-    /// mm and s.
-    pub peak: f64,
+    /// In this unit.
+    pub value: f64,
+    /// `mm_s`, `mm_s2`, `mm_s3`; of an axis that turns `deg_s` and so on.
+    pub unit: &'static str,
     /// Over the limit.
     pub ratio: f64,
 }
+
+impl Serialize for Peak {
+    /// As `peak_mm_s` and `ratio`.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut out = serializer.serialize_map(Some(2))?;
+        out.serialize_entry(&format!("peak_{}", self.unit), &self.value)?;
+        out.serialize_entry("ratio", &self.ratio)?;
+        out.end()
+    }
+}
+
+/// Units of velocity, acceleration and jerk.
+const LINEAR: [&str; 3] = ["mm_s", "mm_s2", "mm_s3"];
+const ROTARY: [&str; 3] = ["deg_s", "deg_s2", "deg_s3"];
 
 /// Peaks of one axis, found by finite differences of the setpoints.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -50,10 +67,10 @@ pub struct AxisReport {
 /// Speed along the path.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FeedReport {
-    /// Length over time, mm/s.
-    pub mean: f64,
-    /// mm/s.
-    pub max: f64,
+    /// Length over time.
+    pub mean_mm_s: f64,
+    /// Greatest.
+    pub max_mm_s: f64,
 }
 
 /// Everything about a run.
@@ -103,33 +120,37 @@ pub struct Report {
 }
 
 impl Report {
-    /// Puts it together.
+    /// Puts it together; `length` is that of the path, mm.
     pub fn new(
-        program: &Program,
+        program: &dyn Tape,
         machine: &Machine,
         precision: Precision,
-        track: &Track,
+        length: f64,
         verdict: &Verdict,
         stats: &Stats,
     ) -> Self {
         let peaks = verdict.peaks.iter().zip(&verdict.ratios);
-        let mut peaks = peaks.map(|(peak, ratio)| AxisReport {
-            velocity: Peak { peak: peak.velocity, ratio: ratio.velocity },
-            acceleration: Peak { peak: peak.acceleration, ratio: ratio.acceleration },
-            jerk: Peak { peak: peak.jerk, ratio: ratio.jerk },
-            jerk_every_fourth_cycle: Peak { peak: peak.jerk4, ratio: ratio.jerk4 },
-        });
-        let letters = program.axes().into_iter().map(|axis| crate::program::LETTERS[axis]);
-        let axes = letters.zip(peaks.by_ref()).collect();
+        let report = |(peak, ratio): (&Peaks, &Peaks), [v, a, j]: [&'static str; 3]| AxisReport {
+            velocity: Peak { value: peak.velocity, unit: v, ratio: ratio.velocity },
+            acceleration: Peak { value: peak.acceleration, unit: a, ratio: ratio.acceleration },
+            jerk: Peak { value: peak.jerk, unit: j, ratio: ratio.jerk },
+            jerk_every_fourth_cycle: Peak { value: peak.jerk4, unit: j, ratio: ratio.jerk4 },
+        };
+        let used = program.axes();
+        let motors = peaks.clone().skip(used.len()).map(|peaks| report(peaks, LINEAR));
+        let axis = |(axis, peaks)| {
+            (LETTERS[axis], report(peaks, if is_rotary(axis) { ROTARY } else { LINEAR }))
+        };
+        let axes = used.into_iter().zip(peaks).map(axis).collect();
         let names = machine.motors_for(program).into_iter().map(|motor| motor.name);
-        let motors = names.zip(peaks).collect();
+        let motors = names.zip(motors).collect();
         let steps = f64::from(stats.counters.plans.max(1));
         let blocks_per_step = (stats.blocks as f64 / steps).max(1e-9);
         Self {
             time_s: verdict.time,
             cycles: verdict.cycles,
             blocks: stats.blocks,
-            path_length_mm: track.length(),
+            path_length_mm: length,
             tolerance_mm: machine.tolerance,
             max_deviation_mm: verdict.deviation,
             end_error_mm: verdict.end_error,
@@ -140,8 +161,8 @@ impl Report {
             axes,
             motors,
             feed: FeedReport {
-                mean: if verdict.time > 0.0 { track.length() / verdict.time } else { 0.0 },
-                max: verdict.path_speed,
+                mean_mm_s: if verdict.time > 0.0 { length / verdict.time } else { 0.0 },
+                max_mm_s: verdict.path_speed,
             },
             ns_per_block: Nanoseconds::new(&stats.planning, blocks_per_step),
             ns_per_planning_step: Nanoseconds::new(&stats.planning, 1.0),
@@ -150,7 +171,7 @@ impl Report {
             plans: stats.counters.plans,
             late_plans: stats.counters.late,
             starved: stats.counters.starved,
-            warnings: program.warnings.clone(),
+            warnings: program.warnings().to_vec(),
             events: Vec::new(),
         }
     }

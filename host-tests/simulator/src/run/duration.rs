@@ -3,9 +3,10 @@
 
 use crate::machine::{Axis, Machine, MotorRow, is_rotary};
 use crate::program::arc::Spiral;
-use crate::program::{Course, Move, Point, Program, Speed, on_cubic};
+use crate::program::{Course, Move, Point, Program, Speed, Tape, on_cubic};
 use crate::scurve::{Leg, Limit};
 use anyhow::Result;
+use std::collections::VecDeque;
 
 /// A run may take this much more than with stops.
 pub const SHARE: f64 = 1.25;
@@ -20,46 +21,84 @@ const FINEST: usize = 64;
 /// What the moves of a program take from rest to rest, one by one.
 ///
 /// Legs of seven phases within every axis's limits, in closed form, with nothing of the core in them.
-#[derive(Clone, Debug)]
-pub struct Stops {
-    /// Line of each move, and the time up to its end, s.
-    ends: Vec<(u32, f64)>,
+pub struct Stops<'a> {
+    moves: Moves<'a>,
     /// Whether lines come in order, so that they tell how far a run has come.
     ordered: bool,
+    /// All of the program, s; of one in order that is gone through, it is not known before its end.
+    whole: f64,
     allowance: f64,
 }
 
-impl Stops {
+/// Where the times come from.
+enum Moves<'a> {
+    /// Line of each move, and the time up to its end, s.
+    List(Vec<(u32, f64)>),
+    /// They are worked out again whenever they are wanted.
+    Tape(&'a dyn Tape, &'a Machine),
+}
+
+/// Times up to the ends of moves, s, with their lines.
+struct Ends<'a> {
+    steps: Box<dyn Iterator<Item = Move> + 'a>,
+    axes: Vec<usize>,
+    limits: Vec<Axis>,
+    motors: Vec<MotorRow>,
+    here: Point,
+    time: f64,
+}
+
+impl<'a> Ends<'a> {
+    fn new(program: &'a dyn Tape, machine: &Machine) -> Result<Self> {
+        let mut limits = machine.axes_of(program)?;
+        let motors = machine.motors_for(program);
+        limits.extend(motors.iter().map(|motor| motor.limits));
+        let (axes, here) = (program.axes(), program.start());
+        Ok(Self { steps: program.steps(), axes, limits, motors, here, time: 0.0 })
+    }
+}
+
+impl Iterator for Ends<'_> {
+    type Item = (u32, f64);
+
+    fn next(&mut self) -> Option<(u32, f64)> {
+        let step = self.steps.next()?;
+        self.time += duration(&step, &self.here, &self.axes, (&self.limits, &self.motors));
+        if let Some(to) = step.path.end() {
+            self.here = *to;
+        }
+        Some((step.line, self.time))
+    }
+}
+
+impl<'a> Stops<'a> {
     /// Of a program on a machine.
     ///
     /// # Errors
     /// The machine lacks an axis.
     pub fn new(program: &Program, machine: &Machine) -> Result<Self> {
-        let axes = program.axes();
-        let mut limits = machine.axes_of(program)?;
-        let motors = machine.motors_for(program);
-        limits.extend(motors.iter().map(|motor| motor.limits));
-        let mut here = program.start;
-        let mut time = 0.0;
-        let mut ends = Vec::with_capacity(program.moves.len());
-        for step in &program.moves {
-            time += duration(step, &here, &axes, (&limits, &motors));
-            ends.push((step.line, time));
-            if let Some(to) = step.path.end() {
-                here = *to;
-            }
-        }
-        let change =
-            |axis: &Axis| axis.velocity / axis.acceleration + axis.acceleration / axis.jerk;
-        let change = limits.iter().map(change).fold(0.0, f64::max);
-        // Braking and getting up to speed again, and the planner's part of it; the start waits for blocks.
-        let allowance = 2.0 * change + 4.0 * machine.lead + 0.1 + 20.0 * machine.cycle;
-        Ok(Self { ordered: ends.is_sorted_by_key(|(line, _)| *line), ends, allowance })
+        let list: Vec<(u32, f64)> = Ends::new(program, machine)?.collect();
+        let whole = list.last().map_or(0.0, |(_, time)| *time);
+        let ordered = list.is_sorted_by_key(|(line, _)| *line);
+        let allowance = allowance(program, machine)?;
+        Ok(Self { moves: Moves::List(list), ordered, whole, allowance })
+    }
+
+    /// Of a program that is gone through, so that its length takes no room. [`Stops::whole`] and [`Stops::left`] are not known of it.
+    ///
+    /// # Errors
+    /// The machine lacks an axis.
+    pub fn passing(program: &'a dyn Tape, machine: &'a Machine) -> Result<Self> {
+        let ordered = program.summary().is_ordered;
+        let ends = Ends::new(program, machine)?;
+        let whole = if ordered { 0.0 } else { ends.last().map_or(0.0, |(_, time)| time) };
+        let allowance = allowance(program, machine)?;
+        Ok(Self { moves: Moves::Tape(program, machine), ordered, whole, allowance })
     }
 
     /// All of the program, s.
     pub fn whole(&self) -> f64 {
-        self.ends.last().map_or(0.0, |(_, time)| *time)
+        self.whole
     }
 
     /// What is left from the beginning of a line on, s; all if lines do not tell.
@@ -74,16 +113,61 @@ impl Stops {
     }
 
     fn before(&self, line: u32) -> f64 {
-        let first = self.ends.partition_point(|(other, _)| *other < line);
-        if self.ordered && first > 0 { self.ends[first - 1].1 } else { 0.0 }
+        let Moves::List(ends) = &self.moves else { return 0.0 };
+        let first = ends.partition_point(|(other, _)| *other < line);
+        if self.ordered && first > 0 { ends[first - 1].1 } else { 0.0 }
+    }
+}
+
+/// Braking and getting up to speed again, and the planner's part of it; the start waits for blocks.
+fn allowance(program: &dyn Tape, machine: &Machine) -> Result<f64> {
+    let change = |axis: &Axis| axis.velocity / axis.acceleration + axis.acceleration / axis.jerk;
+    let axes = machine.axes_of(program)?;
+    let motors = machine.motors_for(program);
+    let limits = axes.iter().chain(motors.iter().map(|motor| &motor.limits));
+    let change = limits.map(change).fold(0.0, f64::max);
+    Ok(2.0 * change + 4.0 * machine.lead + 0.1 + 20.0 * machine.cycle)
+}
+
+/// The times around the line that is under way, of a program in order.
+struct Around<'a> {
+    ends: Box<dyn Iterator<Item = (u32, f64)> + 'a>,
+    /// The last moves of lines, in order, from one before those that are asked for; the last one is not complete.
+    lines: VecDeque<(u32, f64)>,
+}
+
+impl<'a> Around<'a> {
+    fn new(ends: impl Iterator<Item = (u32, f64)> + 'a) -> Self {
+        Self { ends: Box::new(ends), lines: VecDeque::new() }
     }
 
-    fn until(&self, line: u32) -> f64 {
-        let next = self.ends.partition_point(|(other, _)| *other <= line);
-        match self.ends.get(next.max(1) - 1) {
-            Some((_, time)) if self.ordered => *time,
-            _ => self.whole(),
+    /// So many lines behind the one that is under way are kept, as commands may still be about them.
+    const KEPT: usize = 1024;
+
+    /// Reads on to a line behind this one.
+    fn pass(&mut self, line: u32) {
+        while self.lines.back().is_none_or(|(last, _)| *last <= line) {
+            let Some((next, time)) = self.ends.next() else { return };
+            match self.lines.back_mut() {
+                Some((last, end)) if *last == next => *end = time,
+                _ => self.lines.push_back((next, time)),
+            }
+            if self.lines.len() > 2 * Self::KEPT && self.lines[Self::KEPT].0 < line {
+                self.lines.pop_front();
+            }
         }
+    }
+
+    fn before(&mut self, line: u32) -> f64 {
+        self.pass(line);
+        let first = self.lines.partition_point(|(other, _)| *other < line);
+        first.checked_sub(1).map_or(0.0, |last| self.lines[last].1)
+    }
+
+    fn until(&mut self, line: u32) -> f64 {
+        self.pass(line);
+        let next = self.lines.partition_point(|(other, _)| *other <= line);
+        self.lines.get(next.max(1) - 1).map_or(0.0, |(_, time)| *time)
     }
 }
 
@@ -91,9 +175,11 @@ impl Stops {
 /// may not have taken longer than with stops, and what a command may cost.
 ///
 /// It does not tell a crawl from a run that makes good for it elsewhere on the same line.
-#[derive(Clone, Debug)]
 pub struct Stopwatch<'a> {
-    stops: &'a Stops,
+    /// Times up to the line under way; none if lines do not come in order.
+    around: Option<Around<'a>>,
+    whole: f64,
+    allowance: f64,
     slack: f64,
     /// Time with stops at the last command, s.
     from: f64,
@@ -131,21 +217,29 @@ impl Pace {
 
 impl<'a> Stopwatch<'a> {
     /// A watch at the start of a run; planning may be late by `slack` seconds after a command.
-    pub fn new(stops: &'a Stops, slack: f64) -> Self {
+    pub fn new(stops: &'a Stops<'a>, slack: f64) -> Self {
         let worst = Overtime { seconds: f64::NEG_INFINITY, line: 0 };
-        Self { stops, slack, from: 0.0, spent: 0.0, worst }
+        let around = match &stops.moves {
+            Moves::List(list) => Some(Around::new(list.iter().copied())),
+            // Its axes have been looked for before.
+            Moves::Tape(tape, machine) => Ends::new(*tape, machine).ok().map(Around::new),
+        };
+        let (whole, allowance) = (stops.whole, stops.allowance);
+        let around = around.filter(|_| stops.ordered);
+        Self { around, whole, allowance, slack, from: 0.0, spent: 0.0, worst }
     }
 
     /// One servo cycle of `seconds` on a line (0: before the first).
     pub fn see(&mut self, seconds: f64, line: u32, pace: Pace) {
         if pace.command || pace.waits {
-            self.from = self.stops.before(line);
+            self.from = self.around.as_mut().map_or(0.0, |around| around.before(line));
             self.spent = 0.0;
             return;
         }
         self.spent += seconds * pace.share.clamp(0.0, 1.0);
-        let granted = SHARE * (self.stops.until(line) - self.from);
-        let seconds = self.spent - granted - self.stops.allowance - self.slack;
+        let until = self.around.as_mut().map_or(self.whole, |around| around.until(line));
+        let granted = SHARE * (until - self.from);
+        let seconds = self.spent - granted - self.allowance - self.slack;
         if seconds > self.worst.seconds {
             self.worst = Overtime { seconds, line };
         }
@@ -345,8 +439,10 @@ mod tests {
         ];
         let mut program = program(list);
         program.uses[3] = true;
-        let stops = Stops::new(&program, &Machine::default()).unwrap();
-        let times: Vec<f64> = stops.ends.iter().map(|(_, time)| *time).collect();
+        let machine = Machine::default();
+        let stops = Stops::new(&program, &machine).unwrap();
+        let ends = Ends::new(&program, &machine).unwrap();
+        let times: Vec<f64> = ends.map(|(_, time)| time).collect();
         let each: Vec<f64> = std::iter::once(times[0])
             .chain(times.windows(2).map(|pair| pair[1] - pair[0]))
             .collect();
@@ -376,5 +472,26 @@ mod tests {
         assert!(crawl.seconds > 0.0 && crawl.line == 2, "{crawl:?}");
         assert!(run([380; 3], Pace { share: 0.5, ..Pace::FULL }).seconds < 0.0);
         assert!(run([190, 10_000, 190], Pace { waits: true, ..Pace::FULL }).seconds < 0.0);
+    }
+
+    /// A program that is gone through is judged as its list is, whatever lines are asked for.
+    #[test]
+    fn a_tape_has_the_times_of_its_list() {
+        let list =
+            (1..=5000).map(|k| (Course::Line { to: x(f64::from(k)) }, Speed::PerSecond(50.0)));
+        let program = program(list.collect());
+        let machine = Machine::default();
+        let list = Stops::new(&program, &machine).unwrap();
+        let tape = Stops::passing(&program, &machine).unwrap();
+        let (mut a, mut b) = (Stopwatch::new(&list, 0.0), Stopwatch::new(&tape, 0.0));
+        for k in 0..20_000u32 {
+            // Now and then back by some lines, as of a jog to and fro.
+            let line = if k % 7 == 0 { (k / 4).saturating_sub(900) } else { k / 4 };
+            let pace = Pace { command: k % 1000 == 999, ..Pace::FULL };
+            a.see(1e-3, line, pace);
+            b.see(1e-3, line, pace);
+            assert_eq!(a.overtime(), b.overtime(), "{k}");
+        }
+        assert!((list.left(4) - (list.whole() - list.before(4))).abs() < 1e-12);
     }
 }

@@ -2,6 +2,7 @@
 
 use super::command::{Command, parse_command};
 use super::seek::{Seek, parse_seek};
+use crate::input;
 use anyhow::{Context, Result, bail};
 use std::path::Path;
 
@@ -53,9 +54,7 @@ impl Events {
     /// # Errors
     /// What cannot be read or understood, with its line.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path)
-            .with_context(|| format!("cannot read {}", path.display()))?;
-        Self::parse(&text).with_context(|| path.display().to_string())
+        Self::parse(&input::text(path)?).with_context(|| path.display().to_string())
     }
 
     /// Understands the text of a file of events.

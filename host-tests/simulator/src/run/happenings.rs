@@ -1,7 +1,7 @@
 //! What a program asks of the machine besides motion, as it comes: spindle, coolant, tools, pauses.
 
 use super::runner::{Observer, Sample};
-use crate::program::{Course, Program};
+use crate::program::{Course, Tape};
 use anyhow::Result;
 use serde::Serialize;
 use splineway::Activity;
@@ -30,8 +30,8 @@ pub struct Happenings {
 
 impl Happenings {
     /// Of a program.
-    pub fn new(program: &Program) -> Self {
-        let events = program.moves.iter().filter_map(|step| match &step.path {
+    pub fn new(program: &dyn Tape) -> Self {
+        let events = program.steps().filter_map(|step| match &step.path {
             Course::Event { code, value, pause } => {
                 let code = match value {
                     Some(value) => format!("{code} {value}"),

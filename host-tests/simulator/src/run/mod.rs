@@ -7,6 +7,7 @@ pub mod happenings;
 mod jog;
 pub mod runner;
 mod seek;
+mod timing;
 mod validate;
 
 pub use command::{Command, parse_command};
@@ -14,6 +15,7 @@ pub use duration::{Overtime, Pace, Stops, Stopwatch};
 pub use events::{Action, Event, Events, FORMAT};
 pub use happenings::{Happening, Happenings};
 pub use jog::{JOGS, on_axes, parse_jog};
-pub use runner::{Observer, Precision, Sample, Stats, Timing, block, run, run_with};
+pub use runner::{Observer, Precision, Sample, Stats, block, run, run_with};
 pub use seek::{Beyond, Seeker};
+pub use timing::Timing;
 pub use validate::{on_letters, sharp_corners, validate};

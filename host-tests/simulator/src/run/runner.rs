@@ -5,9 +5,10 @@ use super::duration::Pace;
 use super::events::{Action, Event, Events};
 use super::jog::on_axes;
 use super::seek::Seeker;
+use super::timing::Timing;
 use super::validate::on_letters;
 use crate::machine::Machine;
-use crate::program::{Course, Move, Program, Speed};
+use crate::program::{Course, Move, Speed, Tape};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use splineway::{
     Activity, Block, Config, Coord, Counters, Feed, Link, Motion, Planner, Progress, PushError,
@@ -61,35 +62,6 @@ pub trait Observer {
     fn setpoint(&mut self, sample: &Sample<'_>) -> Result<()>;
 }
 
-/// Durations of many calls, ns.
-#[derive(Clone, Debug, Default)]
-pub struct Timing {
-    samples: Vec<u32>,
-}
-
-impl Timing {
-    fn add(&mut self, since: Instant) {
-        self.samples.push(u32::try_from(since.elapsed().as_nanos()).unwrap_or(u32::MAX));
-    }
-
-    /// Sum, ns.
-    pub fn total(&self) -> f64 {
-        self.samples.iter().map(|&x| f64::from(x)).sum()
-    }
-
-    /// Mean, 99th percentile and maximum, ns.
-    pub fn summary(&self) -> (f64, f64, f64) {
-        let n = self.samples.len();
-        if n == 0 {
-            return (0.0, 0.0, 0.0);
-        }
-        let mut sorted = self.samples.clone();
-        sorted.sort_unstable();
-        let mean = self.total() / n as f64;
-        (mean, f64::from(sorted[(n - 1) * 99 / 100]), f64::from(sorted[n - 1]))
-    }
-}
-
 /// What a run was like from the inside.
 #[derive(Clone, Debug, Default)]
 pub struct Stats {
@@ -118,7 +90,7 @@ const PATIENCE: u32 = 1000;
 /// A block that the core refuses (with its line), a machine that lacks an axis, an observer's
 /// error.
 pub fn run(
-    program: &Program,
+    program: &dyn Tape,
     machine: &Machine,
     precision: Precision,
     observers: &mut [&mut dyn Observer],
@@ -131,7 +103,7 @@ pub fn run(
 /// # Errors
 /// As [`run`]; a run that is still held after the last command.
 pub fn run_with(
-    program: &Program,
+    program: &dyn Tape,
     machine: &Machine,
     precision: Precision,
     events: &Events,
@@ -147,7 +119,7 @@ pub fn run_with(
 /// What is run, on what, and what the operator does.
 #[derive(Clone, Copy)]
 struct Setting<'a> {
-    program: &'a Program,
+    program: &'a dyn Tape,
     machine: &'a Machine,
     events: &'a Events,
 }
@@ -192,11 +164,11 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     let config: Config<S, N> = machine.config(&axes)?;
     let mut shaper = machine.shaper(&axes, &config)?;
     let mut stats = Stats { least_ahead: usize::MAX, ..Stats::default() };
-    let start = coords::<N>(&program.start, &axes).context("start point")?;
+    let start = coords::<N>(&program.start(), &axes).context("start point")?;
     let mut link = link::<S, N, BLOCKS, NODES>();
     let (mut planner, mut interpolator) = link.split(config, start)?;
     let controls = planner.controls();
-    let mut moves = program.moves.iter().peekable();
+    let mut moves = program.steps().peekable();
     let mut operator = Operator::new(events.list(), machine.seeker());
     let mut cycle = 0u64;
     let mut idle = 0;
@@ -204,7 +176,7 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     let mut origin = start;
     let mut before = None;
     view.show(0.0, observers)?;
-    let pauses = program.pauses();
+    let pauses = program.summary().pauses;
     let mut at_pause = false;
     loop {
         let now = cycle as f64 * machine.cycle;
@@ -377,10 +349,10 @@ struct View {
 }
 
 impl View {
-    fn new(program: &Program, axes: &[usize], unit: f64) -> Self {
+    fn new(program: &dyn Tape, axes: &[usize], unit: f64) -> Self {
         let zero = vec![0.0; axes.len()];
         Self {
-            position: axes.iter().map(|&axis| program.start[axis]).collect(),
+            position: axes.iter().map(|&axis| program.start()[axis]).collect(),
             velocity: zero.clone(),
             acceleration: zero,
             path: 0.0,
@@ -433,7 +405,7 @@ impl View {
 /// Pushes moves until the core takes no more; returns how many it took.
 fn feed_blocks<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
     planner: &mut Planner<'_, S, N, BLOCKS, NODES>,
-    moves: &mut std::iter::Peekable<std::slice::Iter<'_, Move>>,
+    moves: &mut std::iter::Peekable<impl Iterator<Item = Move>>,
     axes: &[usize],
 ) -> Result<u64> {
     let mut taken = 0;

@@ -2,7 +2,7 @@
 
 use super::runner::block;
 use crate::machine::{Machine, Mode};
-use crate::program::{AXES, Course, Finding, LETTERS, Program};
+use crate::program::{AXES, Course, Finding, LETTERS, Tape};
 use anyhow::Result;
 use splineway::block::BlockError;
 use splineway::{Config, Coord, CornerMode, RangeError};
@@ -25,7 +25,7 @@ pub fn on_letters(error: &BlockError, axes: &[usize]) -> String {
 /// What the core has against a program on a machine: radii, feeds, tolerances, ranges, lengths, and axes without
 /// limits. All of it, in the order of the moves; nothing is planned, so it takes a fraction of a second for a
 /// million moves.
-pub fn validate(program: &Program, machine: &Machine) -> Vec<Finding> {
+pub fn validate(program: &dyn Tape, machine: &Machine) -> Vec<Finding> {
     let axes = program.axes();
     let config: Config<f64, AXES> = match machine.config(&axes) {
         Ok(config) => config,
@@ -40,12 +40,12 @@ pub fn validate(program: &Program, machine: &Machine) -> Vec<Finding> {
     };
     let mut findings = Vec::new();
     // Where a place is out of range, what follows is checked from the last one that was not.
-    let mut here = coords(&program.start).unwrap_or_else(|error| {
+    let mut here = coords(&program.start()).unwrap_or_else(|error| {
         findings.push(Finding::error(0, format!("the start, mm: {error}")));
         [Coord::ZERO; AXES]
     });
-    for step in &program.moves {
-        let complaint = match block::<f64, AXES>(step, &axes) {
+    for step in program.steps() {
+        let complaint = match block::<f64, AXES>(&step, &axes) {
             Ok(block) => block.check(&here, &config).err().map(|error| on_letters(&error, &axes)),
             Err(error) => Some(format!("{error:#}")),
         };
@@ -64,14 +64,14 @@ pub fn validate(program: &Program, machine: &Machine) -> Vec<Finding> {
 
 /// What of the paper's mode a program does not get: corners of lines that are too sharp for a transition. `None` if there
 /// are none, or in the other mode.
-pub fn sharp_corners(program: &Program, machine: &Machine) -> Option<String> {
+pub fn sharp_corners(program: &dyn Tape, machine: &Machine) -> Option<String> {
     if machine.mode != Mode::Paper {
         return None;
     }
     let axes = program.axes();
-    let (mut before, mut here) = (None, program.start);
+    let (mut before, mut here) = (None, program.start());
     let (mut count, mut first) = (0, 0);
-    for step in &program.moves {
+    for step in program.steps() {
         let (Course::Line { to } | Course::Arc { to, .. } | Course::Cubic { to, .. }) = &step.path
         else {
             before = None;
@@ -107,7 +107,7 @@ pub fn sharp_corners(program: &Program, machine: &Machine) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::program::{Move, Speed, refuse};
+    use crate::program::{Move, Program, Speed, refuse};
 
     /// A spike of 170 degrees is an exact stop, and that is said in the paper's mode only.
     #[test]

@@ -189,16 +189,6 @@ fn ending(path: &FilePath) -> &str {
     path.extension().and_then(|ending| ending.to_str()).unwrap_or("")
 }
 
-/// Reads a spline file.
-///
-/// # Errors
-/// Names the file, the place in it, and what is wrong there.
-pub fn read(path: &FilePath) -> Result<SplineFile> {
-    let text =
-        std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
-    SplineFile::parse(&text, ending(path)).with_context(|| path.display().to_string())
-}
-
 /// Writes a spline file.
 ///
 /// # Errors

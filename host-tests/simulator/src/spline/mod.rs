@@ -5,7 +5,7 @@ mod nurbs;
 mod path;
 mod rational;
 
-pub use file::{SplineFile, is_spline, read, write};
+pub use file::{SplineFile, is_spline, write};
 pub use nurbs::Nurbs;
 pub use path::{Path, ROOM};
 pub use rational::Rational;

@@ -4,13 +4,14 @@ use super::cases::{Case, case};
 use super::measure::{Measured, dense_cells, measure};
 use super::routines::{Rule, Transition, transitions};
 use anyhow::{Context, Result};
-use serde::Serialize;
+use serde::ser::SerializeStruct;
+use serde::{Serialize, Serializer};
 use splineway_simulator::machine::Mode;
 
 /// A figure.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct Figure {
-    /// What it is, with its unit.
+    /// What it is, with its unit behind the last comma, if it has one.
     pub name: String,
     /// As the paper has it, if it prints it.
     pub printed: Option<f64>,
@@ -20,6 +21,21 @@ pub struct Figure {
     pub paper: Option<f64>,
     /// The same in the core's own mode.
     pub own: Option<f64>,
+}
+
+impl Serialize for Figure {
+    /// With name and unit apart; `1` is the unit of a ratio or a count.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let (name, unit) = self.name.rsplit_once(", ").unwrap_or((&self.name, "1"));
+        let mut out = serializer.serialize_struct("Figure", 6)?;
+        out.serialize_field("name", name.trim())?;
+        out.serialize_field("unit", unit)?;
+        out.serialize_field("printed", &self.printed)?;
+        out.serialize_field("routines", &self.routines)?;
+        out.serialize_field("paper", &self.paper)?;
+        out.serialize_field("own", &self.own)?;
+        out.end()
+    }
 }
 
 impl Figure {

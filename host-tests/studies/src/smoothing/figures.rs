@@ -14,17 +14,22 @@ pub struct Figures {
     /// Arc length, mm.
     pub length_mm: f64,
     /// Mean over equal steps of the parameter, 1/mm (the thesis does not say over what).
+    #[serde(rename = "curvature_average_per_mm")]
     pub curvature_average: f64,
     /// Mean over the arc length, 1/mm.
+    #[serde(rename = "curvature_by_length_per_mm")]
     pub curvature_by_length: f64,
     /// 1/mm.
+    #[serde(rename = "curvature_peak_per_mm")]
     pub curvature_peak: f64,
     /// Machining time by section 4.5, s.
     pub time_s: f64,
     /// Length over time, mm/s.
+    #[serde(rename = "feed_average_mm_s")]
     pub feed_average: f64,
     /// Mean over equal steps of the parameter within every span, each span alike, mm/s. (Table 4-2 is not length
     /// over time: 766.089 mm in 3.810 s are 201.1 mm/s, and 195.0 is printed.)
+    #[serde(rename = "feed_by_parameter_mm_s")]
     pub feed_by_parameter: f64,
 }
 

@@ -6,10 +6,12 @@ pub mod correlation;
 mod figures;
 mod literal;
 pub mod printed;
+mod records;
 mod tables;
 mod trajectory;
 
 pub use figures::{Figures, measure, profile};
+pub use records::{Record, records};
 pub use tables::tables;
 pub use trajectory::{Moment, Motion, Place, Reading, run};
 

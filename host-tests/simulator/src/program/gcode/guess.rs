@@ -39,9 +39,9 @@ const NAMES: [(&str, Dialect); 17] = [
 const PRINTERS: [&str; 8] = ["M82", "M83", "M104", "M109", "M140", "M190", "M106", "M107"];
 
 /// The dialect of a file by its head: a name in a comment, or a code that only printers have.
-pub fn guess(lines: &[&[u8]]) -> Option<Guess> {
+pub fn guess<'a>(lines: impl Iterator<Item = &'a [u8]>) -> Option<Guess> {
     let mut by_code = None;
-    for line in lines.iter().take(HEAD) {
+    for line in lines.take(HEAD) {
         let text = String::from_utf8_lossy(line);
         let (code, comment) = match text.find([';', '(']) {
             Some(at) => text.split_at(at),
@@ -91,8 +91,8 @@ mod tests {
             ("G21 G90\nG1 X1e-05 F100\nM3 S1000", None),
             ("", None),
         ] {
-            let lines: Vec<&[u8]> = text.split('\n').map(str::as_bytes).collect();
-            assert_eq!(guess(&lines).map(|guess| guess.dialect), dialect, "{text}");
+            let lines = text.split('\n').map(str::as_bytes);
+            assert_eq!(guess(lines).map(|guess| guess.dialect), dialect, "{text}");
         }
     }
 }

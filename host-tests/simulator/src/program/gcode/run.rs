@@ -1,7 +1,7 @@
 //! A file through the reader, with its subprograms.
 
 use super::guess::guess;
-use super::text::{column, lines, plain};
+use super::text::{Place, column, lines};
 use crate::program::{
     AXES, Course, Finding, LETTERS, Move, Point, Program, ReadOptions, Severity, Speed,
 };
@@ -13,137 +13,146 @@ use std::collections::{BTreeMap, BTreeSet};
 const DEPTH: usize = 8;
 /// Most lines that are read, those of subprograms as often as they are called.
 const MOST_LINES: u64 = 50_000_000;
-/// Most moves, with those of repeated subprograms and holes: some 3 GB.
-const MOST_MOVES: usize = 10_000_000;
 
-/// Reads a G-code file: what it does, and what there is to say of it. Where there is an error among the findings, the
-/// program is what is left without those lines, and must not be run.
-pub fn examine(bytes: &[u8], options: ReadOptions<'_>) -> (Program, Vec<Finding>) {
-    examine_within(bytes, options, MOST_MOVES)
-}
-
-/// The same with at most so many moves; more are refused.
-pub fn examine_within(
-    bytes: &[u8],
+/// Reads G-code, in an encoding that has ASCII for its codes, to its end: what there is of the program besides its moves, what there
+/// is to say of it, and its dialect. `each` gets the moves, and may stop the run.
+pub fn go_through<'a>(
+    bytes: &'a [u8],
     options: ReadOptions<'_>,
-    most_moves: usize,
-) -> (Program, Vec<Finding>) {
-    let bytes = plain(bytes);
-    let lines = lines(&bytes);
-    let mut findings = Vec::new();
-    let dialect = options.dialect.unwrap_or_else(|| {
-        let Some(guess) = guess(&lines) else { return Dialect::LinuxCnc };
-        let name = match guess.dialect {
-            Dialect::LinuxCnc => return guess.dialect,
-            Dialect::Grbl => "grbl",
-            Dialect::Marlin => "marlin",
-        };
-        let text = format!("read as --dialect {name}: {}", guess.because);
-        findings.push(Finding::warning(0, text));
-        guess.dialect
-    });
-    let mut start = [Coord::ZERO; AXES];
-    for (axis, slot) in start.iter_mut().enumerate() {
-        let mm = options.start[axis];
-        match Coord::from_mm(mm) {
-            Ok(coord) => *slot = coord,
-            // The error says that nothing may be run; the rest of the program is still examined.
-            Err(error) => {
-                let text = format!("the machine stands at {}: {error}", LETTERS[axis]);
-                findings.push(Finding::error(0, text));
-            }
-        }
+    mut each: impl FnMut(Move, &mut Run<'a>),
+) -> (Program, Vec<Finding>, Dialect) {
+    let mut run = Run::new(bytes, options);
+    let mut count = 0u64;
+    while let Some(step) = run.next() {
+        count += 1;
+        each(step, &mut run);
     }
-    let settings = Settings {
-        dialect,
-        feed: options.feed,
-        start,
-        axes: [true; AXES],
-        lenient: options.lenient,
-        block_delete: options.block_delete,
-        setup: *options.setup,
-        ..Settings::default()
-    };
-    let program = Program { start: point(&start), ..Program::default() };
-    let mut run = Run {
-        reader: Reader::new(&settings),
-        lines: &lines,
-        at: 0,
-        calls: Vec::new(),
-        labels: None,
-        has_label: false,
-        told: Vec::new(),
-        refused: BTreeSet::new(),
-        program,
-        findings,
-        most_moves,
-    };
-    run.all();
-    if run.program.moves.is_empty() && run.findings.iter().all(|finding| !finding.is_error()) {
-        run.findings.push(Finding::warning(0, "there is nothing to run in it"));
+    let Run { reader, start, dialect, mut findings, .. } = run;
+    if count == 0 && findings.iter().all(|finding| !finding.is_error()) {
+        findings.push(Finding::warning(0, "there is nothing to run in it"));
     }
-    run.program.uses = run.reader.named();
-    let warnings = run.findings.iter().filter(|finding| !finding.is_error());
-    run.program.warnings = warnings.map(Finding::to_string).collect();
-    (run.program, run.findings)
+    let warnings = findings.iter().filter(|finding| !finding.is_error());
+    let warnings = warnings.map(Finding::to_string).collect();
+    let program =
+        Program { start: point(&start), uses: reader.named(), warnings, ..Program::default() };
+    (program, findings, dialect)
 }
 
 /// A subprogram under way.
 struct Call {
     program: u32,
-    /// Index of its first line, and of the line to go back to.
-    first: usize,
-    back: usize,
+    /// Its first line, and the line to go back to.
+    first: Place,
+    back: Place,
     /// Times that are left after this one.
     left: u32,
 }
 
-struct Run<'a> {
+/// A program as it is read: gives its moves, one after the other.
+pub struct Run<'a> {
     reader: Reader,
-    lines: &'a [&'a [u8]],
-    /// Index of the next line.
-    at: usize,
+    bytes: &'a [u8],
+    /// The next line.
+    at: Place,
+    /// Lines read so far.
+    count: u64,
     calls: Vec<Call>,
-    /// Index of the line behind each O word; see [`labels`].
-    labels: Option<BTreeMap<u32, Option<usize>>>,
+    /// The line behind each O word; see [`labels`].
+    labels: Option<BTreeMap<u32, Option<Place>>>,
     has_label: bool,
     /// Notes are told once.
     told: Vec<Note>,
     /// Lines that are refused, lest they are so in every call.
     refused: BTreeSet<usize>,
-    program: Program,
+    /// Nothing more is read.
+    is_over: bool,
+    start: [Coord; AXES],
+    dialect: Dialect,
     findings: Vec<Finding>,
-    most_moves: usize,
 }
 
-impl Run<'_> {
-    fn all(&mut self) {
-        let mut count = 0;
-        while !self.reader.has_ended() {
-            let Some(line) = self.lines.get(self.at) else { break };
-            self.at += 1;
-            count += 1;
-            if count > MOST_LINES {
-                return self
-                    .refuse(None, format!("more than {MOST_LINES} lines with all subprograms"));
-            }
-            if let Err(refusal) = self.reader.line(self.at as u32, line) {
-                let column = column(line, refusal.column);
-                self.refuse(Some(column), refusal.reason.to_string());
-                continue;
-            }
-            self.tell();
-            while let Some(action) = self.reader.action() {
-                let most = self.most_moves;
-                if self.program.moves.len() == most {
-                    let text = format!("more than {most} moves with all subprograms and holes");
-                    return self.refuse(None, text);
-                }
-                if !self.take(&action) {
-                    return;
+impl<'a> Run<'a> {
+    /// A program before its first line.
+    pub fn new(bytes: &'a [u8], options: ReadOptions<'_>) -> Self {
+        let mut findings = Vec::new();
+        let dialect = options.dialect.unwrap_or_else(|| {
+            let Some(guess) = guess(lines(bytes)) else { return Dialect::LinuxCnc };
+            let name = match guess.dialect {
+                Dialect::LinuxCnc => return guess.dialect,
+                Dialect::Grbl => "grbl",
+                Dialect::Marlin => "marlin",
+            };
+            let text = format!("read as --dialect {name}: {}", guess.because);
+            findings.push(Finding::warning(0, text));
+            guess.dialect
+        });
+        let mut start = [Coord::ZERO; AXES];
+        for (axis, slot) in start.iter_mut().enumerate() {
+            let mm = options.start[axis];
+            match Coord::from_mm(mm) {
+                Ok(coord) => *slot = coord,
+                // The error says that nothing may be run; the rest of the program is still examined.
+                Err(error) => {
+                    let text = format!("the machine stands at {}: {error}", LETTERS[axis]);
+                    findings.push(Finding::error(0, text));
                 }
             }
         }
+        let settings = Settings {
+            dialect,
+            feed: options.feed,
+            start,
+            axes: [true; AXES],
+            lenient: options.lenient,
+            block_delete: options.block_delete,
+            setup: *options.setup,
+            ..Settings::default()
+        };
+        Self {
+            reader: Reader::new(&settings),
+            bytes,
+            at: Place::default(),
+            count: 0,
+            calls: Vec::new(),
+            labels: None,
+            has_label: false,
+            told: Vec::new(),
+            refused: BTreeSet::new(),
+            is_over: false,
+            start,
+            dialect,
+            findings,
+        }
+    }
+
+    /// Reads no further, for a reason.
+    pub fn stop(&mut self, reason: String) {
+        self.refuse(None, reason);
+        self.is_over = true;
+    }
+
+    /// Reads a line, if there is one.
+    fn read(&mut self) {
+        let line = if self.reader.has_ended() { None } else { self.at.line(self.bytes) };
+        let Some((line, next)) = line else {
+            return self.end();
+        };
+        self.at = next;
+        self.count += 1;
+        if self.count > MOST_LINES {
+            return self.stop(format!("more than {MOST_LINES} lines with all subprograms"));
+        }
+        if let Err(refusal) = self.reader.line(self.line_number(), line) {
+            let column = column(line, refusal.column);
+            self.refuse(Some(column), refusal.reason.to_string());
+        } else {
+            self.tell();
+        }
+    }
+
+    /// Behind the last line.
+    fn end(&mut self) {
+        self.is_over = true;
         if let Err(refusal) = self.reader.finish() {
             self.refuse(None, refusal.reason.to_string());
         }
@@ -153,34 +162,39 @@ impl Run<'_> {
         }
     }
 
+    fn line_number(&self) -> u32 {
+        self.at.lines as u32
+    }
+
     fn refuse(&mut self, column: Option<u32>, message: String) {
-        if self.refused.insert(self.at) {
-            let line = self.at as u32;
+        if self.refused.insert(self.at.lines) {
+            let line = self.line_number();
             self.findings.push(Finding { line, column, severity: Severity::Error, message });
         }
     }
 
     fn tell(&mut self) {
+        let line = self.line_number();
         for note in self.reader.notes() {
             if !self.told.contains(note) {
                 self.told.push(*note);
-                self.findings.push(Finding::warning(self.at as u32, note.to_string()));
+                self.findings.push(Finding::warning(line, note.to_string()));
             }
         }
     }
 
-    /// Does what a line asks for; `false` where it cannot go on.
-    fn take(&mut self, action: &Action) -> bool {
+    /// Does what a line asks for, or gives the move; nothing more is read where it cannot go on.
+    fn take(&mut self, action: &Action) -> Option<Move> {
         match action {
-            Action::Move(block) => self.program.moves.push(step(block)),
+            Action::Move(block) => return Some(step(block)),
             Action::Event(event) => {
                 let (code, value, pause) = (event.code, event.value, event.pause);
-                self.program.moves.push(Move {
+                return Some(Move {
                     path: Course::Event { code, value, pause },
                     speed: Speed::Rapid,
                     tolerance: None,
                     exact_stop: true,
-                    line: self.at as u32,
+                    line: self.line_number(),
                 });
             }
             Action::Probe(probe) => {
@@ -188,13 +202,13 @@ impl Run<'_> {
                 let text = "a probe within a program needs the machine: what follows depends on where it then stands";
                 self.refuse(None, text.to_owned());
             }
-            Action::Label(number) => return self.label(*number),
-            Action::Call { program, times } => return self.call(*program, *times),
-            Action::Return => return self.back(),
+            Action::Label(number) => self.is_over |= !self.label(*number),
+            Action::Call { program, times } => self.is_over |= !self.call(*program, *times),
+            Action::Return => self.is_over |= !self.back(),
             // The settings ask for no outputs.
             Action::End | Action::Switch(_) | Action::Power { .. } => {}
         }
-        true
+        None
     }
 
     fn label(&mut self, number: u32) -> bool {
@@ -215,8 +229,8 @@ impl Run<'_> {
     }
 
     fn call(&mut self, program: u32, times: u32) -> bool {
-        let lines = self.lines;
-        let labels = self.labels.get_or_insert_with(|| labels(lines));
+        let bytes = self.bytes;
+        let labels = self.labels.get_or_insert_with(|| labels(bytes));
         let Some(first) = labels.get(&program).copied().flatten() else {
             let twice = labels.contains_key(&program);
             let what = if twice { "more than one" } else { "no" };
@@ -249,10 +263,31 @@ impl Run<'_> {
     }
 }
 
+impl Iterator for Run<'_> {
+    type Item = Move;
+
+    fn next(&mut self) -> Option<Move> {
+        while !self.is_over {
+            match self.reader.action() {
+                Some(action) => {
+                    let step = self.take(&action);
+                    if step.is_some() {
+                        return step;
+                    }
+                }
+                None => self.read(),
+            }
+        }
+        None
+    }
+}
+
 /// Where programs begin: the lines behind their O words; `None` of a number that is there twice.
-fn labels(lines: &[&[u8]]) -> BTreeMap<u32, Option<usize>> {
+fn labels(bytes: &[u8]) -> BTreeMap<u32, Option<Place>> {
     let mut labels = BTreeMap::new();
-    for (index, line) in lines.iter().enumerate() {
+    let mut place = Place::default();
+    while let Some((line, next)) = place.line(bytes) {
+        place = next;
         let text = String::from_utf8_lossy(line);
         let mut rest = text.trim_start();
         if let Some(behind) = rest.strip_prefix(['N', 'n']) {
@@ -263,7 +298,7 @@ fn labels(lines: &[&[u8]]) -> BTreeMap<u32, Option<usize>> {
             let number = number.trim_start();
             let digits = number.find(|c: char| !c.is_ascii_digit()).unwrap_or(number.len());
             if let Ok(number) = number[..digits].parse() {
-                labels.entry(number).and_modify(|at| *at = None).or_insert(Some(index + 1));
+                labels.entry(number).and_modify(|at| *at = None).or_insert(Some(next));
             }
         }
     }
@@ -297,23 +332,4 @@ fn step(block: &Block<f64, AXES>) -> Move {
     };
     let (tolerance, exact_stop) = (block.tolerance, block.exact_stop);
     Move { path, speed, tolerance, exact_stop, line: block.tag }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A line may ask for 300 million pecks, and a subprogram for more: what does not fit is said, and not tried.
-    #[test]
-    fn programs_that_fill_the_memory_are_refused() {
-        for (text, line) in [
-            ("G91 G83 X1 Z-10 R1 Q0.0011 L9999 F600", 1),
-            ("M98 P1 L9999\nM30\nO1\nM98 P2 L9999\nM99\nO2\nG91 G0 X1\nX-1\nM99", 9),
-        ] {
-            let (program, findings) = examine_within(text.as_bytes(), ReadOptions::DEFAULT, 1000);
-            assert_eq!((program.moves.len(), findings.len()), (1000, 1));
-            assert_eq!(findings[0].line, line);
-            assert!(findings[0].message.contains("more than 1000 moves"), "{findings:?}");
-        }
-    }
 }

@@ -29,19 +29,36 @@ fn trimmed(bytes: &[u8]) -> &[u8] {
     bytes.strip_suffix(&[END_OF_FILE]).unwrap_or(bytes)
 }
 
-/// The lines, whatever ends them: line feed, carriage return, or both.
-pub fn lines(bytes: &[u8]) -> Vec<&[u8]> {
-    let mut lines = Vec::with_capacity(bytes.len() / 24 + 1);
-    let mut rest = bytes;
-    while let Some(at) = rest.iter().position(|&byte| byte == b'\n' || byte == b'\r') {
-        lines.push(&rest[..at]);
+/// Where in a text a line begins, and how many are before it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Place {
+    /// Bytes before it.
+    pub offset: usize,
+    /// Lines before it.
+    pub lines: usize,
+}
+
+impl Place {
+    /// The line that begins here, whatever ends it - line feed, carriage return, or both -, and the place behind it.
+    pub fn line(self, bytes: &[u8]) -> Option<(&[u8], Self)> {
+        let rest = bytes.get(self.offset..).filter(|rest| !rest.is_empty())?;
+        let lines = self.lines + 1;
+        let Some(at) = rest.iter().position(|&byte| byte == b'\n' || byte == b'\r') else {
+            return Some((rest, Self { offset: bytes.len(), lines }));
+        };
         let both = rest[at] == b'\r' && rest.get(at + 1) == Some(&b'\n');
-        rest = &rest[at + 1 + usize::from(both)..];
+        Some((&rest[..at], Self { offset: self.offset + at + 1 + usize::from(both), lines }))
     }
-    if !rest.is_empty() {
-        lines.push(rest);
-    }
-    lines
+}
+
+/// The lines of a text.
+pub fn lines(bytes: &[u8]) -> impl Iterator<Item = &[u8]> {
+    let mut place = Place::default();
+    std::iter::from_fn(move || {
+        let (line, next) = place.line(bytes)?;
+        place = next;
+        Some(line)
+    })
 }
 
 /// A column in bytes as one in characters, as editors count.
@@ -56,9 +73,9 @@ mod tests {
 
     #[test]
     fn every_line_end_counts_once() {
-        let lines = lines(b"a\nb\r\nc\rd\n\ne");
-        assert_eq!(lines, [&b"a"[..], b"b", b"c", b"d", b"", b"e"]);
-        assert!(super::lines(b"").is_empty());
+        let all: Vec<&[u8]> = lines(b"a\nb\r\nc\rd\n\ne").collect();
+        assert_eq!(all, [&b"a"[..], b"b", b"c", b"d", b"", b"e"]);
+        assert_eq!(lines(b"").count(), 0);
     }
 
     #[test]

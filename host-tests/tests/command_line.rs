@@ -1,0 +1,457 @@
+//! What holds for all commands alike: defaults in the help, one meaning of an option, units in every key of JSON, standard input,
+//! outputs that are checked first, lists that cannot drift from what they list.
+
+use clap::{ArgAction, CommandFactory};
+use splineway::gcode::Dialect;
+use splineway_host::commands::completions::script;
+use splineway_host::commands::{Arguments, gcodes};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/data");
+
+fn program() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_splineway"))
+}
+
+/// Runs a command with something on its standard input.
+fn fed(arguments: &[&str], input: &[u8]) -> Output {
+    let mut child = program()
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // One that refuses its arguments does not read.
+    let _ = child.stdin.take().unwrap().write_all(input);
+    child.wait_with_output().unwrap()
+}
+
+fn text_of(arguments: &[&str], input: &[u8]) -> String {
+    let output = fed(arguments, input);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments:?}: {errors}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn error_of(arguments: &[&str], input: &[u8]) -> String {
+    let output = fed(arguments, input);
+    assert_eq!(output.status.code(), Some(1), "{arguments:?}");
+    String::from_utf8(output.stderr).unwrap()
+}
+
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn file(name: &str, text: &str) -> String {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    fs::write(&path, text).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+/// An option that takes a value says what holds without it.
+#[test]
+fn the_help_shows_every_default() {
+    let mut count = 0;
+    for command in Arguments::command().get_subcommands() {
+        for argument in command.get_arguments().filter(|argument| !argument.is_positional()) {
+            let takes = matches!(argument.get_action(), ArgAction::Set | ArgAction::Append);
+            let name = format!("{} --{}", command.get_name(), argument.get_id());
+            let help = argument.get_help().unwrap_or_else(|| panic!("{name}: no help")).to_string();
+            assert!(!help.ends_with('.'), "{name}: {help}");
+            let said = help.contains("[default: ") || !argument.get_default_values().is_empty();
+            assert!(!takes || argument.is_required_set() || said, "{name}: {help}");
+            count += usize::from(takes);
+        }
+    }
+    assert!(count > 50, "{count} options");
+}
+
+/// `--feed`, `--machine`, `--tolerance` and the rest mean the same wherever they are.
+#[test]
+fn an_option_has_one_meaning() {
+    let mut seen: BTreeMap<String, (String, String)> = BTreeMap::new();
+    let of_its_own = [
+        // A spline's tolerance and feed are in its file; what `corners` and `controller` take of a machine is said there.
+        ("smooth", "tolerance"),
+        ("smooth", "feed"),
+        ("corners", "tolerance"),
+        ("corners", "machine"),
+        ("controller", "machine"),
+    ];
+    for command in Arguments::command().get_subcommands() {
+        for argument in command.get_arguments() {
+            let id = argument.get_id().to_string();
+            if !["feed", "machine", "tolerance", "dialect", "lenient", "block_delete"]
+                .contains(&&*id)
+                || of_its_own.contains(&(command.get_name(), &*id))
+                || command.get_name() == "gcodes"
+            {
+                continue;
+            }
+            let help = argument.get_help().unwrap().to_string();
+            let (first, text) =
+                seen.entry(id.clone()).or_insert((command.get_name().to_owned(), help.clone()));
+            assert_eq!(*text, help, "--{id} of {} and of {first}", command.get_name());
+        }
+    }
+    assert_eq!(seen.len(), 6);
+}
+
+/// Feeds of a file give way to that of the command line, in every command that has one, and without it nothing changes.
+#[test]
+fn the_feed_takes_the_place_of_those_of_the_file() {
+    let slow = file("slow.ngc", "G64 P0.05\nG1 X30 F300\nG1 Y30 F600\nG93 G1 X0 F30\nG94 G0 Y0\n");
+    let plain = file("plain.ngc", "G64 P0.05\nG1 X30\nG1 Y30\nG1 X0\nG0 Y0\n");
+    for command in ["simulate", "check"] {
+        let time = |path: &str, more: &[&str]| -> f64 {
+            let text = text_of(&[&[command, path, "--json"], more].concat(), b"");
+            serde_json::from_str::<serde_json::Value>(&text).unwrap()["time_s"].as_f64().unwrap()
+        };
+        let ours = time(&slow, &["--feed", "50"]);
+        assert!((ours - time(&plain, &[])).abs() < 2e-3, "{command}: {ours} s");
+        assert!(time(&slow, &[]) > 3.0 * ours, "{command}");
+        let note = fed(&[command, &slow, "--feed", "50", "--quiet"], b"");
+        let note = String::from_utf8_lossy(&note.stderr).into_owned();
+        assert!(note.contains("3 moves name another"), "{command}: {note}");
+        assert!(error_of(&[command, &slow, "--feed", "0"], b"").contains("--feed 0"));
+    }
+    assert!(error_of(&["limit", &slow, "--feed", "nan"], b"").contains("--feed"));
+    assert!(error_of(&["stream", &slow, "--feed", "-1", "--port", "x"], b"").contains("--feed -1"));
+}
+
+/// What a number is counted in, by its key.
+fn has_unit(key: &str) -> bool {
+    const UNITS: [&str; 17] = [
+        "_s", "_ms", "_mm", "_deg", "_mm_s", "_mm_s2", "_mm_s3", "_deg_s", "_deg_s2", "_deg_s3",
+        "_per_mm", "_per_mm2", "_bytes", "_share", "_ratio", "_percent", "_nm",
+    ];
+    /// Things that are counted, and numbers that are names.
+    const COUNTED: [&str; 29] = [
+        "arcs",
+        "axes",
+        "blocks",
+        "case",
+        "cases",
+        "cores",
+        "curves",
+        "cycles",
+        "damaged_frames",
+        "dwells",
+        "findings_by_rule",
+        "iterations",
+        "items_sent",
+        "late_plans",
+        "least_look_ahead_nodes",
+        "line",
+        "lines",
+        "nodes",
+        "plans",
+        "ratio",
+        "rounds",
+        "slower_cases",
+        "slowest_case",
+        "starved",
+        "stops",
+        "operations",
+        "number",
+        "places",
+        "turns",
+    ];
+    UNITS.iter().any(|unit| key.ends_with(unit))
+        || key.starts_with("ns_per_")
+        || COUNTED.contains(&key)
+}
+
+/// Numbers without a unit in their key, or in one above it, or beside them.
+fn bare(value: &serde_json::Value, path: &str, told: bool, out: &mut BTreeSet<String>) {
+    match value {
+        serde_json::Value::Object(members) => {
+            let told = told || members.get("unit").is_some_and(serde_json::Value::is_string);
+            for (key, value) in members {
+                // A count is one of what it names, and nothing below it.
+                bare(value, &format!("{path}.{key}"), told || has_unit(key) && key != "axes", out);
+            }
+        }
+        serde_json::Value::Array(list) => {
+            for value in list {
+                bare(value, path, told, out);
+            }
+        }
+        serde_json::Value::Number(_) if !told && path.rsplit('.').next() != Some("axes") => {
+            out.insert(path.to_owned());
+        }
+        _ => {}
+    }
+}
+
+#[test]
+fn every_figure_has_its_unit() {
+    let part =
+        file("units.ngc", "G64 P0.05\nM3 S100\nG1 X5 F3000\nG3 X0 Y5 I-5 J0 A90\nG4 P0.1\nM5\n");
+    let line = file("line.txt", "0 0 0 100\n3 0 0 100\n3 3 0 100\n");
+    let noisy = format!("{DATA}/noisy.txt");
+    let motors = format!("{DATA}/corexy.toml");
+    for arguments in [
+        vec!["simulate", &*part],
+        vec!["simulate", &line, "--machine", &motors],
+        vec!["check", &part],
+        vec!["limit", &line, "--rounds", "2"],
+        vec!["smooth", &noisy],
+        vec!["bench", &line],
+        vec!["soak", "--cases", "3", "--threads", "1"],
+        vec!["corners", "--turns", "90"],
+        vec!["paper"],
+        vec!["thesis"],
+        vec!["gcodes", "--all"],
+    ] {
+        let text = text_of(&[&arguments[..], &["--json"]].concat(), b"");
+        let value: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let mut without = BTreeSet::new();
+        bare(&value, "", false, &mut without);
+        assert!(without.is_empty(), "{arguments:?}: {without:?}");
+        assert!(text.len() > 100, "{arguments:?}: {text}");
+    }
+    let report = text_of(&["simulate", &part, "--json"], b"");
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    assert!(report["axes"]["X"]["velocity"]["peak_mm_s"].as_f64().unwrap() > 1.0, "{report}");
+    assert!(report["axes"]["A"]["velocity"]["peak_deg_s"].as_f64().unwrap() > 1.0, "{report}");
+    // The same figures in a file.
+    let out = folder("units").join("report.json");
+    text_of(&["simulate", &part, "--quiet", "--report", out.to_str().unwrap()], b"");
+    let written: serde_json::Value = serde_json::from_slice(&fs::read(&out).unwrap()).unwrap();
+    assert_eq!(written["cycles"], report["cycles"]);
+}
+
+/// Every command that reads a file takes it from standard input, and tells what it is by what is in it.
+#[test]
+fn standard_input_is_a_file_like_any_other() {
+    let read = |name: &str| fs::read(format!("{DATA}/{name}")).unwrap();
+    for (arguments, input) in [
+        (&["simulate", "-"][..], &b"G1 X1 F600\n"[..]),
+        (&["simulate", "-"], &read("butterfly.json")),
+        (&["simulate", "-"], &read("zigzag.txt")),
+        (&["simulate", "-"], &read("noisy.txt")),
+        (&["check", "-"], b"\xff\xfeG\x001\x00X\x001\x00F\x001\x00"),
+        (&["check", "-"], &read("zigzag.txt")),
+        (&["limit", "-", "--rounds", "3"], b"G1 X1 F600\n"),
+        (&["smooth", "-"], &read("noisy.txt")),
+        (&["bench", "-"], b"0 0 0 100\n3 0 0 100\n"),
+    ] {
+        assert!(!text_of(arguments, input).is_empty(), "{arguments:?}");
+    }
+    let square = format!("{DATA}/square.ngc");
+    let time = |arguments: &[&str], input: &[u8]| {
+        let text = text_of(&[&["simulate", &square, "--json"], arguments].concat(), input);
+        serde_json::from_str::<serde_json::Value>(&text).unwrap()["time_s"].as_f64().unwrap()
+    };
+    let plain = time(&[], b"");
+    assert!(
+        time(&["--machine", "-"], b"[axes.default]\nvelocity=5\nacceleration=50\njerk=500\n")
+            > plain
+    );
+    assert!(time(&["--events", "-"], b"0.1, hold\n1.1, resume\n") > plain + 0.9);
+    let error = error_of(&["simulate", "-", "--events", "-"], b"");
+    assert!(error.contains("--events -: the program is standard input already"), "{error}");
+    assert!(error_of(&["check", "-", "--machine", "-"], b"").contains("standard input already"));
+    assert!(error_of(&["smooth", "-"], b"G1 X1\n").contains("-: line 1"));
+    assert!(error_of(&["simulate", "-", "--machine", "-"], b"").contains("standard input already"));
+}
+
+/// Programs are gone through: a longer one takes the room of its text more, and no lists.
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_does_not_grow_with_the_program() {
+    let most = |command: &str, bytes: usize| -> usize {
+        let path = folder(&format!("memory-{command}-{bytes}")).join("relief.ngc");
+        let mut text = Vec::new();
+        splineway_studies::paths::relief(&mut text, bytes).unwrap();
+        fs::write(&path, text).unwrap();
+        let mut child = program()
+            .args([command, path.to_str().unwrap(), "--quiet"])
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let mut most = 0;
+        while child.try_wait().unwrap().is_none() {
+            let status = fs::read_to_string(format!("/proc/{}/status", child.id()));
+            let status = status.unwrap_or_default();
+            let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+            let kilobytes = line.and_then(|line| line.split_whitespace().next()?.parse().ok());
+            most = most.max(kilobytes.unwrap_or(0));
+            std::thread::sleep(std::time::Duration::from_millis(2));
+        }
+        assert!(child.wait().unwrap().success());
+        most
+    };
+    for command in ["simulate", "check"] {
+        let (short, long) = (most(command, 100_000), most(command, 1_000_000));
+        // Of lists, these 35,000 lines took some 25 MB.
+        assert!(short > 1000 && long < short + 4000, "{command}: {short} kB, {long} kB");
+    }
+}
+
+/// What `machine` prints is the built-in one to the last bit: a run does not change.
+#[test]
+fn the_machine_that_is_printed_is_the_one_that_runs() {
+    let text = text_of(&["machine"], b"");
+    let square = format!("{DATA}/square.ngc");
+    let run = |arguments: &[&str]| {
+        let out = folder("machine").join("setpoints.csv");
+        let all =
+            [&["simulate", &*square, "--quiet", "--setpoints", out.to_str().unwrap()], arguments];
+        text_of(&all.concat(), text.as_bytes());
+        fs::read(&out).unwrap()
+    };
+    assert!(run(&[]) == run(&["--machine", "-"]), "setpoints differ");
+}
+
+/// The page of G-codes names what the reader reads, all of it and nothing else.
+#[test]
+fn the_page_of_gcodes_lists_what_is_read() {
+    let read: Vec<String> = gcodes::rows(Dialect::LinuxCnc)
+        .into_iter()
+        .filter(|row| row.handling == "read")
+        .map(|row| row.code)
+        .collect();
+    let page =
+        fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/gcodes.md")).unwrap();
+    let mut named = BTreeSet::new();
+    let number = |code: &str| -> Option<(char, f64)> {
+        Some((code.chars().next()?, code.get(1..)?.parse().ok()?))
+    };
+    let is_code = |word: &&str| {
+        word.starts_with(['G', 'M']) && number(word.split('-').next().unwrap()).is_some()
+    };
+    for row in page.lines().filter(|line| line.starts_with("| ")) {
+        let Some(codes) = row.split('|').nth(1) else { continue };
+        let words = codes.split([' ', ',']).filter(|word| !word.is_empty());
+        for word in words.filter(is_code) {
+            let (first, last) = word.split_once('-').unwrap_or((word, word));
+            for end in [first, last] {
+                assert!(read.contains(&end.to_owned()), "{end} is on the page and not read");
+            }
+            let (first, last) = (number(first).unwrap(), number(last).unwrap());
+            let within = |code: &&String| {
+                let code = number(code).unwrap();
+                code.0 == first.0 && code.1 >= first.1 && code.1 <= last.1
+            };
+            named.extend(read.iter().filter(within).cloned());
+        }
+    }
+    let missing: Vec<&String> = read.iter().filter(|code| !named.contains(*code)).collect();
+    assert!(missing.is_empty(), "read, and not on the page: {missing:?}");
+    let printed = text_of(&["gcodes"], b"");
+    for code in &read {
+        assert!(printed.lines().any(|line| line.split(' ').next() == Some(code)), "{code}");
+    }
+    assert!(text_of(&["gcodes", "--dialect", "marlin", "--all"], b"").contains("M104   left out"));
+}
+
+#[test]
+fn the_formats_are_listed() {
+    let text = text_of(&["formats"], b"");
+    for word in
+        [".ngc", ".mpf", ".txt", "control_points", "quick-hold", "splineway machine", "_mm_s2"]
+    {
+        assert!(text.contains(word), "{word}: {text}");
+    }
+}
+
+/// Before anything is read, run or opened.
+#[cfg(unix)]
+#[test]
+fn what_cannot_be_written_is_said_first() {
+    let folder = folder("first");
+    let blocked = file("first/blocked", "");
+    let inside = format!("{blocked}/inside");
+    let line = file("first/line.txt", "0 0 0 100\n3 0 0 100\n");
+    let machine = file("first/mill.toml", "tolerance = 0.01\n");
+    let begun = std::time::Instant::now();
+    for arguments in [
+        vec!["limit", &*line, "--setpoints", &inside],
+        vec!["limit", &line, "--setpoints", &line],
+        vec!["thesis", "--plots", &inside],
+        vec!["thesis", "--plots", &blocked],
+        vec!["paper", "--plots", &blocked],
+        vec!["controller", "--protocol", "grbl", "--settings", &inside],
+        vec!["controller", "--protocol", "grbl", "--machine", &machine, "--settings", &machine],
+        vec!["simulate", &line, "--plot", &inside],
+    ] {
+        let error = error_of(&arguments, b"");
+        assert!(error.starts_with("error: --"), "{arguments:?}: {error}");
+    }
+    assert!(begun.elapsed().as_secs_f64() < 10.0);
+    assert_eq!(fs::read(&blocked).unwrap(), b"");
+    assert!(fs::read_to_string(&machine).unwrap().contains("tolerance"));
+    assert_eq!(fs::read_dir(&folder).unwrap().count(), 3);
+}
+
+/// One command runs a file and opens its page with whatever this computer opens pages with.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_page_is_opened() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = folder("open");
+    let opener = folder.join("xdg-open");
+    let told = folder.join("told");
+    fs::write(&opener, format!("#!/bin/sh\nprintf '%s' \"$1\" > {}\n", told.display())).unwrap();
+    fs::set_permissions(&opener, fs::Permissions::from_mode(0o755)).unwrap();
+    let paths = format!("{}:{}", folder.display(), std::env::var("PATH").unwrap_or_default());
+    let square = format!("{DATA}/square.ngc");
+    let page = folder.join("own.html");
+    for (more, expected) in [(vec![], None), (vec!["--plot", page.to_str().unwrap()], Some(&page))]
+    {
+        let output = program()
+            .args(["simulate", &square, "--open"])
+            .args(&more)
+            .env("PATH", &paths)
+            .env("TMPDIR", &folder)
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        // The program that opens it is not waited for.
+        let begun = std::time::Instant::now();
+        while !told.exists() || fs::read(&told).unwrap().is_empty() {
+            assert!(begun.elapsed().as_secs() < 20, "nothing was opened");
+            std::thread::sleep(std::time::Duration::from_millis(20));
+        }
+        let opened = PathBuf::from(fs::read_to_string(&told).unwrap());
+        assert!(fs::read_to_string(&opened).unwrap().contains("<html"), "{}", opened.display());
+        assert!(expected.is_none_or(|page| *page == opened), "{}", opened.display());
+        fs::remove_file(&told).unwrap();
+    }
+}
+
+/// Those in the repository are those that the program prints; `UPDATE=1 cargo test` writes them.
+#[test]
+fn completions_in_the_repository_are_the_programs() {
+    use clap_complete::Shell;
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/completions"));
+    for (name, shell) in [
+        ("splineway.bash", Shell::Bash),
+        ("_splineway", Shell::Zsh),
+        ("splineway.fish", Shell::Fish),
+        ("splineway.ps1", Shell::PowerShell),
+        ("splineway.elv", Shell::Elvish),
+    ] {
+        let (path, text) = (folder.join(name), script(shell));
+        if std::env::var_os("UPDATE").is_some() {
+            fs::create_dir_all(folder).unwrap();
+            fs::write(&path, &text).unwrap();
+        }
+        let kept = fs::read_to_string(&path).unwrap_or_default();
+        assert!(
+            kept == text,
+            "{name} is not what the program prints: UPDATE=1 cargo test -p splineway-host --test command_line"
+        );
+    }
+}
