@@ -62,6 +62,8 @@ pub struct Judge<'a> {
     before: Vec<f64>,
     /// The machine has been jogged, and not been on the path since.
     jogged: bool,
+    /// In the last cycle.
+    deviation: f64,
     verdict: Verdict,
 }
 
@@ -81,6 +83,7 @@ impl<'a> Judge<'a> {
             watch: None,
             before: Vec::new(),
             jogged: false,
+            deviation: 0.0,
             verdict: Verdict::default(),
         }
     }
@@ -106,6 +109,11 @@ impl<'a> Judge<'a> {
     pub fn timed(mut self, stops: &'a Stops, slack: f64) -> Self {
         self.watch = Some(Stopwatch::new(stops, slack));
         self
+    }
+
+    /// Distance from the programmed path in the last cycle, mm; 0 off the path, in a jog.
+    pub const fn deviation(&self) -> f64 {
+        self.deviation
     }
 
     /// The findings.
@@ -145,8 +153,10 @@ impl Observer for Judge<'_> {
             Activity::Idle => {}
             _ => self.jogged = false,
         }
+        self.deviation = 0.0;
         if !self.jogged {
             let off = self.follower.look(self.track, x, self.reach + 2.0 * step, self.tolerance);
+            self.deviation = off.distance;
             self.verdict.deviation = self.verdict.deviation.max(off.distance);
             if off.outside.distance > self.verdict.outside.distance {
                 self.verdict.outside = off.outside;
