@@ -33,7 +33,24 @@ struct Valley {
     slowest: f64,
     greatest_since: f64,
     line: u32,
+    /// When it was slowest, s.
+    time: f64,
     limit: Option<(&'static str, usize)>,
+}
+
+/// What was lost on a line.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Lost {
+    /// Time, s.
+    pub seconds: f64,
+    /// Most of it at one place, s.
+    most: f64,
+    /// When it was slowest there, s.
+    pub time: f64,
+    /// Least speed there, mm/s.
+    pub slowest: f64,
+    /// Why.
+    pub cause: String,
 }
 
 /// Collects what was lost, and why.
@@ -46,8 +63,7 @@ pub struct Blame {
     joints: BTreeMap<u32, Joints>,
     valley: Option<Valley>,
     before: Vec<f64>,
-    /// Time lost per line, s, and why most of it was.
-    lost: BTreeMap<u32, (f64, f64, String)>,
+    lost: BTreeMap<u32, Lost>,
 }
 
 fn tangents(course: &Course, here: &Point) -> Option<[Vec<f64>; 2]> {
@@ -120,19 +136,20 @@ impl Blame {
         self.feeds.get(&line).copied().unwrap_or(f64::INFINITY)
     }
 
-    /// What was lost on every line, s, and why most of it was.
-    pub fn finish(mut self) -> BTreeMap<u32, (f64, String)> {
+    /// What was lost on every line.
+    pub fn finish(mut self) -> BTreeMap<u32, Lost> {
         self.close();
-        self.lost.into_iter().map(|(line, (lost, _, cause))| (line, (lost, cause))).collect()
+        self.lost
     }
 
     fn close(&mut self) {
         let Some(valley) = self.valley.take() else { return };
         let cause = self.cause(&valley);
         let entry = self.lost.entry(valley.line).or_default();
-        entry.0 += valley.lost;
-        if valley.lost > entry.1 {
-            (entry.1, entry.2) = (valley.lost, cause);
+        entry.seconds += valley.lost;
+        if valley.lost > entry.most {
+            (entry.most, entry.cause) = (valley.lost, cause);
+            (entry.time, entry.slowest) = (valley.time, valley.slowest);
         }
     }
 
@@ -202,6 +219,7 @@ impl Observer for Blame {
             slowest: f64::INFINITY,
             greatest_since: 0.0,
             line: sample.tag,
+            time: sample.time,
             limit: None,
         };
         let valley = self.valley.get_or_insert(fresh);
@@ -209,6 +227,7 @@ impl Observer for Blame {
         valley.lost += self.cycle * (1.0 - kept);
         if speed < valley.slowest {
             (valley.slowest, valley.line, valley.limit) = (speed, sample.tag, limit);
+            valley.time = sample.time;
             valley.greatest_since = speed;
         }
         valley.greatest_since = valley.greatest_since.max(speed);

@@ -1,8 +1,13 @@
 //! What the core will do with a program, before a machine does it.
 
 mod blame;
+mod feeds;
 
-use self::blame::{AT_FEED, Blame};
+pub use self::blame::{Blame, Lost};
+pub use self::feeds::{LineFeed, feeds};
+
+use self::blame::AT_FEED;
+use self::feeds::{Asked, NOTHING, asked, length};
 use crate::view::Progress;
 use anyhow::Result;
 use serde::Serialize;
@@ -10,12 +15,9 @@ use splineway::Activity;
 use splineway_simulator::judge::Track;
 use splineway_simulator::machine::Machine;
 use splineway_simulator::program::arc::Spiral;
-use splineway_simulator::program::{Course, Point, Program, Speed};
+use splineway_simulator::program::{Course, Program, Speed};
 use splineway_simulator::run::{Observer, Precision, Sample, run};
 use std::collections::BTreeMap;
-
-/// Lines shorter than this, mm, are left out by the core.
-const NOTHING: f64 = 0.5e-6;
 
 /// What a line of the file costs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -88,31 +90,13 @@ impl Observer for Clock {
     }
 }
 
-fn distance(a: &Point, b: &Point, axes: &[usize]) -> f64 {
-    axes.iter().map(|&axis| (b[axis] - a[axis]).powi(2)).sum::<f64>().sqrt()
-}
-
-/// Length of a move, mm; of a curve, of its chords.
-fn length(here: &Point, course: &Course, axes: &[usize]) -> f64 {
-    match course {
-        Course::Line { to } => distance(here, to, axes),
-        Course::Dwell { .. } | Course::Event { .. } => 0.0,
-        Course::Cubic { controls, to } => {
-            let mut before = *here;
-            (1..=16u32)
-                .map(|k| {
-                    let at = splineway_simulator::program::on_cubic(
-                        here,
-                        controls,
-                        to,
-                        f64::from(k) / 16.0,
-                    );
-                    distance(&std::mem::replace(&mut before, at), &at, axes)
-                })
-                .sum()
-        }
-        Course::Arc { .. } => Spiral::of(course, here).map_or(0.0, |arc| arc.length(axes)),
-    }
+/// The lines that lose most time, as [`Blame`] found them: at most so many, none that lost less than two cycles.
+pub fn slow_places(blame: Blame, cycle: f64, places: usize) -> Vec<(u32, Lost)> {
+    let mut slow: Vec<(u32, Lost)> = blame.finish().into_iter().collect();
+    slow.sort_by(|(_, a), (_, b)| b.seconds.total_cmp(&a.seconds));
+    slow.retain(|(_, lost)| lost.seconds > 2.0 * cycle);
+    slow.truncate(places);
+    slow
 }
 
 /// Least and greatest coordinates over the axes: of arcs and curves, too, not of their ends alone.
@@ -170,13 +154,6 @@ pub fn look(
 ) -> Result<Findings> {
     let axes = program.axes();
     let limits = machine.axes_of(program)?;
-    let fastest = |way: f64, from: &Point, to: &Point| {
-        let per_axis = axes
-            .iter()
-            .zip(&limits)
-            .map(|(&axis, limit)| limit.velocity * way / (to[axis] - from[axis]).abs().max(1e-12));
-        per_axis.fold(f64::INFINITY, f64::min)
-    };
     let mut findings = Findings::default();
     let mut lines: BTreeMap<u32, Place> = BTreeMap::new();
     let mut here = program.start;
@@ -194,13 +171,7 @@ pub fn look(
         let empty = kind == 0 && way < NOTHING;
         let text = (step.line as usize).checked_sub(1).and_then(|n| source.get(n)).unwrap_or(&"");
         nothing += usize::from(empty && !is_extrusion(text));
-        let most = if kind == 0 && !empty { fastest(way, &here, to) } else { f64::INFINITY };
-        let wanted = match step.speed {
-            Speed::PerSecond(feed) => feed,
-            Speed::Duration(seconds) => way / seconds,
-            Speed::Rapid => most,
-        };
-        let wanted = if empty { 0.0 } else { wanted };
+        let Asked { wanted, most } = asked(step, &here, &axes, &limits);
         beyond += usize::from(step.speed != Speed::Rapid && wanted > most * 1.001);
         let place = lines.entry(step.line).or_default();
         place.line = step.line;
@@ -231,9 +202,9 @@ pub fn look(
         let place = lines.entry(line).or_default();
         (place.line, place.time, place.slowest) = (line, time, slowest);
     }
-    for (line, (lost, cause)) in blame.finish() {
+    for (line, lost) in blame.finish() {
         let place = lines.entry(line).or_default();
-        (place.line, place.lost, place.cause) = (line, lost, cause);
+        (place.line, place.lost, place.cause) = (line, lost.seconds, lost.cause);
     }
     let mut slowest: Vec<Place> = lines.into_values().collect();
     slowest.sort_by(|a, b| b.lost.total_cmp(&a.lost));
