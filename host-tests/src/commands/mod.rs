@@ -9,6 +9,7 @@ pub mod files;
 pub mod limit;
 pub mod paper;
 pub mod reading;
+mod recorded;
 pub mod simulate;
 pub mod smooth;
 pub mod soak;

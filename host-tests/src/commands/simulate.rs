@@ -2,14 +2,17 @@
 
 use super::files::{self, named};
 use super::reading::{Reading, setup};
+use super::recorded::{self, Places, Recorded, is_page};
+use crate::view::page::Overlay;
 use crate::view::{Curve, Progress, Scene, plot, plot_speeds};
 use anyhow::{Context, Result, bail};
 use splineway_simulator::judge::{Judge, Track, violations};
 use splineway_simulator::machine::{Axis, Machine, Mode};
 use splineway_simulator::program::{self, Finding, LETTERS, Program, ReadOptions, Speed};
+use splineway_simulator::record::recording::Watched;
 use splineway_simulator::record::{CsvOut, Report, Trace};
 use splineway_simulator::run::{
-    Events, Happenings, Observer, Precision, Stops, run_with, sharp_corners,
+    Events, Happenings, Observer, Precision, Stats, Stops, run_with, sharp_corners,
 };
 use splineway_studies::baseline::{self, Law};
 use std::path::PathBuf;
@@ -135,7 +138,7 @@ impl Simulate {
             bail!("--feed {feed}: it must be greater than 0");
         }
         self.check_files()?;
-        let (program, mut found) = self.program()?;
+        let (program, mut found, source) = self.program()?;
         let machine = self.machine(&program)?;
         found.extend(splineway_simulator::run::validate(&program, &machine));
         if let Some(words) = sharp_corners(&program, &machine) {
@@ -154,7 +157,11 @@ impl Simulate {
             .driven_by(&machine.motors_for(&program));
         let stops = Stops::new(&program, &machine)?;
         // A stop at every corner is within limits that a machine with shapers does not have.
-        let mut judge = if machine.shaper.is_empty() { judge.timed(&stops, 0.0) } else { judge };
+        let judge = if machine.shaper.is_empty() { judge.timed(&stops, 0.0) } else { judge };
+        let page = self.plot.as_deref().filter(|_| is_page(self.plot.as_deref()));
+        let recorder = page.map(|_| recorded::recorder(&program, &machine, &track, &limits));
+        let mut places = page.map(|_| Places::new(&program, &limits, machine.cycle));
+        let mut watched = Watched { judge, recorder };
         let mut happenings = Happenings::new(&program);
         let mut trace = Trace::new(machine.cycle);
         let mut progress = Progress::new(track.length(), self.quiet || self.json);
@@ -163,9 +170,12 @@ impl Simulate {
             None => None,
         };
         let mut observers: Vec<&mut dyn Observer> =
-            vec![&mut judge, &mut progress, &mut happenings];
-        if self.plot.is_some() || self.compare {
+            vec![&mut watched, &mut progress, &mut happenings];
+        if page.is_none() && self.plot.is_some() || self.compare {
             observers.push(&mut trace);
+        }
+        if let Some(places) = &mut places {
+            observers.push(places);
         }
         if let Some(csv) = &mut csv {
             observers.push(csv);
@@ -176,6 +186,7 @@ impl Simulate {
         if let Some(csv) = csv {
             csv.finish()?;
         }
+        let Watched { judge, recorder } = watched;
         let mut verdict = judge.verdict();
         if stats.aborted {
             // It was not meant to get to the end.
@@ -188,41 +199,34 @@ impl Simulate {
             std::fs::write(path, text)
                 .with_context(|| format!("cannot write {}", path.display()))?;
         }
-        if let Some(path) = &self.plot {
-            let title = format!(
-                "{}: {:.3} s, tolerance {} mm",
-                self.file.file_name().unwrap_or_default().to_string_lossy(),
-                report.time_s,
-                machine.tolerance
-            );
-            let scene = Scene {
-                title: &title,
-                track: &track,
-                tolerance: machine.tolerance,
-                letters: &letters,
-                limits: &limits,
-                trace: &trace,
-            };
-            if !self.compare {
-                plot(path, &scene)?;
-            }
+        if let (Some(path), None, false) = (&self.plot, page, self.compare) {
+            let file = self.file.file_name().unwrap_or_default().to_string_lossy();
+            let (time, tolerance) = (report.time_s, machine.tolerance);
+            let title = format!("{file}: {time:.3} s, tolerance {tolerance} mm");
+            let (title, track, letters, limits) = (&*title, &track, &*letters, &*limits);
+            plot(path, &Scene { title, track, tolerance, letters, limits, trace: &trace })?;
         }
-        if self.json {
-            println!("{}", serde_json::to_string_pretty(&report)?);
-        } else if !self.quiet {
-            print_summary(&report);
-            for words in &stats.sought {
-                println!("{words}");
-            }
-            if stats.aborted {
-                println!("aborted         the rest of the program was dropped");
-            }
-        }
+        self.tell(&report, &stats)?;
+        let mut overlays = Vec::new();
         if self.compare {
             let setting = (machine.tolerance, machine.cycle);
-            self.compare(&program, &limits, setting, report.time_s, &trace)?;
+            overlays = self.compare(&program, &limits, setting, report.time_s, &trace)?;
         }
         let broken = violations(&verdict);
+        if let (Some(path), Some(recorder), Some(places)) = (page, recorder, places) {
+            let recorded = Recorded {
+                file: &self.file,
+                source: &source,
+                program: &program,
+                machine: &machine,
+                track: &track,
+                events: &events,
+                report: &report,
+                broken: &broken,
+                overlays: &overlays,
+            };
+            recorded.write(path, recorder, places)?;
+        }
         if !broken.is_empty() {
             bail!("the run broke limits: {}", broken.join("; "));
         }
@@ -231,15 +235,32 @@ impl Simulate {
 }
 
 impl Simulate {
-    /// The program, with what flags put in the place of its own words.
-    fn program(&self) -> Result<(Program, Vec<Finding>)> {
+    /// Prints figures and what came of probes and homing.
+    fn tell(&self, report: &Report, stats: &Stats) -> Result<()> {
+        if self.json {
+            println!("{}", serde_json::to_string_pretty(report)?);
+        } else if !self.quiet {
+            print_summary(report);
+            for words in &stats.sought {
+                println!("{words}");
+            }
+            if stats.aborted {
+                println!("aborted         the rest of the program was dropped");
+            }
+        }
+        Ok(())
+    }
+
+    /// The program, with what flags put in the place of its own words; what was found in it; the lines of its file.
+    fn program(&self) -> Result<(Program, Vec<Finding>, Vec<String>)> {
         let setup = setup(self.machine.as_deref())?;
         let options = ReadOptions {
             feed: self.feed.unwrap_or(DEFAULT_FEED),
             segments: self.segments,
             ..self.reading.options(&setup)
         };
-        let (mut program, found) = program::inspect(&self.file, options)?;
+        let bytes = program::bytes(&self.file)?;
+        let (mut program, found) = program::inspect_bytes(&self.file, &bytes, options)?;
         if let Some(feed) = self.feed {
             for step in &mut program.moves {
                 if step.speed != Speed::Rapid {
@@ -251,7 +272,8 @@ impl Simulate {
         for warning in &program.warnings {
             eprintln!("warning: {}: {warning}", self.file.display());
         }
-        Ok((program, found))
+        let source = recorded::source(&self.file, &bytes);
+        Ok((program, found, source))
     }
 
     /// Before anything is read or run: what is to be written can be, and is no input.
@@ -272,7 +294,7 @@ impl Simulate {
         )
     }
 
-    /// Other speed laws on the same path: a table, and a plot if one is wanted.
+    /// Other speed laws on the same path: a table, and a picture if one is wanted. Pages show them with the run.
     fn compare(
         &self,
         program: &Program,
@@ -280,8 +302,9 @@ impl Simulate {
         (tolerance, cycle): (f64, f64),
         time: f64,
         trace: &Trace,
-    ) -> Result<()> {
+    ) -> Result<Vec<Overlay>> {
         let own = trace.points.iter().map(|point| (point.way, point.speed)).collect();
+        let mut overlays = Vec::new();
         let mut curves = vec![Curve { name: format!("splineway: {time:.3} s"), points: own }];
         println!(
             "{:<46} {:>9} {:>7} {:>12} {:>14}",
@@ -302,6 +325,11 @@ impl Simulate {
                 outcome.jump,
                 (outcome.jump / (cycle * cycle) / jerk).max(1.0)
             );
+            overlays.push(Overlay {
+                name: name.to_owned(),
+                time: outcome.time,
+                points: outcome.curve.clone(),
+            });
             curves.push(Curve {
                 name: format!("{name}: {:.3} s", outcome.time),
                 points: outcome.curve,
@@ -311,11 +339,11 @@ impl Simulate {
             "jump: greatest step of velocity at a corner, within one servo cycle. To keep the jerk\n\
              limit there, these laws would have to stop: they become the exact stop."
         );
-        if let Some(path) = &self.plot {
+        if let Some(path) = self.plot.as_ref().filter(|path| !is_page(Some(path))) {
             let name = self.file.file_name().unwrap_or_default().to_string_lossy();
             plot_speeds(path, &format!("{name}: speed along the way"), &curves)?;
         }
-        Ok(())
+        Ok(overlays)
     }
 }
 
