@@ -70,6 +70,24 @@ test("the path that is drawn passes all setpoints", () => {
   }
 });
 
+test("what was run is in the band of the programmed path that is drawn", () => {
+  const programmed = s.programmedOf(s.head, s.columns), last = programmed.count - 1, end = run.position(run.cycles);
+  assert.ok(Math.abs(programmed.tolerance[last] - tolerance) <= s.head.outline_count || s.head.commands.length);
+  if (s.head.commands.length) return;
+  const gap = Math.hypot(...[0, 1, 2].map(n => programmed.xyz[n][last] - end[n]));
+  assert.ok(gap <= 2 * s.head.part, `the ends are ${gap} mm apart`);
+  for (let k = 0; k <= 300; k++) {
+    const x = run.position(run.cycles * k / 300);
+    let best = Infinity;
+    for (let j = 0; j <= last; j++) {
+      const [a, b] = [j, Math.min(last, j + 1)].map(m => programmed.xyz.map(list => list[m])), d = b.map((c, n) => c - a[n]);
+      const t = d.reduce((sum, w, n) => sum + w * (x[n] - a[n]), 0) / (d.reduce((sum, w) => sum + w * w, 0) || 1), u = Math.min(1, Math.max(0, t));
+      best = Math.min(best, Math.hypot(...d.map((w, n) => x[n] - a[n] - u * w)));
+    }
+    assert.ok(best <= Number(tolerance) * 1.001 + 2 * s.head.part, `${best} mm off at ${k}`);
+  }
+});
+
 test("lines come in the order of the run, and colours for every stretch", () => {
   const { at, number } = run.lines;
   for (let k = 1; k < at.length; k++) assert.ok(at[k] >= at[k - 1] && Number.isInteger(number[k]) && number[k] >= 0);
