@@ -14,6 +14,7 @@ pub mod machine;
 mod page;
 pub mod paper;
 pub mod reading;
+mod recorded;
 pub mod simulate;
 pub mod smooth;
 pub mod soak;

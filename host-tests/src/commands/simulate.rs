@@ -3,11 +3,14 @@
 use super::files::{self, named};
 use super::page;
 use super::reading::Reading;
+use super::recorded::{self, Places, Recorded, is_page};
+use crate::view::page::Overlay;
 use crate::view::{Busy, Curve, Progress, Scene, plot, plot_speeds};
 use anyhow::{Context, Result, bail};
 use splineway_simulator::judge::{Judge, Track, violations};
 use splineway_simulator::machine::{Axis, Machine, Mode};
-use splineway_simulator::program::{self, LETTERS, Loaded, Program, ReadOptions, Tape};
+use splineway_simulator::program::{self, LETTERS, Loaded, ReadOptions, Tape};
+use splineway_simulator::record::recording::Watched;
 use splineway_simulator::record::{CsvOut, Report, Trace};
 use splineway_simulator::run::{
     Events, Happenings, Observer, Precision, Stats, Stops, run_with, sharp_corners,
@@ -85,6 +88,16 @@ pub struct Simulate {
     pub quiet: bool,
 }
 
+/// What is to be run.
+#[derive(Clone, Copy)]
+struct Job<'a> {
+    /// Its text, if it has lines to speak of.
+    source: &'a [u8],
+    program: &'a dyn Tape,
+    machine: &'a Machine,
+    events: &'a Events,
+}
+
 impl Simulate {
     /// The machine: description, then what the path file says, then flags.
     fn machine(&self, mut machine: Machine, program: &dyn Tape) -> Result<Machine> {
@@ -141,6 +154,13 @@ impl Simulate {
             Some(path) => Events::read(path)?,
             None => Events::default(),
         };
+        let job = Job { source: file.lines(), program, machine: &machine, events: &events };
+        self.run(&job, plotted.as_deref(), busy)
+    }
+
+    /// Runs what was read.
+    fn run(&self, job: &Job<'_>, plotted: Option<&Path>, busy: Busy) -> Result<()> {
+        let Job { program, machine, events, .. } = *job;
         let limits = machine.axes_of(program)?;
         let letters: Vec<char> = program.axes().into_iter().map(|axis| LETTERS[axis]).collect();
         // All of the path is looked at for a plot only; else it takes no room.
@@ -148,10 +168,15 @@ impl Simulate {
         let judge = Judge::passing(program, &limits, machine.cycle, machine.tolerance)
             .stopping(&machine.stop_axes_of(program)?)
             .driven_by(&machine.motors_for(program));
-        let stops = Stops::passing(program, &machine)?;
-        drop(busy);
+        let stops = Stops::passing(program, machine)?;
         // A stop at every corner is within limits that a machine with shapers does not have.
-        let mut judge = if machine.shaper.is_empty() { judge.timed(&stops, 0.0) } else { judge };
+        let judge = if machine.shaper.is_empty() { judge.timed(&stops, 0.0) } else { judge };
+        let page = plotted.filter(|path| is_page(path));
+        let recorder = page.and(track.as_ref());
+        let recorder = recorder.map(|track| recorded::recorder(program, machine, track, &limits));
+        let mut places = page.map(|_| Places::new(program, machine, &limits)).transpose()?;
+        drop(busy);
+        let mut watched = Watched { judge, recorder };
         let mut happenings = Happenings::new(program);
         let mut trace = Trace::new(machine.cycle);
         let last = program.summary().last_line;
@@ -161,54 +186,56 @@ impl Simulate {
             None => None,
         };
         let mut observers: Vec<&mut dyn Observer> =
-            vec![&mut judge, &mut progress, &mut happenings];
-        if plotted.is_some() || self.compare {
+            vec![&mut watched, &mut progress, &mut happenings];
+        if page.is_none() && plotted.is_some() || self.compare {
             observers.push(&mut trace);
+        }
+        if let Some(places) = &mut places {
+            observers.push(places);
         }
         if let Some(csv) = &mut csv {
             observers.push(csv);
         }
-        let stats = run_with(program, &machine, self.scalar, &events, &mut observers)
+        let stats = run_with(program, machine, self.scalar, events, &mut observers)
             .with_context(|| self.file.display().to_string())?;
         progress.finish();
         if let Some(csv) = csv {
             csv.finish()?;
         }
+        let Watched { mut judge, recorder } = watched;
         let mut verdict = judge.verdict();
         if stats.aborted {
             // It was not meant to get to the end.
             verdict.end_error = 0.0;
         }
         let mut report =
-            Report::new(program, &machine, self.scalar, judge.length(), &verdict, &stats);
+            Report::new(program, machine, self.scalar, judge.length(), &verdict, &stats);
         report.events = happenings.seen;
         self.write(&report)?;
-        if let (Some(path), Some(track), false) = (&plotted, &track, self.compare) {
+        if let (Some(path), Some(track), None, false) = (plotted, &track, page, self.compare) {
             let _busy = Busy::new("drawing", self.quiet);
-            let title = format!(
-                "{}: {:.3} s, tolerance {} mm",
-                self.file.file_name().unwrap_or_default().to_string_lossy(),
-                report.time_s,
-                machine.tolerance
-            );
-            let scene = Scene {
-                title: &title,
-                track,
-                tolerance: machine.tolerance,
-                letters: &letters,
-                limits: &limits,
-                trace: &trace,
-            };
-            plot(path, &scene)?;
+            let file = self.file.file_name().unwrap_or_default().to_string_lossy();
+            let (time, tolerance) = (report.time_s, machine.tolerance);
+            let title = format!("{file}: {time:.3} s, tolerance {tolerance} mm");
+            let (title, letters, limits) = (&*title, &*letters, &*limits);
+            plot(path, &Scene { title, track, tolerance, letters, limits, trace: &trace })?;
         }
         self.tell(&report, &stats)?;
+        let mut overlays = Vec::new();
         if self.compare {
-            let setting = (machine.tolerance, machine.cycle);
-            let program = program.to_program();
-            self.compare(&program, &limits, setting, report.time_s, &trace, plotted.as_deref())?;
+            overlays = self.compare(job, &limits, report.time_s, &trace, plotted)?;
         }
-        self.show(plotted.as_deref())?;
         let broken = violations(&verdict);
+        if let (Some(path), Some(track), Some(recorder), Some(places)) =
+            (page, &track, recorder, places)
+        {
+            let _busy = Busy::new("drawing", self.quiet);
+            let (file, report, broken, overlays) = (&*self.file, &report, &*broken, &*overlays);
+            let Job { source, .. } = *job;
+            Recorded { file, source, program, machine, track, events, report, broken, overlays }
+                .write(path, recorder, places)?;
+        }
+        self.show(plotted)?;
         if !broken.is_empty() {
             bail!("the run broke limits: {}", broken.join("; "));
         }
@@ -272,16 +299,18 @@ impl Simulate {
         )
     }
 
-    /// Other speed laws on the same path: a table, and a plot if one is wanted.
+    /// Other speed laws on the same path: a table, and a picture if one is wanted. Pages show them with the run.
     fn compare(
         &self,
-        program: &Program,
+        job: &Job<'_>,
         limits: &[Axis],
-        (tolerance, cycle): (f64, f64),
         time: f64,
         trace: &Trace,
         plotted: Option<&Path>,
-    ) -> Result<()> {
+    ) -> Result<Vec<Overlay>> {
+        let (tolerance, cycle) = (job.machine.tolerance, job.machine.cycle);
+        let program = &job.program.to_program();
+        let mut overlays = Vec::new();
         let own = trace.points.iter().map(|point| (point.way, point.speed)).collect();
         let mut curves = vec![Curve { name: format!("splineway: {time:.3} s"), points: own }];
         println!(
@@ -303,6 +332,11 @@ impl Simulate {
                 outcome.jump,
                 (outcome.jump / (cycle * cycle) / jerk).max(1.0)
             );
+            overlays.push(Overlay {
+                name: name.to_owned(),
+                time: outcome.time,
+                points: outcome.curve.clone(),
+            });
             curves.push(Curve {
                 name: format!("{name}: {:.3} s", outcome.time),
                 points: outcome.curve,
@@ -312,11 +346,11 @@ impl Simulate {
             "jump: greatest step of velocity at a corner, within one servo cycle. To keep the jerk\n\
              limit there, these laws would have to stop: they become the exact stop."
         );
-        if let Some(path) = plotted {
+        if let Some(path) = plotted.filter(|path| !is_page(path)) {
             let name = self.file.file_name().unwrap_or_default().to_string_lossy();
             plot_speeds(path, &format!("{name}: speed along the way"), &curves)?;
         }
-        Ok(())
+        Ok(overlays)
     }
 }
 

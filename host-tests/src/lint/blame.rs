@@ -2,6 +2,7 @@
 //! on which the motion was slowest between, with what held it back there.
 
 use super::ledger::Ledger;
+use super::{Place, Worst};
 use anyhow::Result;
 use splineway::Activity;
 use splineway_simulator::machine::Axis;
@@ -24,6 +25,8 @@ struct Valley {
     slowest: f64,
     greatest_since: f64,
     line: u32,
+    /// When it was slowest, s.
+    time: f64,
     limit: Option<(&'static str, usize)>,
 }
 
@@ -38,6 +41,12 @@ pub struct Blame<'a> {
     before: Vec<f64>,
     /// Time of all, at the feed asked for, and at rest, s.
     pub times: [f64; 3],
+}
+
+/// The places that lose most time, of a run that is over: as many as its ledger keeps.
+pub fn slow_places(mut blame: Blame<'_>) -> Vec<Place> {
+    blame.close();
+    blame.ledger.finish().0.slowest
 }
 
 impl<'a> Blame<'a> {
@@ -60,8 +69,10 @@ impl<'a> Blame<'a> {
         let cause = self.cause(&valley);
         let line = self.ledger.line(valley.line);
         line.place.lost += valley.lost;
-        if valley.lost > line.most {
-            (line.most, line.place.cause) = (valley.lost, cause);
+        if valley.lost > line.place.worst.lost {
+            let Valley { lost, time, slowest, .. } = valley;
+            line.place.worst = Worst { lost, time, slowest };
+            line.place.cause = cause;
         }
     }
 
@@ -150,6 +161,7 @@ impl Blame<'_> {
             slowest: f64::INFINITY,
             greatest_since: 0.0,
             line: sample.tag,
+            time: sample.time,
             limit: None,
         };
         let valley = self.valley.get_or_insert(fresh);
@@ -157,6 +169,7 @@ impl Blame<'_> {
         valley.lost += self.cycle * (1.0 - kept);
         if speed < valley.slowest {
             (valley.slowest, valley.line, valley.limit) = (speed, sample.tag, limit);
+            valley.time = sample.time;
             valley.greatest_since = speed;
         }
         valley.greatest_since = valley.greatest_since.max(speed);

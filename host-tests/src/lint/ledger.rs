@@ -1,5 +1,6 @@
 //! What is known of the lines of a program: of one whose lines come in order, only of those around the motion.
 
+use super::feeds::{Asked, NOTHING, asked, length};
 use super::listing::Listing;
 use super::{Extent, Findings, Place};
 use anyhow::Result;
@@ -7,9 +8,6 @@ use splineway_simulator::machine::{Axis, Machine, is_rotary};
 use splineway_simulator::program::arc::Spiral;
 use splineway_simulator::program::{Course, LETTERS, Move, Point, Speed, Tape, on_cubic};
 use std::collections::BTreeMap;
-
-/// Lines shorter than this, mm, are left out by the core.
-const NOTHING: f64 = 0.5e-6;
 
 /// A line of the file.
 #[derive(Clone, Debug, Default)]
@@ -22,8 +20,6 @@ pub struct Line {
     pub stops: bool,
     /// Whether it goes nowhere.
     pub dwells: bool,
-    /// What was lost at once most, s: its cause is told.
-    pub most: f64,
 }
 
 /// The lines of a program, as far as they are needed.
@@ -124,39 +120,22 @@ impl<'a> Ledger<'a> {
         true
     }
 
-    /// What the axes allow along a straight line, mm/s.
-    fn fastest(&self, way: f64, to: &Point) -> f64 {
-        let per_axis = self.axes.iter().zip(&self.limits).map(|(&axis, limit)| {
-            limit.velocity * way / (to[axis] - self.here[axis]).abs().max(1e-12)
-        });
-        per_axis.fold(f64::INFINITY, f64::min)
-    }
-
     fn count(&mut self, step: &Move, way: f64) {
         let moves = &mut self.findings.moves;
-        let (kind, line) = match &step.path {
-            Course::Line { to } => (&mut moves.lines, Some(to)),
-            Course::Arc { .. } => (&mut moves.arcs, None),
-            Course::Cubic { .. } => (&mut moves.curves, None),
-            Course::Dwell { .. } | Course::Event { .. } => (&mut moves.dwells, None),
+        let (kind, straight) = match &step.path {
+            Course::Line { .. } => (&mut moves.lines, true),
+            Course::Arc { .. } => (&mut moves.arcs, false),
+            Course::Cubic { .. } => (&mut moves.curves, false),
+            Course::Dwell { .. } | Course::Event { .. } => (&mut moves.dwells, false),
         };
         *kind += 1;
         self.findings.stops += usize::from(step.exact_stop);
         self.findings.length += way;
-        let empty = line.is_some() && way < NOTHING;
+        let empty = straight && way < NOTHING;
         if empty && !is_extrusion(&self.source.line(step.line)) {
             self.odd[0] += 1;
         }
-        let most = match line {
-            Some(to) if !empty => self.fastest(way, to),
-            _ => f64::INFINITY,
-        };
-        let wanted = match step.speed {
-            _ if empty => 0.0,
-            Speed::PerSecond(feed) => feed,
-            Speed::Duration(seconds) => way / seconds,
-            Speed::Rapid => most,
-        };
+        let Asked { wanted, most } = asked(step, &self.here, &self.axes, &self.limits);
         self.odd[1] += usize::from(step.speed != Speed::Rapid && wanted > most * 1.001);
         let place = &mut self.own(step.line).place;
         place.length += way;
@@ -251,28 +230,6 @@ fn extremes([a, b, c, d]: [f64; 4]) -> impl Iterator<Item = f64> {
     // Without a difference of like numbers.
     let s = -(q + if q < 0.0 { -root } else { root });
     [s / p, r / s].into_iter().filter(|u| (0.0..=1.0).contains(u))
-}
-
-fn distance(a: &Point, b: &Point, axes: &[usize]) -> f64 {
-    axes.iter().map(|&axis| (b[axis] - a[axis]).powi(2)).sum::<f64>().sqrt()
-}
-
-/// Length of a move, mm; of a curve, of its chords.
-fn length(here: &Point, course: &Course, axes: &[usize]) -> f64 {
-    match course {
-        Course::Line { to } => distance(here, to, axes),
-        Course::Dwell { .. } | Course::Event { .. } => 0.0,
-        Course::Cubic { controls, to } => {
-            let mut before = *here;
-            (1..=16u32)
-                .map(|k| {
-                    let at = on_cubic(here, controls, to, f64::from(k) / 16.0);
-                    distance(&std::mem::replace(&mut before, at), &at, axes)
-                })
-                .sum()
-        }
-        Course::Arc { .. } => Spiral::of(course, here).map_or(0.0, |arc| arc.length(axes)),
-    }
 }
 
 /// Directions of a move at its beginning and its end.

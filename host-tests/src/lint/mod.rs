@@ -1,13 +1,15 @@
 //! What the core will do with a program, before a machine does it.
 
 mod blame;
+mod feeds;
 mod ledger;
 mod listing;
 
-pub use listing::Listing;
+pub use self::blame::{Blame, slow_places};
+pub use self::feeds::{LineFeed, feeds};
+pub use self::ledger::Ledger;
+pub use self::listing::Listing;
 
-use self::blame::Blame;
-use self::ledger::Ledger;
 use crate::view::Progress;
 use anyhow::Result;
 use serde::ser::SerializeMap;
@@ -38,6 +40,20 @@ pub struct Place {
     pub slowest: f64,
     /// What held the motion back there.
     pub cause: String,
+    /// The one that lost most of those on this line.
+    #[serde(skip)]
+    pub worst: Worst,
+}
+
+/// A slow place.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Worst {
+    /// Time lost, s.
+    pub lost: f64,
+    /// When it was slowest, s.
+    pub time: f64,
+    /// Speed then, mm/s.
+    pub slowest: f64,
 }
 
 /// Moves by kind.

@@ -1,6 +1,6 @@
 //! Showing a run: plots, tables, progress. Nothing is judged here.
 
-mod html;
+pub mod page;
 mod panels;
 mod picture;
 mod progress;
@@ -42,12 +42,12 @@ pub struct Curve {
     pub points: Vec<(f64, f64)>,
 }
 
-/// Writes a plot; the kind is told by the file's ending.
+/// Writes a picture of a run; the kind is told by the file's ending. (A page of a run is a [`page::Page`].)
 ///
 /// # Errors
 /// An unknown ending, or a file that cannot be written.
 pub fn plot(path: &Path, scene: &Scene<'_>) -> Result<()> {
-    write(path, || picture::svg(scene), |_| html::page(scene))
+    write(path, || picture::svg(scene), bare_page)
 }
 
 /// Writes a plot of speeds over the way, one below the other.

@@ -112,7 +112,7 @@ fn draw(text: &mut String, scene: &Scene<'_>) -> Result<(), Box<dyn std::error::
 }
 
 /// The two axes in which the path extends furthest.
-pub fn view_axes(scene: &Scene<'_>) -> (usize, usize) {
+fn view_axes(scene: &Scene<'_>) -> (usize, usize) {
     let extent = |axis: usize| {
         let (low, high) = range((0..scene.track.len()).map(|k| scene.track.point(k)[axis]));
         high - low

@@ -179,6 +179,17 @@ impl Track {
         self.widest.max(default)
     }
 
+    /// The tolerance of the move that leads to a vertex, mm; `default` is that of moves which name none.
+    pub fn tolerance(&self, k: usize, default: f64) -> f64 {
+        self.band(k, default).0
+    }
+
+    /// The least tolerance of any move, mm.
+    pub fn finest(&self, default: f64) -> f64 {
+        let named = self.bands.iter().map(|(band, least, _)| band.unwrap_or(default).max(*least));
+        named.fold(f64::INFINITY, f64::min).min(default)
+    }
+
     /// Tolerance and line of the move that leads to a vertex.
     fn band(&self, k: usize, default: f64) -> (f64, u32) {
         let step = k.checked_sub(self.gone[0]).and_then(|k| self.moves.get(k));

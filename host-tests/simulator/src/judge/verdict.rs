@@ -63,6 +63,8 @@ pub struct Judge<'a> {
     before: Vec<f64>,
     /// The machine has been jogged, and not been on the path since.
     jogged: bool,
+    /// In the last cycle.
+    deviation: f64,
     verdict: Verdict,
 }
 
@@ -91,6 +93,7 @@ impl<'a> Judge<'a> {
             watch: None,
             before: Vec::new(),
             jogged: false,
+            deviation: 0.0,
             verdict: Verdict::default(),
         }
     }
@@ -121,6 +124,11 @@ impl<'a> Judge<'a> {
     /// The length of the path, mm.
     pub fn length(&mut self) -> f64 {
         self.guide.length()
+    }
+
+    /// Distance from the programmed path in the last cycle, mm; 0 off the path, in a jog.
+    pub const fn deviation(&self) -> f64 {
+        self.deviation
     }
 
     /// The findings.
@@ -160,9 +168,11 @@ impl Observer for Judge<'_> {
             Activity::Idle => {}
             _ => self.jogged = false,
         }
+        self.deviation = 0.0;
         if !self.jogged {
             let reach = self.reach + 2.0 * step;
             let off = self.guide.look(&mut self.follower, x, reach, self.tolerance);
+            self.deviation = off.distance;
             self.verdict.deviation = self.verdict.deviation.max(off.distance);
             if off.outside.distance > self.verdict.outside.distance {
                 self.verdict.outside = off.outside;

@@ -1,5 +1,6 @@
 //! What a run leaves: setpoints, a report, a trace for plots.
 
+pub mod recording;
 mod report;
 mod setpoints;
 mod trace;
