@@ -93,7 +93,9 @@ mod tests {
     fn numbers_come_back() {
         let numbers = [0, -1, 1, 63, 64, -64, -65, 1 << 40, i64::MAX, i64::MIN];
         let mut column = Column::default();
-        numbers.iter().for_each(|x| column.number(*x));
+        for x in numbers {
+            column.number(x);
+        }
         assert_eq!(column.bytes()[..4], [0, 1, 2, 126]);
         let mut read = column.read();
         assert!(numbers.iter().all(|x| read.number() == *x) && read.is_empty());
