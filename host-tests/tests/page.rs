@@ -51,7 +51,7 @@ fn simulate(name: &str, program: &str, more: &[&str]) -> Written {
 impl Written {
     /// What is between the tags of a part.
     fn part(&self, id: &str) -> &str {
-        let begin = self.text.find(&format!("id=\"{id}\">")).unwrap() + id.len() + 5;
+        let begin = self.text.find(&format!("id=\"{id}\">")).unwrap() + id.len() + "id=\"\">".len();
         let length = self.text[begin..].find("</script>").unwrap();
         &self.text[begin..begin + length]
     }
@@ -167,7 +167,7 @@ fn no_motion_one_move_and_events() {
     let one = simulate("page-one", &file("page-one.ngc", "G1 X0.001 F60\n"), &["--tolerance", "0"]);
     one.holds(0.0, 0);
     let text = "M3 S1000\nG1 X10 F6000 (</script><!-- & -->)\nG4 P0.1\nM0\nM5\nG0 X0\n";
-    let commands = file("page-events.csv", "0.05,hold\n0.2,feed,50\n0.3,resume\n");
+    let commands = file("page-commands.csv", "0.05,hold\n0.2,feed,50\n0.3,resume\n");
     let events = simulate("page-events", &file("page-events.ngc", text), &["--events", &commands]);
     let head = events.head();
     let codes: Vec<&str> = head["events"]
