@@ -60,6 +60,17 @@ ELSEWHERE = {
         "cargo bench --package splineway-host --bench board --locked -- --check",
     "cargo bench -p splineway-host --bench board -- tball-pocket.gcode --feed 30 --tolerance 0.05 --client grbl-streamer":
         "cargo bench --package splineway-host --bench board --locked -- --check",
+    # For whatever toolchain there is for the target, or can be had.
+    "rustup target add thumbv7em-none-eabihf": ".ci/thumb.sh build --release --package splineway --locked",
+    # There with the flags of a Cortex-M7.
+    "cargo build --profile firmware -p splineway-stm32h743 --features f64 --target thumbv7em-none-eabihf":
+        "image stm32h743 --features f64",
+    # There with folders of its own.
+    "cmake -S splineway -B build -DSPLINEWAY_CONFIG=$PWD/splineway_config.h -DCMAKE_TOOLCHAIN_FILE=arm.cmake -DCMAKE_INSTALL_PREFIX=$PWD/motion":
+        "SPLINEWAY_REQUIRE_TARGET=1 .ci/c.sh",
+    "cmake --build build && cmake --install build": "SPLINEWAY_REQUIRE_TARGET=1 .ci/c.sh",
+    "cc $(PKG_CONFIG_PATH=motion/lib/pkgconfig pkg-config --cflags --libs splineway) ...":
+        "SPLINEWAY_REQUIRE_TARGET=1 .ci/c.sh",
 }
 
 # The longest that one may take, s.
