@@ -1,6 +1,6 @@
 //! A run as one page that needs nothing else: what was run, to be looked at in space and time.
 //!
-//! The page is put together from the files in `page/`, in the order of [`SCRIPTS`]: the first ones know numbers alone and are
+//! The page is put together from the files in `page/`, in the order of `SCRIPTS`: the first ones know numbers alone and are
 //! tested by themselves, the last ones the page. It has no chart library: what a chart shows here is worked out from polynomials for
 //! the stretch that is seen, and a library would want all of it as points.
 
