@@ -35,15 +35,15 @@ macro_rules! stm32_tasks {
             #[cfg(feature = "grbl")]
             use splineway::grbl::{Inputs, Settings, words};
             use splineway::wire::{Event, Events};
-            use splineway::{
-                BLOCKS, Controls, Coord, Interpolator, Link, NODES, Planner, Progress, Setpoint,
-            };
+            use splineway::{Controls, Coord, Interpolator, Link, NODES, Planner, Progress, Setpoint};
             #[cfg(feature = "grbl")]
             use splineway_controller::grbl::{Background, Port, Volatile};
             #[cfg(not(feature = "grbl"))]
             use splineway_controller::{Background, Clock, Port};
             use splineway_controller::{Drives, Targets};
 
+            /// Blocks of look-ahead.
+            const BLOCKS: usize = machine::blocks::<Real>();
             /// Items that wait for the planner: the host's window.
             #[cfg(not(feature = "grbl"))]
             const WINDOW: usize = 16;
@@ -107,7 +107,7 @@ macro_rules! stm32_tasks {
                 transmitter: Transmitter,
                 replies_in: Producer<'static, u8>,
                 replies_out: Consumer<'static, u8>,
-                planner: Planner<'static, Real, AXES>,
+                planner: Planner<'static, Real, AXES, BLOCKS, NODES>,
                 stop_button: Input,
                 switches: [Input; AXES],
                 stop_controls: Controls<'static>,
@@ -117,7 +117,7 @@ macro_rules! stm32_tasks {
             }
 
             #[init(local = [
-                link: Link<Real, AXES> = Link::new(),
+                link: Link<Real, AXES, BLOCKS, NODES> = Link::new(),
                 bytes: Queue<u8, BYTES> = Queue::new(),
                 replies: Queue<u8, REPLIES> = Queue::new(),
             ])]

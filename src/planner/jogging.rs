@@ -86,8 +86,9 @@ pub struct Jogging<const N: usize> {
     held: bool,
     /// Whether an abort has been answered by a stop.
     pub(super) aborted: bool,
-    /// Servo cycles after which a plan branches off.
+    /// Servo cycles after which a plan branches off a motion, and whether the last one came too late.
     pub(super) reaction: u32,
+    refused: bool,
     /// What probes and homing have in common, and each of them.
     #[cfg(feature = "probe")]
     pub(super) seeking: Seeking<N>,
@@ -115,6 +116,7 @@ impl<const N: usize> Jogging<N> {
         held: false,
         aborted: false,
         reaction: 0,
+        refused: false,
         #[cfg(feature = "probe")]
         seeking: Seeking::NONE,
         #[cfg(feature = "probe")]
@@ -125,7 +127,7 @@ impl<const N: usize> Jogging<N> {
 
     /// Forgets it.
     pub fn clear(&mut self) {
-        (self.on, self.reaction) = (On::No, 0);
+        (self.on, self.reaction, self.refused) = (On::No, 0, false);
         #[cfg(feature = "probe")]
         self.probing.clear();
         #[cfg(feature = "home")]
@@ -370,6 +372,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         let jogging = &mut *self.jogging;
         let offered_for = core::mem::replace(&mut jogging.offered_for, Asked::Nothing);
+        jogging.refused = !taken;
         if taken {
             jogging.agreed = jogging.offered.clone();
             (jogging.began, jogging.moves) = (jogging.begins, true);
@@ -407,10 +410,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// Makes a plan for what is asked for, and offers it.
     fn plan_jog(&mut self) -> Progress {
-        let when = self.side.cycles().plus(self.jogging.reaction);
+        let now = self.side.cycles();
+        let branch = now.plus(self.jogging.reaction);
         let jogging = &mut *self.jogging;
         let from = if jogging.moves {
-            jogging.agreed.tail(when.since(jogging.began).unwrap_or(0))
+            jogging.agreed.tail(branch.since(jogging.began).unwrap_or(0))
         } else {
             jogging.agreed.clone()
         };
@@ -462,6 +466,19 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         let frame = self.jog_frame();
         plan.pieces(&frame, NODES, |piece| self.side.write(piece));
+        // What it took this time the next will take: a stop is not planned in vain first.
+        let taken = self.side.cycles().since(now).unwrap_or(0);
+        if taken > 0 {
+            let reaction = self.jogging.reaction.max(taken + 1);
+            self.jogging.reaction = reaction.min(self.most_reaction());
+        }
+        // From rest it may begin at any time: however long it was being made, the next servo cycle will do.
+        let when = if self.jogging.moves {
+            branch
+        } else {
+            let later = if self.jogging.refused { self.jogging.reaction } else { 0 };
+            self.side.cycles().plus(later)
+        };
         #[cfg(feature = "outputs")]
         self.time_switches(Branch::Cycle(when));
         self.side.offer(Branch::Cycle(when));

@@ -19,11 +19,19 @@ pub fn instructions(ns: u64) -> u64 {
 /// Calls, instructions in all, and of the costliest call.
 #[derive(Clone, Copy, Default)]
 pub struct Count {
-    calls: u32,
+    pub calls: u32,
     /// ns.
     pub sum: u64,
     /// ns.
     pub worst: u32,
+}
+
+impl Count {
+    fn add(&mut self, ns: u32) {
+        self.calls += 1;
+        self.sum += u64::from(ns);
+        self.worst = self.worst.max(ns);
+    }
 }
 
 /// Counts what is between [`Meter::begin`] and [`Meter::end`].
@@ -46,6 +54,19 @@ impl Timer {
         timer.empty = now().wrapping_sub(timer.began);
         timer
     }
+
+    /// Time since the call began, ns.
+    #[inline]
+    fn taken(&self) -> u32 {
+        now().wrapping_sub(self.began).saturating_sub(self.empty)
+    }
+
+    /// A call of another kind has ended.
+    #[inline(never)]
+    #[allow(dead_code)] // Of one of the images that share this file.
+    pub fn add(&self, count: &mut Count) {
+        count.add(self.taken());
+    }
 }
 
 impl Meter for Timer {
@@ -56,10 +77,8 @@ impl Meter for Timer {
 
     #[inline(never)]
     fn end(&mut self, part: Part) {
-        let ns = now().wrapping_sub(self.began).saturating_sub(self.empty);
+        let ns = self.taken();
         let count = if part == Part::Tick { &mut self.tick } else { &mut self.planning };
-        count.calls += 1;
-        count.sum += u64::from(ns);
-        count.worst = count.worst.max(ns);
+        count.add(ns);
     }
 }

@@ -53,6 +53,16 @@ impl Port {
     }
 }
 
+/// Writes down that inputs have changed, after a tick of the step timer.
+pub fn note_edge(tick: u32) {
+    let [_, out, ..] = &UART;
+    // The record of the pins does not come in between.
+    cortex_m::interrupt::free(|_| {
+        out.data.write(pins::EDGE.into());
+        out.data.write(tick);
+    });
+}
+
 /// Whether a byte of the record was lost.
 pub fn is_record_damaged() -> bool {
     let [_, out, ..] = &UART;

@@ -14,11 +14,13 @@ mod app {
     use heapless::spsc::{Consumer, Producer, Queue};
     use splineway::grbl::{self, Accessories, Event, Events, Settings, State};
     use splineway::{
-        BLOCKS, Controls, Coord, Counters, Interpolator, Link, NODES, Planner, Setpoint,
+        Controls, Coord, Counters, Input, Interpolator, Link, NODES, Planner, Setpoint,
     };
     use splineway_controller::grbl::{Background, Port, Volatile};
     use splineway_controller::{Drives, Targets};
 
+    /// Blocks of look-ahead.
+    const BLOCKS: usize = machine::blocks::<Real>();
     /// Events that may be on their way to the servo task.
     const QUEUED: usize = 8;
     /// Bytes that may arrive while the planner works: more than senders have under way.
@@ -52,12 +54,34 @@ mod app {
     static MISSED: AtomicU32 = AtomicU32::new(0);
     /// Longest servo task, and interrupt of the step timer, in units of [`board::TIME_NS`].
     static SERVO: AtomicU32 = AtomicU32::new(0);
+    /// The servo cycle under way, and its last tick in the lower [`TICK_BITS`] bits.
+    static BEAT: AtomicU32 = AtomicU32::new(0);
+    /// The servo cycle in which the last line ended, in which inputs changed, and with which setpoint the axes began to move and
+    /// came to rest.
+    static HEARD: AtomicU32 = AtomicU32::new(0);
+    static EDGE: AtomicU32 = AtomicU32::new(0);
+    static BEGAN: AtomicU32 = AtomicU32::new(0);
+    static RESTED: AtomicU32 = AtomicU32::new(0);
     static STEPS: AtomicU32 = AtomicU32::new(0);
     /// Spindle, coolant, tool: from the line to the servo task.
     static EVENTS: Events<QUEUED> = Events::new();
 
+    const TICK_BITS: u32 = 7;
+    const _: () = assert!(machine::TICKS < 1 << TICK_BITS);
+
     fn count(counter: &AtomicU32) {
         counter.store(counter.load(Relaxed).wrapping_add(1), Relaxed);
+    }
+
+    /// When it is now, in servo cycles since the last setpoint that the planner knows of, for
+    /// [`splineway::Inputs::tell`]; and the last tick of the step timer. At the priority of the servo task.
+    fn since_setpoint() -> (f32, u32) {
+        let beat = BEAT.load(Relaxed);
+        let tick = beat & ((1 << TICK_BITS) - 1);
+        let part = (tick + 1) as f32 / machine::TICKS as f32;
+        // The axes make in a servo cycle the steps to the setpoint before its own.
+        let ahead = CYCLES.load(Relaxed) << TICK_BITS == beat & !((1 << TICK_BITS) - 1);
+        (if ahead { part - 1.0 } else { part }, tick)
     }
 
     fn keep_longest(longest: &AtomicU32, began: u32) {
@@ -91,15 +115,16 @@ mod app {
         bytes_out: Consumer<'static, u8>,
         replies_in: Producer<'static, u8>,
         replies_out: Consumer<'static, u8>,
-        planner: Planner<'static, Real, AXES>,
+        planner: Planner<'static, Real, AXES, BLOCKS, NODES>,
         inputs: Inputs,
+        seeking: splineway::Inputs<'static>,
         stop_controls: Controls<'static>,
         watchdog: Watchdog,
         settings: Settings<AXES>,
     }
 
     #[init(local = [
-        link: Link<Real, AXES> = Link::new(),
+        link: Link<Real, AXES, BLOCKS, NODES> = Link::new(),
         bytes: Queue<u8, BYTES> = Queue::new(),
         replies: Queue<u8, REPLIES> = Queue::new(),
     ])]
@@ -113,7 +138,7 @@ mod app {
         let (bytes_in, bytes_out) = context.local.bytes.split();
         let (replies_in, replies_out) = context.local.replies.split();
         let setpoint = interpolator.tick();
-        let controls = planner.controls();
+        let (controls, seeking) = (planner.controls(), planner.inputs());
         let _ = writeln!(Log, "splineway {}: {} axes", env!("CARGO_PKG_VERSION"), AXES);
         (
             Shared { targets: Some(Targets::new(&setpoint)), setpoint, enable: board.enable },
@@ -131,6 +156,7 @@ mod app {
                 replies_out,
                 planner,
                 inputs: board.inputs,
+                seeking,
                 stop_controls: controls,
                 watchdog: board.watchdog,
                 settings,
@@ -153,6 +179,8 @@ mod app {
             *last
         });
         context.local.pins.tick(beat.tick);
+        let cycle = (BEAT.load(Relaxed) >> TICK_BITS).wrapping_add(u32::from(beat.tick == 0));
+        BEAT.store(cycle << TICK_BITS | beat.tick, Relaxed);
         if beat.lagged {
             count(&LAGGED);
         }
@@ -163,11 +191,17 @@ mod app {
     }
 
     /// The servo cycle. SPI is not used: its interrupt stands for this task.
-    #[task(binds = SPI, priority = 3, local = [interpolator], shared = [targets, setpoint])]
+    #[task(binds = SPI, priority = 3, local = [interpolator, moves: bool = false], shared = [targets, setpoint])]
     fn servo(mut context: servo::Context) {
         let began = board::now();
         let setpoint = context.local.interpolator.tick();
         count(&CYCLES);
+        let still = setpoint.velocity == [0.0; AXES] && setpoint.acceleration == [0.0; AXES];
+        if *context.local.moves == still {
+            *context.local.moves = !still;
+            let change = if still { &RESTED } else { &BEGAN };
+            change.store(CYCLES.load(Relaxed), Relaxed);
+        }
         // What is to be done there the background does, which the queue tells.
         let _ = EVENTS.take(&setpoint);
         let targets = Targets::new(&setpoint);
@@ -187,10 +221,13 @@ mod app {
     fn line(context: line::Context) {
         let line::LocalResources { receiver, transmitter, bytes_in, replies_out, .. } =
             context.local;
-        if let Some(byte) = receiver.take()
-            && bytes_in.enqueue(byte).is_err()
-        {
-            count(&LOST);
+        if let Some(byte) = receiver.take() {
+            if byte == b'\n' {
+                HEARD.store(CYCLES.load(Relaxed), Relaxed);
+            }
+            if bytes_in.enqueue(byte).is_err() {
+                count(&LOST);
+            }
         }
         if transmitter.is_free() {
             let next = replies_out.dequeue();
@@ -201,11 +238,19 @@ mod app {
         }
     }
 
-    /// The inputs change. At the emergency stop the drives lose their enable at once, and with it the position; only a
-    /// reset of the chip brings the machine back.
-    #[task(binds = UART3_RX, priority = 2, local = [inputs, stop_controls], shared = [enable])]
+    /// The inputs change: what seeks them hears when. At the emergency stop the drives lose their enable at once, and with it the
+    /// position; only a reset of the chip brings the machine back.
+    #[task(binds = UART3_RX, priority = 3, local = [inputs, seeking, stop_controls], shared = [enable])]
     fn inputs(mut context: inputs::Context) {
+        let (fraction, tick) = since_setpoint();
         let levels = context.local.inputs.take();
+        board::note_edge(tick);
+        EDGE.store(CYCLES.load(Relaxed), Relaxed);
+        let seeking = context.local.seeking;
+        seeking.tell(Input::Probe, levels & PROBE != 0, fraction);
+        for axis in 0..AXES {
+            seeking.tell(Input::Home(axis), levels >> axis & 1 != 0, fraction);
+        }
         INPUTS.store(levels, Relaxed);
         if levels & STOP != 0 {
             let Ok(()) = context.shared.enable.lock(OutputPin::set_low);
@@ -222,8 +267,8 @@ mod app {
         store: Volatile<{ grbl::words(AXES) }>,
         /// Servo cycles with lagging axes that are known of.
         lagged: u32,
-        /// The servo cycle in which the last byte of a line came.
-        heard: u32,
+        /// What the line was like lately.
+        hearing: Hearing,
     }
 
     impl<M: rtic::Mutex<T = Setpoint<Real, AXES>>> Port<Real, AXES> for Outside<'_, M> {
@@ -232,7 +277,7 @@ mod app {
         fn read(&mut self) -> Option<u8> {
             let byte = self.bytes.dequeue()?;
             if byte != b'?' {
-                self.heard = CYCLES.load(Relaxed);
+                self.hearing.hear(CYCLES.load(Relaxed));
             }
             Some(byte)
         }
@@ -277,6 +322,35 @@ mod app {
         }
     }
 
+    /// The silence of a sender, in servo cycles.
+    #[derive(Default)]
+    struct Hearing {
+        /// When the last byte of a line was read.
+        heard: u32,
+        /// How long nothing had come before one of the bytes since, at most, and when that was.
+        longest: (u32, u32),
+    }
+
+    impl Hearing {
+        /// How long a silence is remembered.
+        const LATELY: u32 = machine::SERVO_HZ / 5;
+
+        fn hear(&mut self, now: u32) {
+            let (silence, (longest, when)) = (now.wrapping_sub(self.heard), self.longest);
+            if silence >= longest || now.wrapping_sub(when) > Self::LATELY {
+                self.longest = (silence, now);
+            }
+            self.heard = now;
+        }
+
+        /// The longest silence lately.
+        fn longest(&self, now: u32) -> u32 {
+            let (longest, when) = self.longest;
+            let last = now.wrapping_sub(self.heard);
+            if now.wrapping_sub(when) > Self::LATELY { last } else { last.max(longest) }
+        }
+    }
+
     /// What the log tells of the background, in units of [`board::TIME_NS`].
     #[derive(Default)]
     struct Rounds {
@@ -290,13 +364,18 @@ mod app {
         let _ = writeln!(
             Log,
             "state={} cycles={} plans={plans} late={late} starved={starved} stuck={stuck} lost={} lagged={} missed={} \
-             damaged={} round={} servo={} steps={}",
+             damaged={} \
+             heard={} edge={} began={} rested={} round={} servo={} steps={}",
             state.name(),
             get(&CYCLES),
             get(&LOST),
             get(&LAGGED),
             get(&MISSED),
             u8::from(board::is_record_damaged()),
+            get(&HEARD),
+            get(&EDGE),
+            get(&BEGAN),
+            get(&RESTED),
             ns(rounds.longest),
             ns(get(&SERVO)),
             ns(get(&STEPS)),
@@ -314,8 +393,14 @@ mod app {
             ..
         } = context.local;
         let setpoint = context.shared.setpoint;
-        let mut outside =
-            Outside { bytes, replies, setpoint, store: Volatile::new(), lagged: 0, heard: 0 };
+        let mut outside = Outside {
+            bytes,
+            replies,
+            setpoint,
+            store: Volatile::new(),
+            lagged: 0,
+            hearing: Hearing::default(),
+        };
         let mut background =
             Background::<_, AXES, BLOCKS, NODES, QUEUED>::new(planner, &EVENTS, *settings);
         let (mut state, mut logged, mut rounds) = (State::Idle, 0, Rounds::default());
@@ -334,9 +419,8 @@ mod app {
             let (cycles, counters) = (CYCLES.load(Relaxed), background.counters());
             if counters.starved != starved {
                 starved = counters.starved;
-                let silence = cycles.wrapping_sub(outside.heard);
-                let _ =
-                    writeln!(Log, "starved {silence} servo cycles after the last byte of a line");
+                let silence = outside.hearing.longest(cycles);
+                let _ = writeln!(Log, "starved after a silence of {silence} servo cycles");
             }
             if background.state() != state || cycles.wrapping_sub(logged) >= LOG {
                 (state, logged) = (background.state(), cycles);

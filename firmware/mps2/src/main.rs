@@ -17,8 +17,8 @@
 //! | priority | task | what it does |
 //! |---|---|---|
 //! | 4 | `steps`, timer interrupt at `machine::STEP_HZ` | one tick of every axis; every servo cycle begins here |
-//! | 3 | `servo`, started by it | `Interpolator::tick`, the next targets |
-//! | 2 | `receive`, `line`, `inputs` | bytes on the line; inputs |
+//! | 3 | `servo`, started by it, `inputs` | `Interpolator::tick`, the next targets; limit switches, probe, emergency stop |
+//! | 2 | `receive`, `line` | bytes on the line |
 //! | 0 | `idle` | lines of G-code, planning, the log, the watchdog |
 //!
 //! How to run it: `docs/emulated.md`.

@@ -2,11 +2,14 @@
 //!
 //! A byte of [`CYCLE`] says that a servo cycle begins. The number of a tick in it with bit 7 set says that levels have changed there,
 //! and a byte with bit 7 clear follows: the [`Levels`] from that tick on. A cycle without a change takes a byte, a pulse four.
+//! [`EDGE`] says that inputs have changed since the tick before it, and a byte with the tick's number follows.
 
 /// A servo cycle begins.
 pub const CYCLE: u8 = 0xFF;
+/// Inputs have changed.
+pub const EDGE: u8 = 0xFE;
 /// Ticks in a servo cycle that can be told apart.
-pub const MOST_TICKS: u32 = 0x7F;
+pub const MOST_TICKS: u32 = 0x7E;
 
 /// Levels of all pins: bit 2k the step pin of axis k, bit 2k + 1 its direction (high: back), [`ENABLE`] the drives' enable.
 pub type Levels = u8;
@@ -70,6 +73,13 @@ pub enum News {
     Cycle(u64),
     /// Levels change.
     Change(Change),
+    /// Inputs have changed, after a tick of a cycle.
+    Edge {
+        /// Servo cycles before the one in which it happened.
+        cycle: u64,
+        /// The last tick before it.
+        tick: u32,
+    },
 }
 
 /// A byte that is none of a record.
@@ -94,14 +104,21 @@ impl core::error::Error for Damaged {}
 pub struct Reader {
     at: u64,
     cycles: u64,
-    tick: Option<u32>,
+    open: Option<Open>,
     last: u32,
+}
+
+/// What the next byte belongs to.
+#[derive(Clone, Copy, Debug)]
+enum Open {
+    Change { tick: u32 },
+    Edge,
 }
 
 impl Reader {
     /// At the beginning of a record.
     pub const fn new() -> Self {
-        Self { at: 0, cycles: 0, tick: None, last: 0 }
+        Self { at: 0, cycles: 0, open: None, last: 0 }
     }
 
     /// Takes a byte.
@@ -111,23 +128,30 @@ impl Reader {
     pub fn push(&mut self, byte: u8) -> Result<Option<News>, Damaged> {
         let damaged = Damaged { at: self.at, byte };
         self.at += 1;
-        if let Some(tick) = self.tick.take() {
+        if let Some(open) = self.open.take() {
             if byte & 0x80 != 0 || self.cycles == 0 {
                 return Err(damaged);
             }
             let cycle = self.cycles - 1;
-            return Ok(Some(News::Change(Change { cycle, tick, levels: byte })));
+            return Ok(Some(match open {
+                Open::Change { tick } => News::Change(Change { cycle, tick, levels: byte }),
+                Open::Edge => News::Edge { cycle, tick: byte.into() },
+            }));
         }
         if byte == CYCLE {
             (self.cycles, self.last) = (self.cycles + 1, 0);
             return Ok(Some(News::Cycle(self.cycles - 1)));
+        }
+        if byte == EDGE {
+            self.open = Some(Open::Edge);
+            return Ok(None);
         }
         let tick = u32::from(byte & 0x7F);
         // Ticks go on within a cycle; the first may be told twice, by nobody.
         if byte & 0x80 == 0 || (tick > 0 && tick <= self.last) || (tick == 0 && self.last > 0) {
             return Err(damaged);
         }
-        (self.tick, self.last) = (Some(tick), tick);
+        (self.open, self.last) = (Some(Open::Change { tick }), tick);
         Ok(None)
     }
 }
@@ -163,6 +187,7 @@ mod tests {
                     now = change.levels;
                     out.last_mut().unwrap()[change.tick as usize..].fill(now);
                 }
+                Some(News::Edge { .. }) => panic!("no inputs have changed"),
             }
         }
         Ok(out)
@@ -175,6 +200,15 @@ mod tests {
         let bytes = record(&levels);
         assert_eq!(read(&bytes).unwrap(), levels);
         assert_eq!(bytes.len(), 5 + 2 * 11);
+    }
+
+    #[test]
+    fn an_edge_of_an_input_lies_between_ticks() {
+        let bytes = [CYCLE, 0x83, 1, EDGE, 7, 0x88, 0, CYCLE];
+        let mut reader = Reader::new();
+        let news: Vec<_> = bytes.iter().filter_map(|&byte| reader.push(byte).unwrap()).collect();
+        assert_eq!(news[2], News::Edge { cycle: 0, tick: 7 });
+        assert_eq!(news.len(), 5);
     }
 
     /// A byte that is lost in the middle is noticed, wherever the record can tell.

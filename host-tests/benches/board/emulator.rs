@@ -113,7 +113,7 @@ impl Emulator {
     /// For every stop because blocks did not come in time, after how many servo cycles without a byte of a line.
     pub fn starved(&self) -> Result<Vec<u64>> {
         let text = self.text()?;
-        let told = text.lines().filter_map(|line| line.strip_prefix("starved "));
+        let told = text.lines().filter_map(|line| line.strip_prefix("starved after a silence of "));
         let cycles = told.map(|told| told.split(' ').next().unwrap_or_default().parse());
         Ok(cycles.collect::<Result<_, _>>()?)
     }

@@ -5,7 +5,8 @@
 //! ([`verdict`]). `--feed` (mm/s) takes the place of every F word, `--tolerance` (mm) is set by `$11`. The sender is this
 //! program's own, which counts characters, or grbl-streamer, which others wrote (`host-tests/grbl/run.py`).
 //!
-//! With `--check`: a file with holds, overrides and a reset on the way, and one that grbl-streamer sends where it can be installed.
+//! With `--check`: a file with holds, overrides and a reset on the way, jogs and probes ([`reaction`]), and a file that
+//! grbl-streamer sends where it can be installed.
 //!
 //! Without a toolchain for the target or QEMU it says so and ends; with `SPLINEWAY_REQUIRE_TARGET` set it fails.
 
@@ -17,6 +18,7 @@ mod emulator;
 #[allow(dead_code)]
 #[path = "../../../firmware/machine.rs"]
 mod machine;
+mod reaction;
 mod recording;
 mod sender;
 mod verdict;
@@ -321,6 +323,14 @@ fn others(image: &Image, options: &Options, name: &str, lines: &[String]) -> Res
     Ok(true)
 }
 
+fn head() {
+    println!(
+        "| file | lines | machining time, s | virtual over real time | steps | farthest from the path, mm | velocity / acceleration / jerk \
+         over limits | plans | late | starved | longest round, ms | longest servo task, us | longest step interrupt, us |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|---|---|"
+    );
+}
+
 fn row(
     name: &str,
     lines: usize,
@@ -357,17 +367,15 @@ fn main() -> Result<()> {
         }
         image => image?,
     };
-    println!(
-        "| file | lines | machining time, s | virtual over real time | steps | farthest from the path, mm | velocity / acceleration / jerk \
-         over limits | plans | late | starved | longest round, ms | longest servo task, us | longest step interrupt, us |\n\
-         |---|---|---|---|---|---|---|---|---|---|---|---|---|"
-    );
     if options.check {
         emergency(&image, &options)?;
+        reaction::check(&image, &options)?;
+        head();
         disturbed(&image, &options)?;
         others(&image, &options, "rose, by grbl-streamer", &rose(2000))?;
         return Ok(());
     }
+    head();
     let file = options.file.as_deref().context("which file? See the beginning of the bench")?;
     let name = file.file_stem().unwrap_or_default().to_string_lossy();
     let program = options.program(file)?;

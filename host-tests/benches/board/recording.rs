@@ -39,6 +39,17 @@ pub struct Recording {
     under_way: Option<Cycle>,
     /// Steps of all axes.
     pub steps: u64,
+    /// Where and when inputs have changed.
+    pub edges_of_inputs: Vec<InputEdge>,
+}
+
+/// A change of inputs.
+#[derive(Clone, Copy, Debug)]
+pub struct InputEdge {
+    /// Servo cycles since the start, to the step timer's tick.
+    pub time: f64,
+    /// Where the axes were, in steps.
+    pub place: Place,
 }
 
 impl Recording {
@@ -55,6 +66,7 @@ impl Recording {
             cycles: Vec::new(),
             under_way: None,
             steps: 0,
+            edges_of_inputs: Vec::new(),
         }
     }
 
@@ -76,6 +88,10 @@ impl Recording {
                 Some(News::Change(change)) => {
                     let now = change.cycle * u64::from(machine::TICKS) + u64::from(change.tick);
                     self.change(now, change.tick, change.levels)?;
+                }
+                Some(News::Edge { cycle, tick }) => {
+                    let time = cycle as f64 + f64::from(tick + 1) / f64::from(machine::TICKS);
+                    self.edges_of_inputs.push(InputEdge { time, place: self.place });
                 }
             }
         }

@@ -25,6 +25,10 @@ pub struct Status {
     pub place: Vec<f64>,
 }
 
+fn numbers(text: &str) -> Result<Vec<f64>> {
+    Ok(text.split(',').map(str::parse).collect::<Result<_, _>>()?)
+}
+
 /// A sender on a line.
 pub struct Sender {
     line: UnixStream,
@@ -42,6 +46,8 @@ pub struct Sender {
     banners: u32,
     /// Alarms, as they are told.
     pub alarms: Vec<String>,
+    /// What the last probe said: where it was tripped, mm.
+    pub probed: Option<Vec<f64>>,
     /// Answers that were no `ok`.
     pub errors: Vec<String>,
 }
@@ -61,6 +67,7 @@ impl Sender {
             status: Status::default(),
             banners: 0,
             alarms: Vec::new(),
+            probed: None,
             errors: Vec::new(),
         };
         sender.reset()?;
@@ -106,14 +113,15 @@ impl Sender {
             // What had not been answered never will be.
             self.under_way.clear();
             self.banners += 1;
+        } else if let Some(place) = line.strip_prefix("[PRB:") {
+            self.probed = place.strip_suffix(":1]").map(numbers).transpose()?;
         } else if let Some(report) = line.strip_prefix('<') {
             let mut words = report.trim_end_matches('>').split('|');
             let state = words.next().context("a report without a state")?.to_owned();
             let place = words
                 .find_map(|word| word.strip_prefix("MPos:"))
                 .context("a report without MPos")?;
-            let place = place.split(',').map(str::parse).collect::<Result<_, _>>()?;
-            self.status = Status { state, place };
+            self.status = Status { state, place: numbers(place)? };
             self.reports += 1;
         } else {
             ensure!(line.is_empty() || line.starts_with('['), "the board says {line}");

@@ -77,9 +77,14 @@ impl Image {
 
     /// Builds an image of `firmware/FOLDER`.
     pub fn build_of(folder: &str, name: &str) -> Result<Self> {
+        Self::build_with(folder, name, "")
+    }
+
+    /// The same with features.
+    pub fn build_with(folder: &str, name: &str, features: &str) -> Result<Self> {
         thumb(
             "build",
-            &["--package", &format!("splineway-{folder}"), "--bin", name],
+            &["--package", &format!("splineway-{folder}"), "--bin", name, "--features", features],
             &format!("the image {name} does not build: a panic can be reached?"),
         )?;
         let file = root().join("target/thumb/thumbv7em-none-eabihf/firmware").join(name);

@@ -7,6 +7,7 @@
 //! - runs the paths of `host-tests/data` and those in FOLDER through the other in QEMU and here, compares the
 //!   digests of all setpoints, and prints instructions per tick and per block;
 //! - runs the butterfly of Guo, Yan, Wang 2023 in both modes of corners, and prints instructions per corner;
+//! - prints what outputs, input shaping and motors add to a tick;
 //! - smooths the cases of Naseath 2007 there and here, compares the control points, and prints instructions.
 //!
 //! Without a toolchain for the target, GNU binutils and a C compiler for it, or QEMU it says so and ends; with
@@ -16,6 +17,7 @@
 mod built;
 #[path = "../common/mod.rs"]
 mod common;
+mod extras;
 mod image;
 mod listing;
 mod longest;
@@ -222,6 +224,7 @@ fn report() -> Result<()> {
     missed.extend(corners(&emulator)?);
 
     smoothing::report()?;
+    missed.extend(extras::report()?);
 
     let proof = Image::build("proof")?;
     println!("no panic can be reached: the image links without one");
