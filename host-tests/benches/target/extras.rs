@@ -5,13 +5,13 @@ use anyhow::{Context, Result};
 
 /// Parts: what the image calls them, what they are, and the goal of a call at worst, instructions.
 const PARTS: [(&str, &str, u64); 8] = [
-    ("tick", "Interpolator::tick, with outputs", 700),
+    ("tick", "Interpolator::tick, with outputs", 600),
     ("switch_idle", "Interpolator::switch at rest", 100),
-    ("switch", "Interpolator::switch, 8 outputs and power in proportion to speed", 4000),
+    ("switch", "Interpolator::switch, 8 outputs and power in proportion to speed", 2500),
     ("zv", "Shaper::shape, ZV", 1500),
     ("mzv", "Shaper::shape, MZV", 2000),
     ("ei", "Shaper::shape, EI", 2000),
-    ("smooth", "Shaper::shape, smooth, 40 Hz at 1 kHz", 8000),
+    ("smooth", "Shaper::shape, smooth, 40 Hz at 1 kHz", 10_000),
     ("motors", "Linear::setpoint, CoreXY and Z", 600),
 ];
 
