@@ -54,7 +54,14 @@ mod tests {
     #[test]
     fn the_reader_reads_by_the_same_table() {
         for dialect in [Dialect::LinuxCnc, Dialect::Grbl, Dialect::Marlin] {
-            let settings = Settings { dialect, axes: [true; AXES], ..Settings::default() };
+            let settings = Settings {
+                dialect,
+                axes: [true; AXES],
+                // Without them the reader refuses what it could read.
+                #[cfg(feature = "outputs")]
+                switches: true,
+                ..Settings::default()
+            };
             for (letter, tenths) in
                 ['G', 'M'].into_iter().flat_map(|letter| (0..10_010).map(move |n| (letter, n)))
             {
