@@ -9,6 +9,8 @@ use std::time::{Duration, Instant};
 
 /// Characters that may be under way: what senders assume of grbl.
 const ROOM: usize = 127;
+/// What a board says when it begins.
+const BANNER: &str = "Grbl 1.1h ['$' for help]";
 /// How long nothing may happen that is waited for.
 const PATIENCE: Duration = Duration::from_secs(60);
 /// How often the status is asked for.
@@ -123,8 +125,9 @@ impl Sender {
                 .context("a report without MPos")?;
             self.status = Status { state, place: numbers(place)? };
             self.reports += 1;
-        } else {
-            ensure!(line.is_empty() || line.starts_with('['), "the board says {line}");
+        } else if !BANNER.ends_with(line) {
+            // The rest of a banner that began before anybody listened says nothing; else there are messages.
+            ensure!(line.starts_with('['), "the board says {line}");
         }
         Ok(())
     }
