@@ -13,14 +13,14 @@ use std::time::Duration;
 const SOON: u64 = 5;
 /// How much longer than the shortest stop one may be, and steps on either end that the pins do not tell.
 const LONGER: f64 = 1.02;
-const STEPS: f64 = 2.0;
+const STEPS: f64 = 3.0;
 /// Most servo cycles from an edge to steps that brake: what planning the stop takes, twice if it came too late, and two that
 /// setpoints are ahead of steps.
 const LATE: f64 = 10.0;
 /// The input pin of the probe.
 const PROBE: u8 = 1 << 3;
 /// How far from a step on an axis the place of an edge may be told, mm: three digits, and a tick of the step timer.
-const PLACE: f64 = 0.001;
+const PLACE: f64 = 0.002;
 /// Feeds of probes, mm/s.
 const FEEDS: [f64; 4] = [5.0, 20.0, 50.0, 90.0];
 
