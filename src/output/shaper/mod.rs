@@ -120,26 +120,25 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
     ) -> Result<(), ShaperError> {
         Quantity::Cycle.check(config.cycle).map_err(ShaperError::Cycle)?;
         let cycle = config.cycle.to_f64();
-        let own = |shape: &Option<Shape>| {
-            shape.as_ref().map_or(0.0, |shape| Kernel::<S, HISTORY>::mean(shape, cycle))
-        };
-        let mut mean: f64 = 0.0;
         for (axis, shape) in shapes.iter().enumerate() {
             if let Some(shape) = shape {
                 shape.check(axis, cycle, HISTORY)?;
             }
-            mean = mean.max(own(shape));
         }
+        let own = shapes.each_ref().map(|shape| {
+            shape.as_ref().map_or(0.0, |shape| Kernel::<S, HISTORY>::mean(shape, cycle))
+        });
+        let mean = own.iter().fold(0.0, |mean: f64, own| mean.max(*own));
         let mut span = 0;
-        for (axis, shape) in shapes.iter().enumerate() {
-            let cycles = Kernel::<S, HISTORY>::cycles(shape.as_ref(), mean - own(shape), cycle);
+        for (axis, (shape, own)) in shapes.iter().zip(own).enumerate() {
+            let cycles = Kernel::<S, HISTORY>::cycles(shape.as_ref(), mean - own, cycle);
             if cycles > HISTORY {
                 return Err(ShaperError::TooLong { axis, cycles, greatest: HISTORY });
             }
             span = span.max(cycles - 1);
         }
-        for (kernel, shape) in self.kernels.iter_mut().zip(&shapes) {
-            kernel.set(shape.as_ref(), mean - own(shape), cycle);
+        for (kernel, (shape, own)) in self.kernels.iter_mut().zip(shapes.iter().zip(own)) {
+            kernel.set(shape.as_ref(), mean - own, cycle);
         }
         self.known = 0;
         self.span = span;
