@@ -53,6 +53,20 @@ const STRAIGHT: f64 = 1.0e-6;
 /// what decides.)
 const SLIGHT_TURN: f64 = 0.4;
 
+/// Tolerance, mm, above which a line may be passed on to where it goes on though the two differ in direction by the rounding of
+/// the program: pieces that lie less than [`budget`]'s least off one line.
+pub const LEAST_SLIGHT: f64 = 1.0e-5;
+
+/// Length, mm, from which on a line may go on from another before its end is known: over the length in which its feed
+/// is reached, what turn rounding leaves between them costs nothing.
+pub fn goes_on_from<S: Scalar, const N: usize>(
+    line: &Segment<S, N>,
+    feed: S,
+    config: &Config<S, N>,
+) -> S {
+    Ramp::new(&config.limits, &line.start_frame().tangent).length(feed)
+}
+
 /// The node between two segments that is simply passed. Between lines it lies on the circle
 /// through the three points; the jump between two curves is halved.
 pub fn mean_node<S: Scalar, const N: usize>(
@@ -179,6 +193,9 @@ pub fn joint<S: Scalar, const N: usize>(
     let stops = || stop_is_shorter(before, after, &frame_in.tangent, config);
     // Of two lines that could be parts of a run.
     let run = || if stops() { Joint::Stop } else { Joint::Run };
+    if before.goes_on && passes(a, b, (&frame_in, &frame_out), tolerance, mode) {
+        return (Joint::Through, Length::ZERO);
+    }
     // A spike smaller than the tolerance is ironed out.
     let spike = lines && shorter < tolerance * S::of(budget::SPIKE);
     if corner.cos_turn() < S::of(CornerMode::<S>::STOP_COSINE) {

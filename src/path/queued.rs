@@ -4,6 +4,7 @@ use super::budget;
 #[cfg(feature = "travel")]
 use super::extent::Extent;
 use super::feed;
+use super::joint;
 use super::leg::Leg;
 use super::node::{Event, Programmed};
 use super::segment::Segment;
@@ -54,6 +55,8 @@ pub struct QueuedBlock<S, const N: usize> {
     pub alone: bool,
     /// Whether it is a chord of a curve.
     pub chord: bool,
+    /// Whether the next runs straight on from it: a line that has become too long to wait for its end.
+    pub goes_on: bool,
     /// Of a line made of several, the tag of the last.
     pub tag: u32,
     /// Marks of the pieces before the last ([`super::straight`]).
@@ -93,6 +96,15 @@ impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
             && self.tolerance == next.tolerance
             && self.inner() == next.inner()
             && (self.rapid || feed::alike(self.feed, next.feed, feed::ROUNDED))
+    }
+
+    /// Whether the next runs straight on from it, and is so long that the joint between them, which is simply passed, can
+    /// be cut whatever it will become.
+    pub fn is_gone_on_from(&self, next: &Self, config: &Config<S, N>) -> bool {
+        let long = |segment: &Segment<S, N>| {
+            segment.length >= joint::goes_on_from(segment, next.feed, config)
+        };
+        self.goes_on && self.joint == Joint::Through && next.segment.as_ref().is_some_and(long)
     }
 
     /// The band of the joint with a neighbour, mm: what the lines that each was made of have left of its tolerance,
@@ -148,6 +160,7 @@ impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
             stop_after: block.exact_stop,
             alone,
             chord: whole.is_some(),
+            goes_on: false,
             tag: block.tag,
             marks: 0,
             error: S::ZERO,

@@ -93,6 +93,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.phase = Phase::Resting(Rest::Ready { since: Some(since) });
             return Progress::NeedsBlocks;
         }
+        if !full {
+            self.builder.hurry(&self.horizon.config);
+        }
         if self.is_vain(at) {
             return Progress::Waiting;
         }
@@ -147,6 +150,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let (lead, planned) = (self.horizon.config.lead, self.planned(at));
         let soon = (lead * S::of(URGENT_LEADS)).greatest(planned + lead);
         let urgent = self.horizon.reaches_within(soon, at, self.horizon.end());
+        let new = self.last_node().since(self.horizon.end()).unwrap_or(0);
+        if new < LEAST_NEW
+            && !self.builder.is_full()
+            && self.horizon.reaches_within(soon, at, now.shown)
+        {
+            self.builder.hurry(&self.horizon.config);
+        }
         if urgent
             && self.horizon.window.room() >= LEAST_ROOM
             && !self.builder.is_full()

@@ -52,7 +52,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             let front = Front { block, segment };
             match self.stage {
                 Stage::Waiting => {
-                    if !self.front_is_ready() {
+                    if !self.front_is_ready(config) {
                         return None;
                     }
                     self.start_front(&front, config);

@@ -1,6 +1,6 @@
 //! The front block: when its joint to the next is decided, what that takes of it, and how cutting it starts.
 
-use super::{Body, Builder, Front, Stage};
+use super::{Body, Builder, ENOUGH, Front, Stage};
 use crate::machine::{Config, Ramp};
 use crate::number::{Interval, Length, Scalar};
 use crate::path::cut::{EndSizes, rest_cell};
@@ -23,16 +23,16 @@ fn beside<S: Scalar, const N: usize>(joint: Joint, taken: Length, segment: &Segm
 impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// Whether the joint behind the front block can be decided.
     #[inline(never)]
-    pub(super) fn front_is_ready(&self) -> bool {
+    pub(super) fn front_is_ready(&self, config: &Config<S, N>) -> bool {
         let Some(item) = self.queue.front() else { return false };
-        if item.stop_after || self.queue.len() >= 3 {
+        if item.stop_after || self.queue.len() >= ENOUGH {
             return true;
         }
         match self.queue.get(1) {
             None => self.closed,
             Some(next) => {
                 let stops = next.stop_after || next.segment.is_none();
-                self.closed || stops || self.parts(item, next)
+                self.closed || stops || self.parts(item, next) || item.is_gone_on_from(next, config)
             }
         }
     }
@@ -114,7 +114,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// Takes the front block into the run, if its joint is known. Returns whether it was.
     #[inline(never)]
     pub(super) fn extend_run(&mut self, front: &Front<S, N>, config: &Config<S, N>) -> bool {
-        if !self.front_is_ready() {
+        if !self.front_is_ready(config) {
             return false;
         }
         let joint = self.decide(front, config);

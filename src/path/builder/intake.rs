@@ -10,7 +10,7 @@ use crate::path::budget::Straightened;
 use crate::path::chords::Chords;
 #[cfg(feature = "outputs")]
 use crate::path::feed;
-use crate::path::joint::joint;
+use crate::path::joint::{goes_on_from, joint};
 use crate::path::queued::{Joint, QueuedBlock};
 use crate::path::segment::Segment;
 use crate::path::straight::{Mark, Sleeve};
@@ -27,6 +27,14 @@ struct Longer<S, const N: usize> {
     sleeve: Sleeve<N>,
     /// The mark between the two, if that is to be shown.
     mark: Option<Mark<S>>,
+}
+
+/// How a line runs straight on from the last block.
+enum Onward<S, const N: usize> {
+    /// It becomes a part of it.
+    Part(Longer<S, N>),
+    /// It is the next.
+    Next,
 }
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
@@ -113,9 +121,19 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         if let Some(segment) = &item.segment {
             self.end = segment.end;
         }
-        if self.take_as_part(&item, config) {
-            return Ok(());
+        match self.longer(&item, config) {
+            Some(Onward::Part(longer)) => {
+                self.lengthen(longer, config);
+                return Ok(());
+            }
+            Some(Onward::Next) => {
+                if let Some(last) = self.queue.back_mut() {
+                    last.goes_on = true;
+                }
+            }
+            None => {}
         }
+        self.capped = false;
         #[cfg(feature = "outputs")]
         match &item.segment {
             Some(segment) => self.meter.take(segment.exact_length),
@@ -146,18 +164,16 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             (2, _) if !self.waits() => match front.joint {
                 Joint::Stop | Joint::Run => true,
                 Joint::Corner | Joint::Blend => exact,
-                Joint::Through => false,
+                Joint::Through => exact && front.goes_on,
             },
             _ => true,
         }
     }
 
-    /// Takes a line on to which the last one runs straight as a part of it. Returns whether it is one.
+    /// The last block becomes longer.
     #[inline(never)]
-    fn take_as_part(&mut self, item: &QueuedBlock<S, N>, config: &Config<S, N>) -> bool {
-        let Some(Longer { block: longer, sleeve, mark }) = self.longer(item, config) else {
-            return false;
-        };
+    fn lengthen(&mut self, longer: Longer<S, N>, config: &Config<S, N>) {
+        let Longer { block: longer, sleeve, mark } = longer;
         if let Some(mark) = mark {
             self.marks.push(mark);
         }
@@ -176,13 +192,24 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         {
             (before.joint, before.want) = joint(before, &longer, config);
         }
-        true
     }
 
-    /// The last block with a line that runs straight on from it, and the mark between them, if that is
-    /// to be shown. At equal feed, tolerance and kind only, where no stop is asked for.
+    /// Whether the last block may become no longer, though a line runs straight on from it: its joint to that is passed.
+    fn last_is_capped(&self) -> bool {
+        let Some(front) = self.queue.front() else { return false };
+        match (self.queue.len(), self.stage) {
+            (1, Stage::Waiting) => self.capped || front.entered == Joint::Through,
+            (1, Stage::Run { until: None }) => self.capped,
+            (1, _) => false,
+            (2, _) if !self.waits() => self.capped || front.goes_on,
+            _ => self.capped,
+        }
+    }
+
+    /// How a line goes on from the last block, if it runs straight on from it: as a part, with the mark between them if that is
+    /// to be shown, or as the next. At equal feed, tolerance and kind only, where no stop is asked for.
     #[inline(never)]
-    fn longer(&self, item: &QueuedBlock<S, N>, config: &Config<S, N>) -> Option<Longer<S, N>> {
+    fn longer(&self, item: &QueuedBlock<S, N>, config: &Config<S, N>) -> Option<Onward<S, N>> {
         let last =
             self.queue.back().filter(|last| last.runs_on(item) && !self.parts(last, item))?;
         let (before, after) = (last.segment.as_ref()?, item.segment.as_ref()?);
@@ -204,8 +231,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             .unwrap_or_else(|| Sleeve::of(&before.start, &before.end))
             .extended(&before.start, &before.end, &after.end, slack)?;
         let exact = error <= slack.exact;
-        if !self.last_is_open(exact) {
-            return None;
+        if self.capped || !self.last_is_open(exact) {
+            let long = before.length >= goes_on_from(before, last.feed, config);
+            return (long && self.last_is_capped()).then_some(Onward::Next);
         }
         let begun = match last.marks {
             0 => S::ZERO,
@@ -227,7 +255,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             ..*last
         };
         let mark = shown.then_some(Mark { s: before.length, tag: last.tag });
-        Some(Longer { block, sleeve, mark })
+        Some(Onward::Part(Longer { block, sleeve, mark }))
     }
 }
 

@@ -21,15 +21,21 @@ use super::blend::Blend;
 use super::chords::Chords;
 use super::cut::EndSizes;
 use super::half::Half;
+use super::joint;
 use super::queued::QueuedBlock;
 use super::run::Run;
 use super::segment::Segment;
 use super::straight::{Marks, Sleeve};
 use super::transition::Transition;
-use crate::machine::SetNumber;
+use crate::machine::{Config, SetNumber};
 use crate::number::optional::Optional;
 use crate::number::{Coord, Interval, Length, Scalar};
 use heapless::Deque;
+
+/// With so many blocks in the look-ahead the joint behind the first can be decided, whatever the third is.
+const ENOUGH: usize = 3;
+/// A line that has become so many times as long as its next must be to go on from it may be cut before its end is known.
+const CAPPED_LENGTHS: f64 = 2.0;
 
 /// What is being cut at the moment.
 #[derive(Clone, Copy)]
@@ -89,6 +95,8 @@ pub struct Builder<S, const N: usize, const BLOCKS: usize> {
     /// End of the last accepted block.
     end: [Coord; N],
     closed: bool,
+    /// Whether the last block, a line, becomes no longer: what runs straight on from it is the next.
+    capped: bool,
     /// Whether the motion is to rest exactly where a block ends (single block mode): as far as joints are decided from now on.
     single: bool,
     /// Which limits bound the blocks that are taken from now on.
@@ -134,6 +142,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         marks: Marks::new(),
         end: [Coord::ZERO; N],
         closed: false,
+        capped: false,
         single: false,
         limits: SetNumber::FIRST,
         #[cfg(feature = "limits")]
@@ -166,6 +175,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         self.chords.set(None);
         self.end = start;
         self.closed = false;
+        self.capped = false;
         self.stage = Stage::Waiting;
         self.kept = Length::ZERO;
         self.given = Length::ZERO;
@@ -193,13 +203,30 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
 
     pub fn is_full(&self) -> bool {
         // Of marks there is no more room before something is cut: which it will be, of three blocks.
-        let marked = self.marks.is_full() && self.queue.len() >= 3;
+        let marked = self.marks.is_full() && self.queue.len() >= ENOUGH;
         self.queue.is_full() || self.chords.is_some() || marked
     }
 
     /// No more blocks for now: the path ends, at rest, where the last block ends.
     pub fn close(&mut self) {
         self.closed = !self.chords.is_some();
+    }
+
+    /// The motion will soon need more of the path than is cut, and more comes slowly: a long line that is sent in pieces
+    /// no longer keeps what waits for its end from being cut, nor a run what waits for a longer stretch of it.
+    pub fn hurry(&mut self, config: &Config<S, N>) {
+        if matches!(self.stage, Stage::Run { .. }) {
+            self.run.hurry();
+        }
+        if self.queue.len() < ENOUGH
+            && !self.capped
+            && let Some(QueuedBlock { segment: Some(segment), tolerance, feed, .. }) =
+                self.queue.back()
+        {
+            let slight = *tolerance > S::of(joint::LEAST_SLIGHT);
+            let least = joint::goes_on_from(segment, *feed, config) * S::of(CAPPED_LENGTHS);
+            self.capped = slight && segment.is_line() && segment.length >= least;
+        }
     }
 
     /// Single block mode: whether joints that are not decided yet are exact stops, and lines stay as they are written.

@@ -17,6 +17,8 @@ pub enum KnotState {
     Broken,
 }
 
+/// Longest span where more of the path comes slowly, as a share of the longest.
+const BRIEF_SHARE: f64 = 0.125;
 /// The last of so many parts of a span is what it ends on.
 const ENDS_ON: i64 = 64;
 
@@ -43,7 +45,9 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         let here = if self.knots == KnotState::New { from.s } else { self.spline.end() };
         let (done, left) = ((here - from.s).to_mm(), (to.s - here).to_mm());
         let ends = EndSizes { first: from.size, last: to.size };
-        let s = match next_piece(done, left, ends, to.feed * S::of(LONGEST_CELL_TIME)) {
+        let share = if self.brief { BRIEF_SHARE } else { 1.0 };
+        let longest = to.feed * S::of(LONGEST_CELL_TIME * share);
+        let s = match next_piece(done, left, ends, longest) {
             NextPiece::Rest => to.s,
             NextPiece::Half => here + (to.s - here) / 2,
             NextPiece::Length(step) => here + Length::from_mm(step).max(Length::UNIT),

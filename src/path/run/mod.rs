@@ -35,6 +35,11 @@ use heapless::Deque;
 
 /// Spans handed on at once.
 const BATCH: usize = 6;
+/// Spans of a stretch that is not full which are held back where the motion needs what is known: the control points of
+/// three of them do not move before more is.
+const HELD_BACK: usize = 4;
+/// So many are handed on at least from rest: they are short there, and run in no time.
+const LEAST_BEGUN: usize = 14;
 /// Dominant points waiting for their spans.
 const WAITING: usize = 6;
 /// Share of the first or last line of a smooth end that one span may take: two must fit.
@@ -55,6 +60,10 @@ pub struct Start<S, const N: usize> {
 pub struct Run<S, const N: usize> {
     polyline: Polyline<S, N>,
     spline: SlidingSpline<S, N>,
+    /// Whether the next spans are handed on before the stretch is full.
+    hurried: bool,
+    /// Whether spans are short, because more of the path comes slowly: what is held back of the stretch is.
+    brief: bool,
     /// How far the spline has been smoothed, if it is being.
     smoothing: Optional<Smoothing<S>>,
     /// Dominant points from the one that knots have been laid up to.
@@ -90,6 +99,8 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         Self {
             polyline: Polyline::new(),
             spline: SlidingSpline::new(),
+            hurried: false,
+            brief: false,
             smoothing: Optional::NONE,
             dominant: Deque::new(),
             newest: VertexSerial::ZERO,
@@ -113,6 +124,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     /// Forgets the run.
     pub fn clear(&mut self) {
         self.spline.clear();
+        (self.hurried, self.brief) = (false, false);
         self.smoothing.set(None);
         self.knots = KnotState::Tied;
         (self.handed, self.ready, self.part) = (0, 0, 0);
@@ -123,6 +135,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         let rest_size = ramp.first_cell(leg.programmed.feed);
         self.polyline.begin(at, leg);
         self.spline.clear();
+        (self.hurried, self.brief) = (false, false);
         self.smoothing.set(None);
         self.dominant.clear();
         self.pieces.clear();
@@ -144,6 +157,11 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         if tie == Tie::Rest {
             self.spline.slow_at(Length::ZERO, rest_size);
         }
+    }
+
+    /// The motion will soon need more of the path: the next spans are handed on with less of it known behind them.
+    pub fn hurry(&mut self) {
+        (self.hurried, self.brief) = (true, true);
     }
 
     /// Whether a line can be taken.
@@ -246,7 +264,11 @@ impl<S: Scalar, const N: usize> Run<S, N> {
                 return Cut::Working;
             }
             let tied = self.is_tied();
-            if !tied && (self.knots == KnotState::New || self.spline.has_room()) {
+            let spans = self.spline.spans.len() - self.handed;
+            let from_rest = self.start == Tie::Rest && self.spline.frozen < 3;
+            let least = if from_rest { LEAST_BEGUN } else { 1 };
+            let waits = self.spline.has_room() && !(self.hurried && spans >= HELD_BACK + least);
+            if !tied && (self.knots == KnotState::New || waits) {
                 return Cut::Nothing;
             }
             self.spline.release(self.handed);
@@ -276,8 +298,15 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     #[inline(never)]
     fn make_ready(&mut self) {
         let spans = self.spline.spans.len();
-        self.ready = if self.is_tied() { spans.min(BATCH) } else { BATCH.min(spans - 1) };
+        let has_room = self.spline.has_room();
+        self.brief &= has_room;
+        self.ready = match self.hurried && !self.is_tied() && has_room {
+            true => spans.saturating_sub(HELD_BACK).max(1),
+            false if self.is_tied() => spans.min(BATCH),
+            false => BATCH.min(spans - 1),
+        };
         self.spline.frozen = self.ready + 3;
+        self.hurried = false;
     }
 
     /// Hands on a cell.

@@ -1,5 +1,6 @@
 //! The pieces of the lines of a run that have tags of their own.
 
+use crate::number::optional::Optional;
 use crate::number::{Interval, Length, Scalar};
 use heapless::Deque;
 
@@ -25,20 +26,27 @@ impl<S: Scalar> TaggedPiece<S> {
 /// The pieces that no span has shown, in order.
 pub struct Pieces<S> {
     list: Deque<TaggedPiece<S>, PIECES>,
+    /// Where the first of those began for which there was no room since the last.
+    lost: Optional<Length>,
 }
 
 impl<S: Scalar> Pieces<S> {
     pub const fn new() -> Self {
-        Self { list: Deque::new() }
+        Self { list: Deque::new(), lost: Optional::NONE }
     }
 
     pub fn clear(&mut self) {
         self.list.clear();
+        self.lost.set(None);
     }
 
-    /// Takes note of a piece and its tag. Where there is no room its tag is not shown.
+    /// Takes note of a piece and its tag. Where there is no room the tag of the next is shown for it: not that of its
+    /// line, which may be one behind.
     pub fn note(&mut self, Interval { from, to }: Interval, tag: u32) {
-        let _ = self.list.push_back(TaggedPiece { to, length: (to - from).to_mm(), tag });
+        let from = self.lost.take().map_or(from, |lost| lost.min(from));
+        if self.list.push_back(TaggedPiece { to, length: (to - from).to_mm(), tag }).is_err() {
+            self.lost.set(Some(from));
+        }
     }
 
     /// Where the last piece ends.
@@ -83,5 +91,9 @@ mod tests {
         }
         assert_eq!(pieces.tag_at(at(3.5)), Some(0));
         assert_eq!(pieces.tag_at(at(22.5)), None);
+        // And what the next stands for, once there is room.
+        pieces.release_before(at(5.0));
+        pieces.note(piece(30.0, 31.0), 40);
+        assert_eq!(pieces.tag_at(at(22.5)), Some(40));
     }
 }
