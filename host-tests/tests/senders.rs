@@ -1,0 +1,294 @@
+//! Senders that send as fast as the motion needs blocks, or not quite: what is known of the path is run, however it is
+//! written; all limits and the band, whatever comes when.
+
+#[path = "common/cycles.rs"]
+mod cycles;
+
+use cycles::{Between, Draw, Point, at, machine, soak};
+use splineway::{
+    Activity, AxisLimits, Block, Config, Feed, Interpolator, Limits, Link, Planner, Progress,
+    PushError, Scalar, Setpoint,
+};
+
+const BLOCKS: usize = 16;
+const NODES: usize = 64;
+
+/// When blocks come.
+#[derive(Clone, Copy, Debug)]
+enum Sender {
+    /// Whenever there is room.
+    Full,
+    /// One in so many servo cycles.
+    Paced(usize),
+    /// Some at a time, and pauses of so many cycles between.
+    Bursts(usize),
+}
+
+/// What a run came to.
+#[derive(Default)]
+struct Outcome {
+    /// Servo cycles before the first motion, and in all.
+    begun: usize,
+    cycles: usize,
+    /// How often the motion came to rest.
+    rests: usize,
+    starved: u32,
+}
+
+/// A machine with a sender of lines.
+struct Rig<'a, S: Scalar> {
+    planner: Planner<'a, S, 3, BLOCKS, NODES>,
+    interpolator: Interpolator<'a, S, 3>,
+    config: Config<S, 3>,
+    lines: &'a [[f64; 3]],
+    feed: f64,
+    sent: usize,
+}
+
+impl<S: Scalar> Rig<'_, S> {
+    /// Sends up to so many lines.
+    fn send(&mut self, most: usize) {
+        for _ in 0..most {
+            let Some(to) = self.lines.get(self.sent + 1) else {
+                self.planner.finish();
+                return;
+            };
+            let mut block = Block::line(to.map(at), S::ONE, self.sent as u32);
+            block.feed = Feed::PerSecond(S::of(self.feed));
+            match self.planner.push(&block) {
+                Ok(()) => self.sent += 1,
+                Err(PushError::Full) => return,
+                Err(other) => panic!("{other:?}"),
+            }
+        }
+    }
+
+    /// Runs all lines; every limit is checked in every cycle, the band too.
+    fn run(&mut self, sender: Sender, draw: &mut Draw) -> Outcome {
+        let mut outcome = Outcome::default();
+        let (mut last, mut pause, mut near) = (self.interpolator.tick(), 0, 0);
+        let cycle = self.config.cycle.to_f64();
+        let most = self.config.tolerance.to_f64() * 1.001 + 1.0e-6;
+        for n in 0..20_000_000 {
+            match sender {
+                Sender::Full => self.send(usize::MAX),
+                Sender::Paced(pace) if n % pace == 0 => self.send(1),
+                Sender::Bursts(longest) if pause == 0 => {
+                    self.send(draw.scale(1.0, 40.0) as usize);
+                    pause = draw.between(0.0, longest as f64) as usize;
+                }
+                _ => pause = pause.saturating_sub(1),
+            }
+            let mut progress = self.planner.poll();
+            for _ in 0..draw.scale(1.0, 1000.0) as usize {
+                if progress == Progress::Planning {
+                    progress = self.planner.poll();
+                }
+            }
+            let now = self.interpolator.tick();
+            Between { from: last, to: now, cycle }.check(&self.config, false);
+            let off = self.distance(&now, &mut near, most);
+            assert!(
+                off <= most,
+                "{off} of {most} mm off the path in cycle {n} ({near} of {})",
+                self.sent
+            );
+            assert!(
+                now.tag >= last.tag || now.activity == Activity::Idle,
+                "line {} after {} in cycle {n}, {} sent",
+                now.tag,
+                last.tag,
+                self.sent
+            );
+            let moves = |at: &Setpoint<S, 3>| at.velocity.iter().any(|v| v.to_f64() != 0.0);
+            match (moves(&last), moves(&now)) {
+                (false, true) if outcome.begun == 0 => outcome.begun = n,
+                (true, false) => outcome.rests += 1,
+                _ => {}
+            }
+            last = now;
+            if progress == Progress::Done && now.activity == Activity::Idle {
+                outcome.cycles = n;
+                outcome.starved = self.planner.counters().starved;
+                let end_off = if S::NAME == "f32" { 1.0e-6 } else { 1.0e-9 };
+                let end: Point = self.lines[self.lines.len() - 1].map(at);
+                for (axis, end) in end.iter().enumerate() {
+                    let off: f64 = now.position(axis).minus(*end);
+                    assert!(off.abs() < end_off, "axis {axis} ends {off} mm off");
+                }
+                return outcome;
+            }
+        }
+        panic!("the run does not end: {} of {} lines sent", self.sent, self.lines.len());
+    }
+
+    /// Distance from the lines: those about the nearest so far, or all.
+    fn distance(&self, now: &Setpoint<S, 3>, near: &mut usize, most: f64) -> f64 {
+        let x = [0, 1, 2].map(|axis| now.position_mm(axis));
+        let nearest = |from: usize, to: usize| {
+            let mut least = (f64::INFINITY, 0);
+            for (k, pair) in self.lines.windows(2).enumerate().take(to).skip(from) {
+                let d = [0, 1, 2].map(|i| pair[1][i] - pair[0][i]);
+                let square: f64 = d.iter().map(|d| d * d).sum();
+                let along: f64 = (0..3).map(|i| (x[i] - pair[0][i]) * d[i]).sum();
+                let t = if square > 0.0 { (along / square).clamp(0.0, 1.0) } else { 0.0 };
+                let square: f64 = (0..3).map(|i| (pair[0][i] + t * d[i] - x[i]).powi(2)).sum();
+                if square < least.0 {
+                    least = (square, k);
+                }
+            }
+            (least.0.sqrt(), least.1)
+        };
+        let mut found = nearest(near.saturating_sub(30), *near + 30);
+        if found.0 > most {
+            found = nearest(0, self.lines.len());
+        }
+        *near = found.1;
+        found.0
+    }
+}
+
+/// Runs lines with a sender.
+fn run<S: Scalar>(
+    config: Config<S, 3>,
+    lines: &[[f64; 3]],
+    feed: f64,
+    sender: Sender,
+    draw: &mut Draw,
+) -> Outcome {
+    let mut link = Box::new(Link::<S, 3, BLOCKS, NODES>::new());
+    let (planner, interpolator) = link.split(config.clone(), lines[0].map(at)).unwrap();
+    Rig { planner, interpolator, config, lines, feed, sent: 0 }.run(sender, draw)
+}
+
+/// A path in pieces, rounded as a program rounds them.
+fn pieces(points: &[[f64; 3]], piece: f64, rounded: f64) -> Vec<[f64; 3]> {
+    let mut lines = vec![points[0]];
+    for pair in points.windows(2) {
+        let length = (0..3).map(|i| (pair[1][i] - pair[0][i]).powi(2)).sum::<f64>().sqrt();
+        let count = (length / piece).ceil().max(1.0);
+        lines.extend((1..=count as usize).map(|k| {
+            [0, 1, 2].map(|i| {
+                let x = pair[0][i] + (pair[1][i] - pair[0][i]) * k as f64 / count;
+                if rounded > 0.0 { (x / rounded).round() * rounded } else { x }
+            })
+        }));
+    }
+    lines
+}
+
+fn axes<S: Scalar>() -> Config<S, 3> {
+    let axis = AxisLimits::linear(S::of(200.0), S::of(2000.0), S::of(50_000.0));
+    let mut config = Config::new(Limits::new([axis; 3]).unwrap());
+    config.tolerance = S::of(0.05);
+    config
+}
+
+/// Long straight legs with corners, and a circle.
+fn paths() -> [(&'static str, Vec<[f64; 3]>); 2] {
+    let legs = vec![[0.0; 3], [40.0, 0.0, 0.0], [40.0, 30.0, 0.0], [21.0, 7.0, 0.0]];
+    let circle = (0..=400)
+        .map(|k| f64::from(k) * 0.0157)
+        .map(|angle: f64| [20.0 * angle.sin(), 20.0 * (1.0 - angle.cos()), 0.0])
+        .collect();
+    [("legs", legs), ("circle", circle)]
+}
+
+/// A long line that is sent in pieces grows in the look-ahead, and a run waits until a long stretch of it is known: neither
+/// keeps the machine waiting where the sender is only somewhat faster than the motion.
+fn is_not_kept_waiting<S: Scalar>() {
+    for (name, path) in paths() {
+        for (piece, rounded) in [(0.1, 0.0), (0.1, 1.0e-3), (0.5, 0.0), (0.5, 1.0e-4)] {
+            let lines = pieces(&path, piece, rounded);
+            for feed in [5.0, 20.0, 60.0] {
+                let mut draw = Draw(1);
+                let full = run(axes::<S>(), &lines, feed, Sender::Full, &mut draw);
+                for pace in 1..=3 {
+                    // At least half as fast again as the motion.
+                    let ahead = 1000.0 * piece / (feed * pace as f64);
+                    if ahead < 1.5 {
+                        continue;
+                    }
+                    let paced = run(axes::<S>(), &lines, feed, Sender::Paced(pace), &mut draw);
+                    let case = format!(
+                        "{name}, {piece} mm rounded to {rounded}, {feed} mm/s, one in {pace}"
+                    );
+                    assert_eq!((paced.rests, paced.starved), (1, 0), "{case}");
+                    assert!(paced.begun < 500, "{case}: begins after {}", paced.begun);
+                    let (longer, most) = (paced.cycles - full.cycles, 480);
+                    assert!(longer < most, "{case}: {longer} cycles longer");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_path_in_pieces_is_run_as_they_come() {
+    is_not_kept_waiting::<f64>();
+}
+
+#[test]
+fn a_path_in_pieces_is_run_as_they_come_in_f32() {
+    is_not_kept_waiting::<f32>();
+}
+
+/// A random path of straight stretches, chords of arcs and noise, in pieces.
+fn random_path(draw: &mut Draw) -> Vec<[f64; 3]> {
+    let (mut here, mut heading) = ([0.0; 3], 0.0f64);
+    let mut points = vec![here];
+    let rise = if draw.chance(0.5) { draw.between(-0.5, 0.5) } else { 0.0 };
+    for _ in 0..draw.between(1.0, 6.0) as usize {
+        if draw.chance(0.7) {
+            heading += draw.between(-3.2, 3.2);
+        }
+        let bend = if draw.chance(0.5) { 0.0 } else { draw.between(-0.2, 0.2) };
+        let step = draw.scale(0.02, 5.0);
+        for _ in 0..draw.scale(1.0, 60.0) as usize {
+            heading += bend;
+            here = [
+                here[0] + step * heading.cos(),
+                here[1] + step * heading.sin(),
+                here[2] + step * rise,
+            ];
+            points.push(here);
+        }
+    }
+    let piece = draw.scale(0.02, 3.0);
+    let rounded = [0.0, 1.0e-4, 1.0e-3, 1.0e-2][(draw.share() * 4.0) as usize];
+    let mut lines = pieces(&points, piece, rounded);
+    lines.truncate(700);
+    lines
+}
+
+/// Any machine, path, sender and pace of planning: limits, band, end and order of the tags, checked by the rig.
+fn any_sender<S: Scalar>(seed: u64) {
+    for case in 0..60 * u64::from(soak()) {
+        let mut draw = Draw((seed + case).wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
+        let mut config = machine::<S>(&mut draw);
+        config.stop_limits = None;
+        config.tolerance = S::of(draw.scale(2.0e-3, 0.5));
+        if draw.chance(0.1) {
+            config.tolerance = S::ZERO;
+        }
+        config.start_delay = S::of(draw.between(0.0, 0.1));
+        let lines = random_path(&mut draw);
+        let feed = draw.scale(1.0, 300.0);
+        let sender = match draw.chance(0.5) {
+            true => Sender::Paced(draw.scale(1.0, 60.0) as usize),
+            false => Sender::Bursts(draw.scale(2.0, 300.0) as usize),
+        };
+        println!("case {case}: {} lines, {feed} mm/s, {sender:?}", lines.len());
+        run(config, &lines, feed, sender, &mut draw);
+    }
+}
+
+#[test]
+fn any_sender_of_any_path() {
+    any_sender::<f64>(11);
+}
+
+#[test]
+fn any_sender_of_any_path_in_f32() {
+    any_sender::<f32>(12);
+}
