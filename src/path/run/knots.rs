@@ -86,7 +86,8 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         }
         let Interval { from, to } = self.spline.interval(before);
         // A little before its end: the ends of pieces are rounded.
-        if let Some(tag) = self.pieces.tag_at(to - (to - from) / ENDS_ON)
+        let line = self.polyline.line_end(to - Length::UNIT);
+        if let Some(tag) = self.pieces.tag_at(to - (to - from) / ENDS_ON, line)
             && let Some(leg) = self.spline.legs.last_mut()
         {
             leg.programmed.tag = tag;

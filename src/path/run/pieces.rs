@@ -54,10 +54,11 @@ impl<S: Scalar> Pieces<S> {
         self.list.back().map(|piece| piece.to)
     }
 
-    /// The tag of what lies around an arc length, if it is not that of its line.
-    pub fn tag_at(&self, s: Length) -> Option<u32> {
-        let piece = self.list.iter().find(|piece| piece.from() <= s && s < piece.to)?;
-        Some(piece.tag)
+    /// The tag of what lies around an arc length, if it is not that of its line, which ends at `end` and shows the tag of
+    /// its last piece: a piece before that end comes before it.
+    pub fn tag_at(&self, s: Length, end: Length) -> Option<u32> {
+        let piece = self.list.iter().find(|piece| s < piece.to)?;
+        (piece.from() <= s || piece.from() < end).then_some(piece.tag)
     }
 
     /// Forgets what lies before an arc length.
@@ -81,19 +82,23 @@ mod tests {
         pieces.note(piece(1.0, 2.0), 7);
         pieces.note(piece(2.0, 2.5), 8);
         assert_eq!(pieces.end(), Some(at(2.5)));
-        let tags = [0.5, 1.0, 1.9, 2.0, 2.5].map(|s| pieces.tag_at(at(s)));
+        let tags = [0.5, 1.0, 1.9, 2.0, 2.5].map(|s| pieces.tag_at(at(s), at(s)));
+        assert_eq!(pieces.tag_at(at(0.5), at(1.5)), Some(7), "before the end of the line");
         assert_eq!(tags, [None, Some(7), Some(7), Some(8), None]);
         pieces.release_before(at(2.0));
-        assert_eq!((pieces.tag_at(at(1.5)), pieces.tag_at(at(2.2))), (None, Some(8)));
+        assert_eq!(
+            (pieces.tag_at(at(1.5), at(1.5)), pieces.tag_at(at(2.2), at(2.2))),
+            (None, Some(8))
+        );
         // Of more than there is room for, the first are kept.
         for k in 0..20 {
             pieces.note(piece(3.0 + f64::from(k), 4.0 + f64::from(k)), k);
         }
-        assert_eq!(pieces.tag_at(at(3.5)), Some(0));
-        assert_eq!(pieces.tag_at(at(22.5)), None);
+        assert_eq!(pieces.tag_at(at(3.5), at(3.5)), Some(0));
+        assert_eq!(pieces.tag_at(at(22.5), at(22.5)), None);
         // And what the next stands for, once there is room.
         pieces.release_before(at(5.0));
         pieces.note(piece(30.0, 31.0), 40);
-        assert_eq!(pieces.tag_at(at(22.5)), Some(40));
+        assert_eq!(pieces.tag_at(at(22.5), at(22.5)), Some(40));
     }
 }
