@@ -101,6 +101,11 @@ def connected(talk: Talk, port: str):
     grbl.poll_start()
     talk.wait("a report", talk.rests)
     talk.wait("the parameters", lambda: "on_hash_stateupdate" in talk.seen)
+    # After every banner it asks for them again: what comes while the machine moves is refused, as grbl does.
+    asked = -1
+    while asked != talk.seen["on_hash_stateupdate"]:
+        asked = talk.seen["on_hash_stateupdate"]
+        time.sleep(1.0)
     return grbl
 
 

@@ -66,12 +66,14 @@ impl<S: Scalar> Between<S> {
             let [v, a, j] = [axis.velocity, axis.acceleration, axis.jerk].map(S::to_f64);
             let (a, j) = (a.max(stop.acceleration.to_f64()), j.max(stop.jerk.to_f64()));
             let jerk = (a1 - a0) / h;
-            let turned = if a0 * a1 < 0.0 { v0 - 0.5 * a0 * a0 / jerk } else { v1 };
+            // On a path the jerk changes within a cycle.
+            let on_path = [self.from, self.to].iter().any(|at| at.activity == Activity::Running);
+            let turns = a0 * a1 < 0.0 && !on_path;
+            let turned = if turns { v0 - 0.5 * a0 * a0 / jerk } else { v1 };
             assert!(v1.abs().max(turned.abs()) < v * (1.0 + e), "axis {i}: velocity {v1}");
             assert!(a1.abs() < a * (1.0 + e), "axis {i}: acceleration {a1} of {a}");
             assert!(jerk.abs() < (j + 2.0 * e * a / h) * (1.0 + e), "axis {i}: jerk {jerk} of {j}");
-            if [self.from, self.to].iter().any(|at| at.activity == Activity::Running) {
-                // On a path the jerk changes within a cycle.
+            if on_path {
                 continue;
             }
             let step = (v1 - v0 - 0.5 * (a0 + a1) * h).abs();
