@@ -36,7 +36,7 @@ INSTEAD = {
         "cargo bench -p splineway-host --bench cost -- SCRATCH/few",
     # As the tests are built anyway.
     "cargo test --release -p splineway-host --test runs feed -- --nocapture":
-        "cargo test -p splineway-host --test runs feed -- --nocapture",
+        "cargo test --workspace --test runs feed -- --nocapture",
 }
 
 # Commands that go on until they are ended, and what they say when they have come up.
