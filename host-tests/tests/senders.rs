@@ -43,6 +43,8 @@ struct Rig<'a, S: Scalar> {
     lines: &'a [[f64; 3]],
     feed: f64,
     sent: usize,
+    /// Whether an operator gives commands: holds, overrides, single block mode.
+    operated: bool,
 }
 
 impl<S: Scalar> Rig<'_, S> {
@@ -63,6 +65,21 @@ impl<S: Scalar> Rig<'_, S> {
         }
     }
 
+    /// A command at a time when nobody expects it.
+    fn operate(&self, draw: &mut Draw) {
+        let controls = self.planner.controls();
+        match draw.between(0.0, 8.0) as u32 {
+            0 | 1 => controls.hold(),
+            2 => controls.single_block(true),
+            3 => controls.feed_override(draw.between(10.0, 200.0) as u16),
+            4 => controls.stop(),
+            _ => {
+                controls.single_block(false);
+                controls.resume();
+            }
+        }
+    }
+
     /// Runs all lines; every limit is checked in every cycle, the band too.
     fn run(&mut self, sender: Sender, draw: &mut Draw) -> Outcome {
         let mut outcome = Outcome::default();
@@ -78,6 +95,15 @@ impl<S: Scalar> Rig<'_, S> {
                     pause = draw.between(0.0, longest as f64) as usize;
                 }
                 _ => pause = pause.saturating_sub(1),
+            }
+            // It ends some time: then the machine goes on.
+            if self.operated && draw.chance(0.01) {
+                if n < 100_000 {
+                    self.operate(draw);
+                } else {
+                    self.planner.controls().single_block(false);
+                    self.planner.controls().resume();
+                }
             }
             let mut progress = self.planner.poll();
             for _ in 0..draw.scale(1.0, 1000.0) as usize {
@@ -153,12 +179,12 @@ fn run<S: Scalar>(
     config: Config<S, 3>,
     lines: &[[f64; 3]],
     feed: f64,
-    sender: Sender,
+    (sender, operated): (Sender, bool),
     draw: &mut Draw,
 ) -> Outcome {
     let mut link = Box::new(Link::<S, 3, BLOCKS, NODES>::new());
     let (planner, interpolator) = link.split(config.clone(), lines[0].map(at)).unwrap();
-    Rig { planner, interpolator, config, lines, feed, sent: 0 }.run(sender, draw)
+    Rig { planner, interpolator, config, lines, feed, sent: 0, operated }.run(sender, draw)
 }
 
 /// A path in pieces, rounded as a program rounds them.
@@ -202,14 +228,15 @@ fn is_not_kept_waiting<S: Scalar>() {
             let lines = pieces(&path, piece, rounded);
             for feed in [5.0, 20.0, 60.0] {
                 let mut draw = Draw(1);
-                let full = run(axes::<S>(), &lines, feed, Sender::Full, &mut draw);
+                let full = run(axes::<S>(), &lines, feed, (Sender::Full, false), &mut draw);
                 for pace in 1..=3 {
                     // At least half as fast again as the motion.
                     let ahead = 1000.0 * piece / (feed * pace as f64);
                     if ahead < 1.5 {
                         continue;
                     }
-                    let paced = run(axes::<S>(), &lines, feed, Sender::Paced(pace), &mut draw);
+                    let paced =
+                        run(axes::<S>(), &lines, feed, (Sender::Paced(pace), false), &mut draw);
                     let case = format!(
                         "{name}, {piece} mm rounded to {rounded}, {feed} mm/s, one in {pace}"
                     );
@@ -278,8 +305,9 @@ fn any_sender<S: Scalar>(seed: u64) {
             true => Sender::Paced(draw.scale(1.0, 60.0) as usize),
             false => Sender::Bursts(draw.scale(2.0, 300.0) as usize),
         };
-        println!("case {case}: {} lines, {feed} mm/s, {sender:?}", lines.len());
-        run(config, &lines, feed, sender, &mut draw);
+        let operated = draw.chance(0.5);
+        println!("case {case}: {} lines, {feed} mm/s, {sender:?}, {operated}", lines.len());
+        run(config, &lines, feed, (sender, operated), &mut draw);
     }
 }
 
