@@ -3,12 +3,9 @@
 //     node cncjs.js BROWSER WEB_PORT SERIAL_PORT FOLDER
 
 const puppeteer = require("puppeteer-core");
-const fs = require("fs");
 const path = require("path");
 
 const [browserPath, webPort, serialPort, folder] = process.argv.slice(2);
-// A circle and lines, back to the start; and one that is stopped.
-const JOB = ["G21 G90", "G1 X10 Y0 F1000", "G2 X20 Y10 I0 J10", "G1 X30 Y30", "G1 X0 Y30", "G1 X0 Y0", "M2", ""];
 const PATIENCE = 60000;
 
 const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
@@ -104,10 +101,8 @@ async function main() {
     await until(page, "at work zero", ({ state, place }) => state === "Idle" && at(place, [0, 0, -2]));
 
     // Load, run, hold, resume, to the end.
-    const job = path.join(folder, "job.nc");
-    fs.writeFileSync(job, JOB.join("\n"));
     const input = await page.$("input[type=file]");
-    await input.uploadFile(job);
+    await input.uploadFile(path.join(folder, "job.nc"));
     await click(page, "Run");
     await until(page, "runs", ({ state, place }) => state === "Run" && place[1] > 1);
     await click(page, "Feedhold");

@@ -15,15 +15,13 @@ import shutil
 import socket
 import subprocess
 import sys
-import time
+
+from homing import JOB, Controller
 
 ROOT = pathlib.Path(__file__).absolute().parents[2]
 FOLDER = ROOT / "target" / "cncjs"
 PACKAGES = ["cncjs@1.11.5", "puppeteer-core@24.43.1"]
 BROWSERS = ["chromium", "chromium-browser", "google-chrome"]
-# Home switches at the upper ends; homing on, 2 mm off the switch, 3000 and 600 mm/min.
-SWITCHES = ["X>12", "Y>9", "Z>5"]
-SETTINGS = ["$22=1", "$27=2", "$25=3000", "$24=600"]
 PATIENCE = 300
 
 
@@ -50,31 +48,12 @@ def installed() -> pathlib.Path:
     return pathlib.Path(browser)
 
 
-def told(port: str, lines: list[str]) -> None:
-    """Sends settings before the sender comes."""
-    line = os.open(port, os.O_RDWR | os.O_NOCTTY)
-    os.write(line, ("\n".join(lines) + "\n").encode())
-    heard, began = b"", time.monotonic()
-    while heard.count(b"ok\r\n") < len(lines):
-        heard += os.read(line, 4096)
-        if b"error" in heard or time.monotonic() - began > 30:
-            raise SystemExit(f"settings are not taken: {heard}")
-    os.close(line)
-
-
 def main() -> None:
-    program = str(pathlib.Path(sys.argv[1]).absolute())
     browser = installed()
-    switches = [word for place in SWITCHES for word in ("--switch", place)]
-    controller = subprocess.Popen(
-        [program, "controller", "--protocol", "grbl", *switches], stdout=subprocess.PIPE, text=True
-    )
-    server = None
+    controller, server = Controller(sys.argv[1], FOLDER / "controller.log"), None
+    port = controller.port
     try:
-        port = controller.stdout.readline().removeprefix("port:").strip()
-        log = open(FOLDER / "controller.log", "w")
-        subprocess.Popen(["cat"], stdin=controller.stdout, stdout=log)
-        told(port, SETTINGS)
+        (FOLDER / "job.nc").write_text("\n".join(JOB))
         with socket.socket() as free:
             free.bind(("127.0.0.1", 0))
             web = free.getsockname()[1]
