@@ -172,6 +172,28 @@ mod tests {
         assert!(config.stop_limits.is_some());
     }
 
+    /// Axes that a program does not have - those of blocks are checked with all there can be - are no reason to refuse a shaper.
+    #[test]
+    fn motors_are_shaped_with_all_axes_of_the_program() {
+        let shaped = |shapers: &[(&str, &str)]| {
+            let shapers = shapers.iter().map(|(axis, hertz)| {
+                format!("[shaper.{axis}]\nkind = 'zv'\nfrequency = {hertz}\n")
+            });
+            let machine =
+                Machine::parse(&(BELTS.to_owned() + &shapers.collect::<String>())).unwrap();
+            machine.config::<f64, AXES>(&[0, 1, 2]).map(|config| config.follower.alike)
+        };
+        assert!(shaped(&[("default", "45")]).unwrap());
+        assert!(shaped(&[("X", "45"), ("Y", "45"), ("Z", "45")]).unwrap());
+        for (shapers, words) in [
+            (&[("X", "45"), ("Y", "45")][..], "Z is not shaped as XY is"),
+            (&[("default", "45"), ("Y", "40")], "Y is not shaped as XZ is"),
+        ] {
+            let error = format!("{:#}", shaped(shapers).unwrap_err());
+            assert!(error.contains(words) && error.contains("[shaper.default]"), "{error}");
+        }
+    }
+
     #[test]
     fn errors_name_the_motor() {
         let with = |from: &str, to: &str| {
