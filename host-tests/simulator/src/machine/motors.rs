@@ -137,7 +137,8 @@ impl Machine {
                 anyhow!("motor {}, axes.{}: {error}", name(motor), letter(axis))
             }
             ConfigError::Singular { axis, error } => anyhow!(
-                "motor: {} could move with others without a motor: {} of it is its own, and it must be {}",
+                "motor: {} could move with others and no motor turn ({} of it is its own, and it must be {}): is a motor missing, \
+                 or does one follow the axes as another does?",
                 letter(axis),
                 error.value,
                 error.least
@@ -204,7 +205,7 @@ mod tests {
             ("'right'", "'left'", "motor left: there are two"),
             ("X = 1, Y = 1", "Q = 1", "axes.Q: no such axis"),
             ("X = 1, Y = 1", "", "moves no axis"),
-            ("X = 1, Y = 1", "X = 1, Y = -1", "Y could move with others"),
+            ("X = 1, Y = 1", "X = 1, Y = -1", "is a motor missing, or"),
             ("X = 1, Y = 1", "X = 1001, Y = 1", "motor left, axes.X: 1001"),
             ("velocity = 300", "velocity = -3", "motor left: limit of Velocity: -3"),
             ("jerk = 1000", "jerk = nan", "motor right"),
