@@ -20,6 +20,19 @@ cmake -S "$hal" -B "$out/cmake" -DSPLINEWAY_CARGO_DIR="$out/cargo" >"$out/log" |
 cmake --build "$out/cmake"
 expect "$out/cmake/hal" "0 edges too near, 0 wrong"
 
+echo "-- CMake: a project of one's own, configured for the first time"
+rm -rf "$out/own"
+mkdir -p "$out/own"
+printf '#define SPLINEWAY_AXES 5\n' >"$out/own/splineway_config.h"
+cat >"$out/own/CMakeLists.txt" <<EOF
+cmake_minimum_required(VERSION 3.16)
+project(own LANGUAGES C)
+set(SPLINEWAY_CONFIG \${CMAKE_CURRENT_SOURCE_DIR}/splineway_config.h)
+add_subdirectory($root splineway)
+EOF
+cmake -S "$out/own" -B "$out/own/build" >"$out/log"
+grep -q "SPLINEWAY_AXES=5" "$out/log" || { cat "$out/log"; echo "c.sh: the project's header was not read" >&2; exit 1; }
+
 echo "-- Make, host"
 make -C "$hal" BUILD="$out/make" SPLINEWAY_CARGO_DIR="$out/cargo"
 expect "$out/make/hal" "0 edges too near, 0 wrong"

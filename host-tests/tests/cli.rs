@@ -177,6 +177,8 @@ fn other_speed_laws_and_corners_are_compared() {
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success() && text.contains("exact stop"), "{text}");
     assert!(std::fs::read_to_string(plot).unwrap().contains("speed along the way"));
+    let output = splineway(&["simulate", &example(), "--compare", "--quiet"]);
+    assert!(output.status.success() && output.stdout.is_empty(), "quiet is quiet");
     let output = splineway(&["corners", "--turns", "90"]);
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success() && text.contains("Guo 2023"), "{text}");
@@ -498,6 +500,38 @@ fn check_names_the_extent_and_the_culprit() {
         places.iter().all(|place| place["line"] != 4),
         "its feed is what was asked for: {slow}"
     );
+}
+
+/// What is lost at the beginning and the end of a run is no fault of the corner at the other end of that line; what goes nowhere has no
+/// feed; and before the first line there is none.
+#[test]
+fn check_blames_no_corner_for_the_ends() {
+    let text = "G64 P0.01\nM3 S1000\nG1 X10 F600\nX20 Y10\nM2\n";
+    let part = file("ends.ngc", text).display().to_string();
+    let json = |tolerance: &str| -> serde_json::Value {
+        let text = text_of(&["check", &part, "--json", "--tolerance", tolerance]);
+        serde_json::from_str(&text).unwrap()
+    };
+    let causes = |report: &serde_json::Value| -> Vec<(u64, String)> {
+        let places = report["slowest"].as_array().unwrap().iter();
+        places.map(|p| (p["line"].as_u64().unwrap(), p["cause"].as_str().unwrap().into())).collect()
+    };
+    // At this feed the corner costs less than a tenth of what the ends do.
+    let found = causes(&json("0.01"));
+    assert!(found.contains(&(4, "start, end or stop".into())), "{found:?}");
+    assert!(found.iter().all(|(line, cause)| *line > 1 && !cause.contains("corner")), "{found:?}");
+    // Where it stands in the corner, it is the corner.
+    let found = causes(&json("0"));
+    assert!(found.iter().any(|(_, cause)| cause.contains("corner of 45")), "{found:?}");
+    let text = text_of(&["check", &part]);
+    assert!(text.contains(" / - ") && !text.contains("inf"), "{text}");
+    // A start without anything before it.
+    let bare = file("bare.ngc", "G64 P0.01\nG1 X10 F600\nX20 Y10\n").display().to_string();
+    let report: serde_json::Value =
+        serde_json::from_str(&text_of(&["check", &bare, "--json"])).unwrap();
+    let found = causes(&report);
+    assert_eq!(found.len(), 2, "{found:?}");
+    assert!(found.iter().all(|(_, cause)| cause == "start, end or stop"), "{found:?}");
 }
 
 /// Everything that is wrong is listed at once, and nothing is run.

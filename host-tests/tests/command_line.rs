@@ -385,11 +385,15 @@ fn what_cannot_be_written_is_said_first() {
         vec!["controller", "--protocol", "grbl", "--settings", &inside],
         vec!["controller", "--protocol", "grbl", "--machine", &machine, "--settings", &machine],
         vec!["simulate", &line, "--plot", &inside],
+        // No file of that name: who writes this means standard output.
+        vec!["simulate", &line, "--setpoints", "-"],
+        vec!["simulate", &line, "--report", "-"],
     ] {
         let error = error_of(&arguments, b"");
         assert!(error.starts_with("error: --"), "{arguments:?}: {error}");
     }
     assert!(begun.elapsed().as_secs_f64() < 10.0);
+    assert!(!Path::new("-").exists());
     assert_eq!(fs::read(&blocked).unwrap(), b"");
     assert!(fs::read_to_string(&machine).unwrap().contains("tolerance"));
     assert_eq!(fs::read_dir(&folder).unwrap().count(), 3);

@@ -201,3 +201,17 @@ fn commands_that_are_not_there_are_found() {
         assert_eq!(wrong_for_cargo(words).unwrap_or_default(), what);
     }
 }
+
+/// The machine of the page is one that runs.
+#[test]
+fn the_machine_of_the_page_is_accepted() {
+    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/formats.md"))
+        .unwrap();
+    let machines = page.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap());
+    for text in machines.clone() {
+        let machine = splineway_simulator::machine::Machine::parse(text)
+            .unwrap_or_else(|error| panic!("{error:#}: {text}"));
+        machine.config::<f64, 3>(&[0, 1, 2]).unwrap();
+    }
+    assert_eq!(machines.count(), 1);
+}

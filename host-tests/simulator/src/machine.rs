@@ -13,7 +13,9 @@ use serde::Deserialize;
 use splineway::gcode::{OFFSETS, Place, Setup};
 use splineway::machine::defaults;
 use splineway::output::{Shape, Shaper, ShaperKind};
-use splineway::{AxisLimits, AxisTravel, Config, Coord, CornerMode, Limits, Scalar, Travel};
+use splineway::{
+    AxisLimits, AxisTravel, Config, ConfigError, Coord, CornerMode, Limits, Scalar, Travel,
+};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -262,9 +264,7 @@ impl Machine {
         }
         let mut shapes = [None; N];
         for (slot, &index) in shapes.iter_mut().zip(axes) {
-            let named = self.shaper.iter().find(|(key, _)| axis_index(key) == Some(index));
-            let shaping = named.map(|(_, shaping)| shaping).or_else(|| self.shaper.get("default"));
-            *slot = shaping.map(|shaping| (*shaping).into());
+            *slot = self.shape(index).map(Shape::from);
         }
         let mut shaper = Box::<Shaper<S, N, HISTORY>>::default();
         shaper.set(shapes, config)?;
@@ -386,9 +386,36 @@ impl Machine {
         };
         if let Some(shaper) = self.shaper(axes, &config)? {
             config.follower = shaper.follower(&config);
+            // Axes that the program does not have are not shaped, and never move.
+            let used = &axes[..N.min(axes.len())];
+            config.follower.alike =
+                used.windows(2).all(|two| self.shape(two[0]) == self.shape(two[1]));
         }
-        config.check()?;
+        config.check().map_err(|error| self.named(error, axes))?;
         Ok(config)
+    }
+
+    /// What shapes an axis.
+    fn shape(&self, index: usize) -> Option<Shaping> {
+        let named = self.shaper.iter().find(|(key, _)| axis_index(key) == Some(index));
+        named.map(|(_, shaping)| *shaping).or_else(|| self.shaper.get("default").copied())
+    }
+
+    /// An error of the core, with what of the description would mend it.
+    fn named(&self, error: ConfigError, axes: &[usize]) -> anyhow::Error {
+        if error != ConfigError::Unlike {
+            return error.into();
+        }
+        let (own, others): (Vec<usize>, Vec<usize>) =
+            axes.iter().partition(|&&axis| self.shape(axis) == self.shape(axes[0]));
+        let letters =
+            |axes: &[usize]| -> String { axes.iter().map(|&axis| LETTERS[axis]).collect() };
+        anyhow!(
+            "shaper: {} is not shaped as {} is, but where motors follow several axes, all must be: \
+             [shaper.default], and no other, shapes all alike",
+            letters(&others),
+            letters(&own)
+        )
     }
 
     /// Limits of the axes a program uses in quick stops, in its order.

@@ -101,9 +101,11 @@ fn print(findings: &Findings, mut source: Listing<'_>) {
     for place in &findings.slowest {
         let text = source.line(place.line);
         let text: String = text.trim().chars().take(48).collect();
+        // What goes nowhere has no feed.
+        let feed = if place.feed.is_finite() { format!("{:.2}", place.feed) } else { "-".into() };
         println!(
-            "{:>6} {:>9.3} {:>9.3}  {:>8.2} / {:<8.2} {text}  ({})",
-            place.line, place.lost, place.time, place.slowest, place.feed, place.cause
+            "{:>6} {:>9.3} {:>9.3}  {:>8.2} / {feed:<8} {text}  ({})",
+            place.line, place.lost, place.time, place.slowest, place.cause
         );
     }
 }

@@ -43,6 +43,12 @@ fn identity(path: &Path) -> Option<Identity> {
 /// Opens an output without changing it. Devices and pipes are taken as they are.
 fn probe((option, path): Named<'_>) -> Result<Probe> {
     let refusal = || format!("{option} {}: cannot be written", path.display());
+    if is_stdin(path) {
+        bail!(
+            "{}: - is standard input, where files are read (a file of this name: ./-)",
+            refusal()
+        );
+    }
     let exists = match std::fs::metadata(path) {
         Ok(data) if data.is_dir() => bail!("{}: it is a folder", refusal()),
         Ok(data) if !data.is_file() => return Ok(Probe { made: None, identity: None }),

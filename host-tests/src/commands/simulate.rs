@@ -313,11 +313,19 @@ impl Simulate {
         let mut overlays = Vec::new();
         let own = trace.points.iter().map(|point| (point.way, point.speed)).collect();
         let mut curves = vec![Curve { name: format!("splineway: {time:.3} s"), points: own }];
-        println!(
+        let say = |text: std::fmt::Arguments<'_>| {
+            if !self.quiet {
+                println!("{text}");
+            }
+        };
+        say(format_args!(
             "{:<46} {:>9} {:>7} {:>12} {:>14}",
             "speed law", "time, s", "ratio", "jump, mm/s", "jerk / limit"
-        );
-        println!("{:<46} {time:>9.3} {:>7.2} {:>12} {:>14}", "splineway", 1.0, "none", "<= 1");
+        ));
+        say(format_args!(
+            "{:<46} {time:>9.3} {:>7.2} {:>12} {:>14}",
+            "splineway", 1.0, "none", "<= 1"
+        ));
         let jerk = limits.iter().map(|axis| axis.jerk).fold(f64::INFINITY, f64::min);
         for (law, name) in [
             (Law::ExactStop, "exact stop at every corner, S-curve"),
@@ -325,13 +333,13 @@ impl Simulate {
             (Law::SCurve, "junction deviation, S-curve, a = 0 at corners"),
         ] {
             let outcome = baseline::run(program, limits, tolerance, law);
-            println!(
+            say(format_args!(
                 "{name:<46} {:>9.3} {:>7.2} {:>12.2} {:>14.0}",
                 outcome.time,
                 outcome.time / time,
                 outcome.jump,
                 (outcome.jump / (cycle * cycle) / jerk).max(1.0)
-            );
+            ));
             overlays.push(Overlay {
                 name: name.to_owned(),
                 time: outcome.time,
@@ -342,10 +350,10 @@ impl Simulate {
                 points: outcome.curve,
             });
         }
-        println!(
+        say(format_args!(
             "jump: greatest step of velocity at a corner, within one servo cycle. To keep the jerk\n\
              limit there, these laws would have to stop: they become the exact stop."
-        );
+        ));
         if let Some(path) = plotted.filter(|path| !is_page(path)) {
             let name = self.file.file_name().unwrap_or_default().to_string_lossy();
             plot_speeds(path, &format!("{name}: speed along the way"), &curves)?;

@@ -18,6 +18,9 @@ const RISE: f64 = 1.02;
 /// Turns less than this, degrees, are no corners.
 const CORNER: f64 = 1.0;
 
+/// What holds a motion back where it begins and ends.
+const ENDS: &str = "start, end or stop";
+
 /// A slow stretch between two faster ones.
 #[derive(Clone, Copy, Debug)]
 struct Valley {
@@ -28,6 +31,8 @@ struct Valley {
     /// When it was slowest, s.
     time: f64,
     limit: Option<(&'static str, usize)>,
+    /// Whether nothing had moved before it.
+    first: bool,
 }
 
 /// Collects where the time goes, what was lost, and why.
@@ -39,6 +44,8 @@ pub struct Blame<'a> {
     letters: Vec<char>,
     valley: Option<Valley>,
     before: Vec<f64>,
+    /// Whether anything has moved.
+    moved: bool,
     /// Time of all, at the feed asked for, and at rest, s.
     pub times: [f64; 3],
 }
@@ -59,14 +66,20 @@ impl<'a> Blame<'a> {
             letters: program.axes().into_iter().map(|axis| LETTERS[axis]).collect(),
             valley: None,
             before: vec![0.0; limits.len()],
+            moved: false,
             times: [0.0; 3],
         }
     }
 
     /// The end of the run.
     pub fn close(&mut self) {
+        self.leave(true);
+    }
+
+    /// A place is over; `last`: so is the run.
+    fn leave(&mut self, last: bool) {
         let Some(valley) = self.valley.take() else { return };
-        let cause = self.cause(&valley);
+        let cause = self.cause(&valley, last);
         let line = self.ledger.line(valley.line);
         line.place.lost += valley.lost;
         if valley.lost > line.place.worst.lost {
@@ -76,7 +89,7 @@ impl<'a> Blame<'a> {
         }
     }
 
-    fn cause(&mut self, valley: &Valley) -> String {
+    fn cause(&mut self, valley: &Valley, last: bool) -> String {
         let line = self.ledger.line(valley.line);
         let [begin, end] = line.turns;
         let stands = valley.slowest < 1e-3 * line.place.feed.min(1e3);
@@ -84,11 +97,14 @@ impl<'a> Blame<'a> {
             "standstill".to_owned()
         } else if stands && line.stops {
             "exact stop".to_owned()
+        } else if valley.first || last && stands {
+            // Whatever corners its line has: the time was lost at its other end.
+            ENDS.to_owned()
         } else if begin.max(end) > CORNER {
             let (turn, place) = if end > begin { (end, "end") } else { (begin, "beginning") };
             format!("corner of {turn:.0} degrees at its {place}")
         } else if stands {
-            "start, end or stop".to_owned()
+            ENDS.to_owned()
         } else if let Some((what, axis)) = valley.limit {
             format!("{what} of {}", self.letters.get(axis).copied().unwrap_or('?'))
         } else {
@@ -125,20 +141,27 @@ impl Observer for Blame<'_> {
             return Ok(());
         }
         let (cycle, speed) = (self.cycle, sample.speed);
+        let running = sample.activity == Activity::Running;
+        if !self.moved && !running && sample.tag == 0 {
+            // No line of the program yet.
+            self.times[0] += cycle;
+            self.times[2] += cycle;
+            return Ok(());
+        }
         let place = &mut self.ledger.line(sample.tag).place;
         let feed = place.feed;
         place.time += cycle;
         place.slowest = place.slowest.min(speed);
-        let running = sample.activity == Activity::Running;
         let at_feed = speed >= AT_FEED * feed;
         for (sum, counts) in self.times.iter_mut().zip([true, at_feed, !running]) {
             *sum += if counts { cycle } else { 0.0 };
         }
         if running && at_feed {
-            self.close();
+            self.leave(false);
         } else {
             self.lose(sample, feed, limit);
         }
+        self.moved |= speed > 0.0;
         let open = self.valley.map_or(u32::MAX, |valley| valley.line);
         self.ledger.retire(open.min(sample.tag));
         Ok(())
@@ -154,7 +177,7 @@ impl Blame<'_> {
             && speed < valley.greatest_since / RISE
             && valley.greatest_since > valley.slowest * RISE
         {
-            self.close();
+            self.leave(false);
         }
         let fresh = Valley {
             lost: 0.0,
@@ -163,6 +186,7 @@ impl Blame<'_> {
             line: sample.tag,
             time: sample.time,
             limit: None,
+            first: !self.moved,
         };
         let valley = self.valley.get_or_insert(fresh);
         let kept = if feed.is_finite() && feed > 0.0 { (speed / feed).min(1.0) } else { 0.0 };

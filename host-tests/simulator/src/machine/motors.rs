@@ -137,7 +137,8 @@ impl Machine {
                 anyhow!("motor {}, axes.{}: {error}", name(motor), letter(axis))
             }
             ConfigError::Singular { axis, error } => anyhow!(
-                "motor: {} could move with others without a motor: {} of it is its own, and it must be {}",
+                "motor: {} could move with others and no motor turn ({} of it is its own, and it must be {}): is a motor missing, \
+                 or does one follow the axes as another does?",
                 letter(axis),
                 error.value,
                 error.least
@@ -172,6 +173,28 @@ mod tests {
         assert!(config.stop_limits.is_some());
     }
 
+    /// Axes that a program does not have - those of blocks are checked with all there can be - are no reason to refuse a shaper.
+    #[test]
+    fn motors_are_shaped_with_all_axes_of_the_program() {
+        let shaped = |shapers: &[(&str, &str)]| {
+            let shapers = shapers.iter().map(|(axis, hertz)| {
+                format!("[shaper.{axis}]\nkind = 'zv'\nfrequency = {hertz}\n")
+            });
+            let machine =
+                Machine::parse(&(BELTS.to_owned() + &shapers.collect::<String>())).unwrap();
+            machine.config::<f64, AXES>(&[0, 1, 2]).map(|config| config.follower.alike)
+        };
+        assert!(shaped(&[("default", "45")]).unwrap());
+        assert!(shaped(&[("X", "45"), ("Y", "45"), ("Z", "45")]).unwrap());
+        for (shapers, words) in [
+            (&[("X", "45"), ("Y", "45")][..], "Z is not shaped as XY is"),
+            (&[("default", "45"), ("Y", "40")], "Y is not shaped as XZ is"),
+        ] {
+            let error = format!("{:#}", shaped(shapers).unwrap_err());
+            assert!(error.contains(words) && error.contains("[shaper.default]"), "{error}");
+        }
+    }
+
     #[test]
     fn errors_name_the_motor() {
         let with = |from: &str, to: &str| {
@@ -182,7 +205,7 @@ mod tests {
             ("'right'", "'left'", "motor left: there are two"),
             ("X = 1, Y = 1", "Q = 1", "axes.Q: no such axis"),
             ("X = 1, Y = 1", "", "moves no axis"),
-            ("X = 1, Y = 1", "X = 1, Y = -1", "Y could move with others"),
+            ("X = 1, Y = 1", "X = 1, Y = -1", "is a motor missing, or"),
             ("X = 1, Y = 1", "X = 1001, Y = 1", "motor left, axes.X: 1001"),
             ("velocity = 300", "velocity = -3", "motor left: limit of Velocity: -3"),
             ("jerk = 1000", "jerk = nan", "motor right"),

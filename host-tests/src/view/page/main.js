@@ -33,7 +33,7 @@ class App {
     this.theme();
     this.words();
     if (this.source !== null) this.listing = new Listing($("code"), this, this.source);
-    else $("code").append(element("p", { class: "faint" }, this.head.name.endsWith(".json") ? "A curve has no lines." : "The file is too long to be shown here."));
+    else $("code").append(element("p", { class: "faint" }, this.head.name.endsWith(".json") ? "A curve has no lines." : "The file is empty, or too long to be shown here."));
     this.views = [new View($("plan"), this, new PlanCamera()), new View($("space"), this, new SpaceCamera())];
     this.charts = this.makeCharts($("charts"));
     this.player = new Player(this, { slider: $("slider"), play: $("play"), rate: $("rate"), time: $("time") });
