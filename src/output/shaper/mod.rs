@@ -14,6 +14,8 @@ mod kernel;
 pub use kernel::{Shape, ShaperError, ShaperKind};
 
 use crate::machine::{Config, Follower, Quantity};
+#[cfg(feature = "outputs")]
+use crate::number::ArcLength;
 use crate::number::{Coord, Scalar};
 use crate::servo::{Activity, Setpoint};
 use core::array::from_fn;
@@ -26,6 +28,8 @@ struct Past<S, const N: usize> {
     offset: [S; N],
     velocity: [S; N],
     acceleration: [S; N],
+    #[cfg(feature = "outputs")]
+    along: Along<S>,
 }
 
 impl<S: Scalar, const N: usize> Past<S, N> {
@@ -34,12 +38,58 @@ impl<S: Scalar, const N: usize> Past<S, N> {
         offset: [S::ZERO; N],
         velocity: [S::ZERO; N],
         acceleration: [S::ZERO; N],
+        #[cfg(feature = "outputs")]
+        along: Along { origin: ArcLength::ZERO, offset: S::ZERO, speed: S::ZERO },
     };
 
     fn of(setpoint: &Setpoint<S, N>) -> Self {
         let Setpoint { origin, offset, velocity, acceleration, .. } = *setpoint;
-        Self { origin, offset, velocity, acceleration }
+        #[cfg(feature = "outputs")]
+        let along = Along {
+            origin: setpoint.path_origin,
+            offset: setpoint.path_offset,
+            speed: setpoint.path_speed,
+        };
+        Self {
+            origin,
+            offset,
+            velocity,
+            acceleration,
+            #[cfg(feature = "outputs")]
+            along,
+        }
     }
+}
+
+/// Where on the path, for outputs.
+#[cfg(feature = "outputs")]
+#[derive(Clone, Copy, Debug)]
+struct Along<S> {
+    origin: ArcLength,
+    offset: S,
+    speed: S,
+}
+
+#[cfg(feature = "outputs")]
+impl<S: Scalar> Along<S> {
+    /// How far another place lies before this one, mm.
+    #[inline]
+    fn since(&self, before: &Self) -> S {
+        let way = self.offset - before.offset;
+        if self.origin == before.origin {
+            return way;
+        }
+        let units = self.origin.raw().wrapping_sub(before.origin.raw());
+        way + S::from_i64(units) * S::of(1.0e-7)
+    }
+}
+
+/// How far the machine is behind along the path, mm, and its speed there: the mean of its axes.
+#[cfg(feature = "outputs")]
+#[derive(Clone, Copy, Debug)]
+struct Reached<S> {
+    behind: S,
+    speed: S,
 }
 
 /// Shapes the setpoints of `N` axes (feature `shaping`); `HISTORY` is how many servo cycles it remembers, 1.5 periods of the lowest
@@ -78,6 +128,10 @@ pub struct Shaper<S, const N: usize, const HISTORY: usize> {
     event: Option<(u32, usize)>,
     /// Whether all axes are shaped alike.
     alike: bool,
+    /// How much each of them counts for the place on the path: by the square of the speed with which it moved last. Of axes that are shaped
+    /// alike the first stands for all.
+    #[cfg(feature = "outputs")]
+    shares: [S; N],
     /// Mean time that all axes look back, cycles.
     mean: f64,
     cycle: f64,
@@ -101,6 +155,8 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
             rested: 0,
             event: None,
             alike: true,
+            #[cfg(feature = "outputs")]
+            shares: [S::ZERO; N],
             mean: 0.0,
             cycle: 0.0,
         }
@@ -145,6 +201,10 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
         self.rested = span;
         self.event = None;
         self.alike = shapes.windows(2).all(|two| two[0] == two[1]);
+        #[cfg(feature = "outputs")]
+        {
+            self.shares = from_fn(|axis| if axis == 0 { S::ONE } else { S::ZERO });
+        }
         self.mean = mean;
         self.cycle = cycle;
         Ok(())
@@ -211,7 +271,12 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
     ///
     /// What is off the path is not shaped: jogs, probes and homing are where their setpoints are, so that an edge is where it was
     /// seen. They begin when the machine has settled. `Activity::Idle`, `Dwelling` and `Event` are told when it has, too;
-    /// arc length, speed along the path and tag are those of the setpoint.
+    /// the tag is that of the setpoint.
+    ///
+    /// With the feature `outputs`, arc length and speed along the path are the machine's: a mean by the same weights, which on a straight
+    /// line is where the axes are. Where axes are shaped unlike each other, those count that move, by the squares of their speeds: of a
+    /// line that is parallel to an axis, this one. Give this setpoint to `Interpolator::switch`, and what
+    /// switches does so where the machine is. Without the feature they are those of the setpoint.
     ///
     /// Cost: at rest that of a copy, else a few instructions per weight, axis and derivative: [docs/shaping.md has the numbers].
     ///
@@ -258,18 +323,14 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
 
     /// The weighted mean.
     #[inline(never)]
-    fn weigh(&self, shaped: &mut Setpoint<S, N>) {
+    fn weigh(&mut self, shaped: &mut Setpoint<S, N>) {
         let now = Past::of(shaped);
+        #[cfg(feature = "outputs")]
+        let mut along = [Reached { behind: S::ZERO, speed: S::ZERO }; N];
         for (i, kernel) in self.kernels.iter().enumerate() {
             let (mut behind, mut velocity, mut acceleration) = (S::ZERO, S::ZERO, S::ZERO);
             for tap in &kernel.taps {
-                let back = tap.back.min(self.known);
-                let at = if back <= self.newest {
-                    self.newest - back
-                } else {
-                    (self.newest + HISTORY).saturating_sub(back)
-                };
-                let Some(past) = self.past.get(at) else { continue };
+                let Some(past) = self.past.get(self.slot(tap.back)) else { continue };
                 let mut way = now.offset[i] - past.offset[i];
                 // Most lie on the same piece of the motion.
                 if past.origin[i] != now.origin[i] {
@@ -278,11 +339,50 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
                 behind += tap.weight * way;
                 velocity += tap.weight * past.velocity[i];
                 acceleration += tap.weight * past.acceleration[i];
+                #[cfg(feature = "outputs")]
+                if i == 0 || !self.alike {
+                    along[i].behind += tap.weight * now.along.since(&past.along);
+                    along[i].speed += tap.weight * past.along.speed;
+                }
             }
             shaped.offset[i] = now.offset[i] - behind;
             shaped.velocity[i] = velocity;
             shaped.acceleration[i] = acceleration;
         }
+        #[cfg(feature = "outputs")]
+        self.reach(shaped, &along);
+    }
+
+    /// Where the setpoint of so many cycles before is kept, or the first that is known.
+    #[inline]
+    fn slot(&self, back: usize) -> usize {
+        let back = back.min(self.known);
+        if back <= self.newest {
+            self.newest - back
+        } else {
+            (self.newest + HISTORY).saturating_sub(back)
+        }
+    }
+
+    /// Where on the path the machine is, by where each axis sees it.
+    #[cfg(feature = "outputs")]
+    fn reach(&mut self, shaped: &mut Setpoint<S, N>, along: &[Reached<S>; N]) {
+        if !self.alike {
+            let squares = shaped.velocity.map(|speed| speed * speed);
+            let sum = squares.iter().fold(S::ZERO, |sum, square| sum + *square);
+            // Between two moves the axes stay those of the last.
+            if sum > S::ZERO {
+                let part = S::ONE / sum;
+                self.shares = squares.map(|square| square * part);
+            }
+        }
+        let (mut behind, mut speed) = (S::ZERO, S::ZERO);
+        for (along, share) in along.iter().zip(self.shares) {
+            behind += share * along.behind;
+            speed += share * along.speed;
+        }
+        shaped.path_offset = shaped.path_offset - behind;
+        shaped.path_speed = speed;
     }
 
     /// What the machine does.
