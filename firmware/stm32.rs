@@ -119,7 +119,7 @@ macro_rules! stm32_tasks {
 
             #[init(local = [
                 link: Link<Real, AXES, BLOCKS, NODES> = Link::new(),
-                followers: Followers<Real> = Followers::new(),
+                following: Followers<Real> = Followers::new(),
                 bytes: Queue<u8, BYTES> = Queue::new(),
                 replies: Queue<u8, REPLIES> = Queue::new(),
             ])]
@@ -127,7 +127,7 @@ macro_rules! stm32_tasks {
                 let board = Board::new(context.device, context.core);
                 // An input that is open already gives no edge.
                 EMERGENCY.store(board.stop_button.is_open(), Relaxed);
-                let followers = context.local.followers;
+                let followers = context.local.following;
                 let config = machine::config::<Real>().and_then(|config| followers.set(config));
                 let config = defmt::unwrap!(config, "the machine cannot be used");
                 let made = context.local.link.split(config, [Coord::ZERO; AXES]);

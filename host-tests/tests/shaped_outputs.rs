@@ -344,3 +344,52 @@ fn on_any_path_they_are_behind_the_setpoints_by_no_more_than_the_shaper() {
     assert!(most < 2.0, "{most}");
     assert!(count.iter().all(|count| *count > 300), "{count:?}");
 }
+
+/// An abort in the time in which an event has been run, and the machine has not come to rest there: what is asked for afterwards waits for
+/// its own event.
+#[test]
+fn an_event_that_an_abort_has_overtaken_switches_nothing() {
+    for late in 0..40 {
+        let mut config = machine::<f64>(&mut Draw(1));
+        let shape = Shape { kind: ShaperKind::Ei, frequency: 30.0, damping: 0.05 };
+        let mut shaper = Box::new(Shaper::<f64, AXES, HISTORY>::new());
+        shaper.set([Some(shape); AXES], &config).unwrap();
+        config.follower = shaper.follower(&config);
+        let mut link = Box::new(Link::<f64, AXES, 32, 96>::new());
+        let (mut planner, mut interpolator): Core<'_, f64> =
+            link.split(config, [Coord::ZERO; AXES]).unwrap();
+        let controls = planner.controls();
+        let to = |x: f64| [at(x), Coord::ZERO, Coord::ZERO];
+        planner.push(&Block::line(to(5.0), 100.0, 1)).unwrap();
+        planner.push(&Block::event(2)).unwrap();
+        planner.push(&Block::line(to(10.0), 100.0, 3)).unwrap();
+        planner.finish();
+        let (mut since, mut pushed, mut told) = (None, false, false);
+        for _ in 0..3000 {
+            let progress = planner.settle();
+            if progress == Progress::Aborted && planner.acknowledge_abort() {
+                let x = planner.end()[0].to_mm();
+                planner.push(&Block::line(to(x + 3.0), 100.0, 4)).unwrap();
+                planner.push_power(&Power::constant(300.0), 5).unwrap();
+                planner.push(&Block::dwell(0.05, 6)).unwrap();
+                planner.finish();
+                pushed = true;
+            }
+            let now = interpolator.tick();
+            if now.activity == Activity::Event && since.is_none() {
+                since = Some(0);
+            }
+            if let Some(since) = &mut since {
+                if *since == late {
+                    controls.abort();
+                }
+                *since += 1;
+            }
+            let shaped = shaper.shape(&now);
+            let power = interpolator.switch(&shaped, |_| ());
+            told |= pushed && shaped.activity == Activity::Event;
+            assert!(power == 0.0 || told, "{late}: power {power} before its event");
+        }
+        assert!(pushed && told, "{late}");
+    }
+}

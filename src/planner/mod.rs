@@ -251,9 +251,6 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if complete {
             self.answered.aborts = aborts;
             self.phase = Phase::Resting(Rest::IDLE);
-            // What follows the setpoints may have told of one behind the rest.
-            #[cfg(feature = "outputs")]
-            self.count_events();
         }
         complete
     }

@@ -126,13 +126,13 @@ mod app {
 
     #[init(local = [
         link: Link<Real, AXES, BLOCKS, NODES> = Link::new(),
-        followers: Followers<Real> = Followers::new(),
+        following: Followers<Real> = Followers::new(),
         bytes: Queue<u8, BYTES> = Queue::new(),
         replies: Queue<u8, REPLIES> = Queue::new(),
     ])]
     fn init(context: init::Context) -> (Shared, Local) {
         let board = Board::new().expect("the steps of the machine do not fit");
-        let followers = context.local.followers;
+        let followers = context.local.following;
         let config = machine::config::<Real>().and_then(|config| followers.set(config));
         let config = config.expect("the machine cannot be used");
         let settings = Settings::new(&config, [machine::steps_per_mm(); AXES], [TRAVEL; AXES]);

@@ -80,7 +80,9 @@ impl<S: Scalar> Along<S> {
             return way;
         }
         let units = self.origin.raw().wrapping_sub(before.origin.raw());
-        way + S::from_i64(units) * S::of(1.0e-7)
+        // A way of 400 mm at least, which is one instruction on the target; the other is a call.
+        let mm = u32::try_from(units).map_or_else(|_| S::from_i64(units), S::from_u32);
+        way + mm * S::of(1.0e-7)
     }
 }
 
@@ -128,8 +130,7 @@ pub struct Shaper<S, const N: usize, const HISTORY: usize> {
     event: Option<(u32, usize)>,
     /// Whether all axes are shaped alike.
     alike: bool,
-    /// How much each of them counts for the place on the path: by the square of the speed with which it moved last. Of axes that are shaped
-    /// alike the first stands for all.
+    /// How much each of them counts for the place on the path, if they are not: by the square of the speed with which it moved last.
     #[cfg(feature = "outputs")]
     shares: [S; N],
     /// Mean time that all axes look back, cycles.
@@ -325,8 +326,6 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
     #[inline(never)]
     fn weigh(&mut self, shaped: &mut Setpoint<S, N>) {
         let now = Past::of(shaped);
-        #[cfg(feature = "outputs")]
-        let mut along = [Reached { behind: S::ZERO, speed: S::ZERO }; N];
         for (i, kernel) in self.kernels.iter().enumerate() {
             let (mut behind, mut velocity, mut acceleration) = (S::ZERO, S::ZERO, S::ZERO);
             for tap in &kernel.taps {
@@ -339,18 +338,25 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
                 behind += tap.weight * way;
                 velocity += tap.weight * past.velocity[i];
                 acceleration += tap.weight * past.acceleration[i];
-                #[cfg(feature = "outputs")]
-                if i == 0 || !self.alike {
-                    along[i].behind += tap.weight * now.along.since(&past.along);
-                    along[i].speed += tap.weight * past.along.speed;
-                }
             }
             shaped.offset[i] = now.offset[i] - behind;
             shaped.velocity[i] = velocity;
             shaped.acceleration[i] = acceleration;
         }
         #[cfg(feature = "outputs")]
-        self.reach(shaped, &along);
+        self.reach(shaped, &now.along);
+    }
+
+    /// Where on the path an axis sees the machine.
+    #[cfg(feature = "outputs")]
+    fn seen_by(&self, kernel: &Kernel<S, HISTORY>, now: &Along<S>) -> Reached<S> {
+        let mut reached = Reached { behind: S::ZERO, speed: S::ZERO };
+        for tap in &kernel.taps {
+            let Some(Past { along, .. }) = self.past.get(self.slot(tap.back)) else { continue };
+            reached.behind += tap.weight * now.since(along);
+            reached.speed += tap.weight * along.speed;
+        }
+        reached
     }
 
     /// Where the setpoint of so many cycles before is kept, or the first that is known.
@@ -366,8 +372,14 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
 
     /// Where on the path the machine is, by where each axis sees it.
     #[cfg(feature = "outputs")]
-    fn reach(&mut self, shaped: &mut Setpoint<S, N>, along: &[Reached<S>; N]) {
-        if !self.alike {
+    fn reach(&mut self, shaped: &mut Setpoint<S, N>, now: &Along<S>) {
+        let mut at = Reached { behind: S::ZERO, speed: S::ZERO };
+        if self.alike {
+            // The first stands for all.
+            if let Some(kernel) = self.kernels.first() {
+                at = self.seen_by(kernel, now);
+            }
+        } else {
             let squares = shaped.velocity.map(|speed| speed * speed);
             let sum = squares.iter().fold(S::ZERO, |sum, square| sum + *square);
             // Between two moves the axes stay those of the last.
@@ -375,14 +387,14 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
                 let part = S::ONE / sum;
                 self.shares = squares.map(|square| square * part);
             }
+            for (kernel, share) in self.kernels.iter().zip(self.shares) {
+                let seen = self.seen_by(kernel, now);
+                at.behind += share * seen.behind;
+                at.speed += share * seen.speed;
+            }
         }
-        let (mut behind, mut speed) = (S::ZERO, S::ZERO);
-        for (along, share) in along.iter().zip(self.shares) {
-            behind += share * along.behind;
-            speed += share * along.speed;
-        }
-        shaped.path_offset = shaped.path_offset - behind;
-        shaped.path_speed = speed;
+        shaped.path_offset = shaped.path_offset - at.behind;
+        shaped.path_speed = at.speed;
     }
 
     /// What the machine does.

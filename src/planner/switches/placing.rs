@@ -111,11 +111,6 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         draw_back(&board.powers, self.switches.powers, end);
     }
 
-    /// At rest with nothing to run: events that come are counted from those that have been seen.
-    pub(in crate::planner) fn count_events(&mut self) {
-        self.switches.events = self.side.board.events();
-    }
-
     /// Everything that has not been run is dropped: nothing of it switches, and the power is off.
     pub(in crate::planner) fn drop_switches(&mut self) {
         let board = self.side.board;
