@@ -6,7 +6,7 @@
 //! | priority | task | what it does |
 //! |---|---|---|
 //! | 4 | `steps`, timer interrupt at `machine::STEP_HZ` | one tick of every axis; every servo cycle begins here |
-//! | 3 | `servo`, started by it | `Interpolator::tick`, the next targets |
+//! | 3 | `servo`, started by it | `Interpolator::tick`, shapers and outputs, the next targets |
 //! | 2 | `line`, `emergency`, `limit` | a byte from the line, or for it; inputs |
 //! | 0 | `idle` | the line, planning, the watchdog |
 
@@ -27,7 +27,7 @@ macro_rules! stm32_tasks {
                 Board, Input, Laser, Output, Receiver, Real, StepTimer, Switched, Transmitter, Watchdog,
             };
             use crate::board::pac::Interrupt;
-            use crate::machine::{self, AXES};
+            use crate::machine::{self, AXES, Followers, Switched as Switching};
             use core::sync::atomic::{AtomicBool, AtomicU16, AtomicU32, Ordering::Relaxed};
             use heapless::spsc::{Consumer, Producer, Queue};
             #[cfg(feature = "grbl")]
@@ -100,6 +100,7 @@ macro_rules! stm32_tasks {
                 drives: Drives<Output, Output, AXES>,
                 step_timer: StepTimer,
                 interpolator: Interpolator<'static, Real, AXES>,
+                followers: &'static mut Followers<Real>,
                 laser: Laser,
                 receiver: Receiver,
                 bytes_in: Producer<'static, u8>,
@@ -118,6 +119,7 @@ macro_rules! stm32_tasks {
 
             #[init(local = [
                 link: Link<Real, AXES, BLOCKS, NODES> = Link::new(),
+                following: Followers<Real> = Followers::new(),
                 bytes: Queue<u8, BYTES> = Queue::new(),
                 replies: Queue<u8, REPLIES> = Queue::new(),
             ])]
@@ -125,12 +127,14 @@ macro_rules! stm32_tasks {
                 let board = Board::new(context.device, context.core);
                 // An input that is open already gives no edge.
                 EMERGENCY.store(board.stop_button.is_open(), Relaxed);
-                let config = defmt::unwrap!(machine::config::<Real>(), "the machine cannot be used");
+                let followers = context.local.following;
+                let config = machine::config::<Real>().and_then(|config| followers.set(config));
+                let config = defmt::unwrap!(config, "the machine cannot be used");
                 let made = context.local.link.split(config, [Coord::ZERO; AXES]);
                 let (planner, mut interpolator) = defmt::unwrap!(made, "the settings cannot be used");
                 let (bytes_in, bytes_out) = context.local.bytes.split();
                 let (replies_in, replies_out) = context.local.replies.split();
-                let setpoint = interpolator.tick();
+                let (setpoint, _) = followers.tick(&mut interpolator, |_| ());
                 let controls = planner.controls();
                 #[cfg(not(feature = "grbl"))]
                 let told = controls;
@@ -149,6 +153,7 @@ macro_rules! stm32_tasks {
                         drives: Drives::new(board.steppers, machine::TICKS),
                         step_timer: board.step_timer,
                         interpolator,
+                        followers,
                         laser: board.laser,
                         receiver: board.receiver,
                         bytes_in,
@@ -185,9 +190,10 @@ macro_rules! stm32_tasks {
             }
 
             /// The servo cycle. Its interrupt is that of something that is not used.
-            #[task(binds = $servo, priority = 3, local = [interpolator, laser], shared = [targets, setpoint])]
+            #[task(binds = $servo, priority = 3, local = [interpolator, followers, laser], shared = [targets, setpoint])]
             fn servo(mut context: servo::Context) {
-                let setpoint = context.local.interpolator.tick();
+                let servo::LocalResources { interpolator, followers, laser, .. } = context.local;
+                let (setpoint, power) = followers.tick(interpolator, |switched| switch(&switched));
                 CYCLES.store(CYCLES.load(Relaxed).wrapping_add(1), Relaxed);
                 if let Some(event) = EVENTS.take(&setpoint) {
                     happen(&event);
@@ -195,8 +201,13 @@ macro_rules! stm32_tasks {
                 let targets = Targets::new(&setpoint);
                 context.shared.targets.lock(|shared| *shared = targets);
                 context.shared.setpoint.lock(|shared| *shared = setpoint);
-                let power = if EMERGENCY.load(Relaxed) { 0.0 } else { setpoint.path_speed };
-                let _ = context.local.laser.set(power);
+                let power = if EMERGENCY.load(Relaxed) { 0.0 } else { power };
+                let _ = laser.set(power);
+            }
+
+            /// An output that switches in time with the path (feature `outputs`). This board has none: a machine's go here.
+            fn switch(switched: &Switching<Real>) {
+                defmt::info!("{}", switched);
             }
 
             /// What is to be done at a place of the path. This board has nothing to switch: a machine's relays go

@@ -789,7 +789,7 @@ _splineway() {
             return 0
             ;;
         splineway__subcmd__stream)
-            opts="-h --port --baud --watchdog --approach --abort --json --quiet --machine --feed --dialect --lenient --block-delete --help"
+            opts="-h --port --baud --watchdog --approach --abort --home --outputs --laser --json --quiet --machine --feed --dialect --lenient --block-delete --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -804,6 +804,14 @@ _splineway() {
                     return 0
                     ;;
                 --watchdog)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --home)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --laser)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

@@ -83,6 +83,8 @@ complete -c splineway -n "__fish_splineway_using_subcommand check" -s h -l help 
 complete -c splineway -n "__fish_splineway_using_subcommand stream" -l port -d 'The serial port. It is locked: one sender at a time' -r -F
 complete -c splineway -n "__fish_splineway_using_subcommand stream" -l baud -d 'Bits per second' -r
 complete -c splineway -n "__fish_splineway_using_subcommand stream" -l watchdog -d 'Silence of this program after which the controller stops the machine, s, 0.1 to 60; 0: never' -r
+complete -c splineway -n "__fish_splineway_using_subcommand stream" -l home -d 'How axes are homed at a line `$H` of the program, mm and mm/s: "X-40 Y-20 slow 4 reach 300 back 2 at 0 park 5" [default: none]' -r
+complete -c splineway -n "__fish_splineway_using_subcommand stream" -l laser -d 'S and M3 to M5 are those of a laser with this greatest power [default: none]' -r
 complete -c splineway -n "__fish_splineway_using_subcommand stream" -l machine -d 'Machine description (TOML) [default: a small milling machine, which `splineway machine` prints]' -r -F
 complete -c splineway -n "__fish_splineway_using_subcommand stream" -l feed -d 'Feed of all moves but rapids, mm/s, in place of what the file says [default: the file\'s; 50 where it says nothing]' -r
 complete -c splineway -n "__fish_splineway_using_subcommand stream" -l dialect -d 'Whose G-code it is [default: told by the header where that is plain, else linuxcnc]' -r -f -a "linuxcnc\t'RS274/NGC, most milling machines: G4 P in seconds'
@@ -90,6 +92,7 @@ grbl\t'The same, with G0 in force at the beginning'
 marlin\t'Printers: G4 P in milliseconds, E words, M codes with text'"
 complete -c splineway -n "__fish_splineway_using_subcommand stream" -l approach -d 'Move straight to the first point of a path that does not begin where the machine stands'
 complete -c splineway -n "__fish_splineway_using_subcommand stream" -l abort -d 'Abort what a program before has left whose sender is gone'
+complete -c splineway -n "__fish_splineway_using_subcommand stream" -l outputs -d 'Switch outputs in time with the path by M62 to M68; without it M62 to M65 are events'
 complete -c splineway -n "__fish_splineway_using_subcommand stream" -l json -d 'Print what came of it as JSON'
 complete -c splineway -n "__fish_splineway_using_subcommand stream" -l quiet -d 'Print nothing but errors'
 complete -c splineway -n "__fish_splineway_using_subcommand stream" -l lenient -d 'Leave out codes that cannot change where the tool goes, where they would be refused'
@@ -101,8 +104,8 @@ grbl\t'That of grbl 1.1, for senders that people have'"
 complete -c splineway -n "__fish_splineway_using_subcommand controller" -l tcp -d 'Listen on this TCP port of this computer; 0 takes a free one [default: a pseudo-terminal]' -r
 complete -c splineway -n "__fish_splineway_using_subcommand controller" -l settings -d 'Keep the settings of grbl in this file [default: in memory]' -r -F
 complete -c splineway -n "__fish_splineway_using_subcommand controller" -l machine -d 'Machine description (TOML) [default: a small milling machine, which `splineway machine` prints]' -r -F
-complete -c splineway -n "__fish_splineway_using_subcommand controller" -l switch -d 'A home switch, closed beyond a place, as "X>5" (mm, the machine being switched on at 0); more than those of the machine\'s file, for --protocol grbl [default: none]' -r
-complete -c splineway -n "__fish_splineway_using_subcommand controller" -l surface -d 'A surface that the probe meets there, as "Z<-20", for --protocol grbl [default: none]' -r
+complete -c splineway -n "__fish_splineway_using_subcommand controller" -l switch -d 'A home switch, closed beyond a place, as "X>5" (mm, the machine being switched on at 0); more than those of the machine\'s file [default: none]' -r
+complete -c splineway -n "__fish_splineway_using_subcommand controller" -l surface -d 'A surface that the probe meets there, as "Z<-20" [default: none]' -r
 complete -c splineway -n "__fish_splineway_using_subcommand controller" -l speed -d 'How many times faster than the clock it runs' -r
 complete -c splineway -n "__fish_splineway_using_subcommand controller" -l faults -d 'Share of the bytes that are lost, garbled or doubled, in either direction' -r
 complete -c splineway -n "__fish_splineway_using_subcommand controller" -l once -d 'End after the first program'

@@ -217,7 +217,7 @@ fn a_machine_with_belts_runs_by_its_motors() {
     assert!(text.contains("motors at 0 and 200000000 nm"), "{text}");
 }
 
-/// Setpoints that do not make a mass vibrate, outputs that know by how much these are behind, and what must be refused. A library without
+/// Setpoints that do not make a mass vibrate, an output that comes where they are, and what must be refused. A library without
 /// shapers does not take what it cannot do.
 #[test]
 fn a_machine_that_vibrates_is_shaped() {

@@ -1,70 +1,25 @@
 //! The wire protocol over a line that cuts, garbles, doubles and delays: no block is lost, none runs
 //! twice, and every command is obeyed once.
 
+#[path = "common/line.rs"]
+mod line;
+
+use line::{Line, fault};
 use proptest::prelude::*;
 use splineway::wire::{
-    Command, Events, FRAME, Inlet, Item, Move, Opening, Path, Refusal, Reply, Request, Sender,
-    Speed, State, Station, Step, Target, encode,
+    Command, Events, FRAME, HomeAxis, HomeFault, HomeMove, HomeReport, HomeStep, HomeTrouble,
+    Inlet, Item, JogRefusal, Move, Opening, Path, PowerMove, ProbeEnd, ProbeInput, ProbeMove,
+    ProbeResult, Refusal, Reply, Request, Sender, Situation, Speed, State, Station, Step,
+    SwitchMove, SwitchOffset, SwitchOutput, SwitchTrigger, Taken, Target, encode,
 };
 use splineway::{
     AxisLimits, AxisTravel, Block, Config, Coord, Limits, Link, Planner, Progress, PushError,
     Travel,
 };
-use std::collections::VecDeque;
 
 const BLOCKS: usize = 16;
 const NODES: usize = 64;
 const QUEUE: usize = 8;
-
-/// What the line does to a share of its bytes.
-#[derive(Clone, Copy, Debug)]
-enum Fault {
-    Cut,
-    Flip(u8),
-    Double,
-    Zero,
-}
-
-/// A line with faults at given distances, over and over.
-struct Line {
-    bytes: VecDeque<u8>,
-    faults: Vec<(u16, Fault)>,
-    next: usize,
-    wait: u16,
-    /// Nothing goes wrong any more.
-    healed: bool,
-}
-
-impl Line {
-    fn new(faults: &[(u16, Fault)]) -> Self {
-        let wait = faults.first().map_or(0, |fault| fault.0);
-        Self { bytes: VecDeque::new(), faults: faults.to_vec(), next: 0, wait, healed: false }
-    }
-
-    fn send(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
-            if self.healed || self.faults.is_empty() || self.wait > 0 {
-                self.wait = self.wait.saturating_sub(1);
-                self.bytes.push_back(byte);
-                continue;
-            }
-            match self.faults[self.next].1 {
-                Fault::Cut => {}
-                Fault::Flip(mask) => self.bytes.push_back(byte ^ mask),
-                Fault::Double => self.bytes.extend([byte, byte]),
-                Fault::Zero => self.bytes.push_back(0),
-            }
-            self.next = (self.next + 1) % self.faults.len();
-            self.wait = self.faults[self.next].0;
-        }
-    }
-
-    /// As many bytes as pass in a millisecond.
-    fn receive(&mut self) -> Vec<u8> {
-        let count = self.bytes.len().min(60);
-        self.bytes.drain(..count).collect()
-    }
-}
 
 fn config() -> Config<f32, 3> {
     let axis = AxisLimits::linear(200.0, 2000.0, 50_000.0);
@@ -174,16 +129,6 @@ fn direct(items: &[Item]) -> [i64; 3] {
         splineway::Motion::Line { to } => to.map(Coord::to_nm),
         _ => panic!("a line"),
     }
-}
-
-fn fault() -> impl Strategy<Value = (u16, Fault)> {
-    let kind = prop_oneof![
-        Just(Fault::Cut),
-        (1u8..=255).prop_map(Fault::Flip),
-        Just(Fault::Double),
-        Just(Fault::Zero)
-    ];
-    (0u16..400, kind)
 }
 
 proptest! {
@@ -336,6 +281,98 @@ fn course() -> impl Strategy<Value = Path> {
     ]
 }
 
+/// What a machine does besides moves.
+fn besides() -> impl Strategy<Value = Item> {
+    let home = any::<(i32, u32, u32, u32, i64, Option<i64>, u8)>().prop_map(
+        |(fast, slow, reach, back, at, park, order)| HomeAxis {
+            fast,
+            slow,
+            reach,
+            back,
+            at,
+            park,
+            order,
+        },
+    );
+    let axes = prop::collection::vec(prop::option::of(home), 0..=9);
+    prop_oneof![
+        (axes, any::<u32>())
+            .prop_map(|(axes, tag)| Item::Home(HomeMove { axes: axes.into_iter().collect(), tag })),
+        (place(), any::<(u32, u8, bool, bool, u32)>()).prop_map(
+            |(to, (feed, axis, closes, required, tag))| Item::Probe(ProbeMove {
+                to,
+                feed,
+                input: ProbeInput::Home(axis),
+                closes,
+                required,
+                tag
+            })
+        ),
+        any::<(u8, f32, f32, u32)>().prop_map(|(number, value, time, tag)| Item::Switch(
+            SwitchMove {
+                output: SwitchOutput::Analogue(number),
+                value,
+                trigger: SwitchTrigger::Start,
+                offset: SwitchOffset::Time(time),
+                tag
+            }
+        )),
+        any::<(f32, bool, f32, f32, bool, u32)>().prop_map(
+            |(level, dynamic, least, most, rest, tag)| Item::Power(PowerMove {
+                level,
+                dynamic,
+                least,
+                most,
+                rest,
+                tag
+            })
+        ),
+    ]
+}
+
+/// The longest of all.
+#[test]
+fn every_message_has_room_in_a_frame() {
+    let axis = HomeAxis {
+        fast: i32::MIN,
+        slow: u32::MAX,
+        reach: u32::MAX,
+        back: u32::MAX,
+        at: i64::MIN,
+        park: Some(i64::MIN),
+        order: 200,
+    };
+    let mut out = [0; FRAME];
+    let item = Item::Home(HomeMove { axes: [Some(axis); 9].into_iter().collect(), tag: u32::MAX });
+    let request = Request::Item { session: u32::MAX, number: u32::MAX, item };
+    assert_eq!(encode(&request, &mut out).map(|length| length <= FRAME), Some(true));
+    let place: splineway::wire::Axes = [i64::MIN; 9].into_iter().collect();
+    let (number, tag) = (u32::MAX, u32::MAX);
+    let fault = HomeFault { axis: 9, step: HomeStep::Parks, trouble: HomeTrouble::Cancelled };
+    let situation = Situation {
+        state: State::Aborted,
+        position: place.clone(),
+        speed: 1.0,
+        tag,
+        starved: u32::MAX,
+        events: u32::MAX,
+        jog: Some(JogRefusal::Travel { axis: 9 }),
+        probe: Some(ProbeResult { number, tag, end: ProbeEnd::Cancelled, position: place }),
+        homing: Some(HomeReport {
+            number,
+            tag,
+            over: true,
+            steps: [HomeStep::Parks; 9].into_iter().collect(),
+            fault: Some(fault),
+        }),
+    };
+    let refused = Some(Refusal::Travel { tag, axis: 9, to: i64::MIN, limit: i64::MIN });
+    let (session, next, limit, commands) = (u32::MAX, u32::MAX, u32::MAX, u32::MAX);
+    let taken = Some(Taken { session, next, limit, commands, gap: true, refused });
+    let reply = Reply::Status { taken, situation, damaged: u32::MAX };
+    assert!(encode(&reply, &mut out).is_some());
+}
+
 fn request() -> impl Strategy<Value = Request> {
     let speed = prop_oneof![
         any::<f32>().prop_map(Speed::PerSecond),
@@ -353,11 +390,8 @@ fn request() -> impl Strategy<Value = Request> {
     ];
     let opening = any::<(u8, u32, u16, bool)>();
     prop_oneof![
-        (any::<(u32, u32)>(), step).prop_map(|((session, number), item)| Request::Item {
-            session,
-            number,
-            item
-        }),
+        (any::<(u32, u32)>(), prop_oneof![step, besides()])
+            .prop_map(|((session, number), item)| Request::Item { session, number, item }),
         any::<(u32, u32)>().prop_map(|(session, number)| Request::Item {
             session,
             number,

@@ -160,7 +160,7 @@ pub unsafe extern "C" fn splineway_push_power(
 
 /// `splineway_tick`, and what has switched in that servo cycle, in `list`, which has room for `room`: 52 is enough for
 /// all. `count` is how many there are, also beyond the room; `level` the power at the end of the cycle. Where setpoints are shaped, both
-/// are `splineway_shaper_delay` ahead of them.
+/// belong to where the machine is: to the setpoint that is written.
 ///
 /// Context: servo interrupt.
 #[unsafe(no_mangle)]
@@ -180,6 +180,8 @@ pub unsafe extern "C" fn splineway_tick_outputs(
     unsafe {
         let interpolator = (*core).interpolator.assume_init_mut();
         let at: crate::servo::Setpoint<f32, SPLINEWAY_AXES> = interpolator.tick();
+        #[cfg(feature = "shaping")]
+        let at = (*core).shaper.assume_init_mut().shape(&at);
         let mut switches = 0;
         let power = interpolator.switch(&at, |switched| {
             let (output, number) = match switched.output {
@@ -200,8 +202,6 @@ pub unsafe extern "C" fn splineway_tick_outputs(
         });
         count.write(switches);
         level.write(power);
-        #[cfg(feature = "shaping")]
-        let at = (*core).shaper.assume_init_mut().shape(&at);
         setpoint.write(at.into());
     }
     splineway_result::OK

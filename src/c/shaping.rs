@@ -74,8 +74,8 @@ pub(super) fn refuse_shapes(c: &splineway_config) -> Result<(), splineway_result
     if none { Ok(()) } else { Err(splineway_result::CONFIG) }
 }
 
-/// By how much the setpoints are behind the program because they are shaped, s: outputs in time with the path are to be delayed by
-/// as much. Of a library with the feature `shaping`.
+/// By how much the setpoints are behind the program because they are shaped, s. Outputs in time with the path are behind with them:
+/// `splineway_tick_outputs`. Of a library with the feature `shaping`.
 ///
 /// Context: any.
 #[cfg(feature = "shaping")]

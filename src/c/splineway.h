@@ -1011,7 +1011,7 @@ splineway_result splineway_push_power(splineway_core *core,
 /*
  `splineway_tick`, and what has switched in that servo cycle, in `list`, which has room for `room`: 52 is enough for
  all. `count` is how many there are, also beyond the room; `level` the power at the end of the cycle. Where setpoints are shaped, both
- are `splineway_shaper_delay` ahead of them.
+ belong to where the machine is: to the setpoint that is written.
 
  Context: servo interrupt.
  */
@@ -1143,8 +1143,8 @@ splineway_result splineway_set_position(splineway_core *core,
                                         const int64_t *to);
 
 /*
- By how much the setpoints are behind the program because they are shaped, s: outputs in time with the path are to be delayed by
- as much. Of a library with the feature `shaping`.
+ By how much the setpoints are behind the program because they are shaped, s. Outputs in time with the path are behind with them:
+ `splineway_tick_outputs`. Of a library with the feature `shaping`.
 
  Context: any.
  */

@@ -84,8 +84,9 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
         }
     }
 
-    /// Outputs in time with the path (feature `outputs`): to be called once after every tick, with its setpoint. Tells `sink` what
-    /// has switched within the servo cycle, of each output in order, at most four times; returns the power at its end.
+    /// Outputs in time with the path (feature `outputs`): to be called once after every tick, with its setpoint, or with what
+    /// `Shaper::shape` (feature `shaping`) has made of it: outputs switch where that is. Tells `sink` what has switched within the
+    /// servo cycle, of each output in order, at most four times; returns the power at its end.
     ///
     /// Work: without anything to come, a comparison; else one comparison per output, and what switches takes a
     /// root and a division. `docs/target.md` has the number of instructions.

@@ -10,9 +10,9 @@ use postcard::{Error, Result as PostcardResult};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// Most bytes of a frame, its zero byte included: a cubic block over nine axes with every number at its
-/// longest, CRC and COBS take 336.
-pub const FRAME: usize = 340;
+/// Most bytes of a frame, its zero byte included: homing of nine axes with every number at its
+/// longest, CRC and COBS take 403.
+pub const FRAME: usize = 404;
 
 /// A block of COBS that is so long, its code included, stands for its bytes alone: no zero follows.
 const FULL: u8 = u8::MAX;

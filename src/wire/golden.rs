@@ -1,16 +1,19 @@
-//! The bytes of protocol 4, one frame for every variant a host may send.
+//! The bytes of the protocol, one frame for every variant a host may send.
 //!
 //! Variants and fields are numbered on the line in the order in which they are declared, some of them
 //! in types that other parts of the core use too ([`Feed`](crate::Feed)). A frame that differs from the one
 //! here cannot be read by the other end: such a change needs a new [`VERSION`].
 
 use super::{
-    Command, FRAME, Item, JogMove, Move, Opening, Path, Request, Speed, Target, VERSION, encode,
+    Command, FRAME, HomeAxis, HomeFault, HomeMove, HomeReport, HomeStep, HomeTrouble, Item,
+    JogMove, Move, Opening, Path, PowerMove, ProbeEnd, ProbeInput, ProbeMove, ProbeResult, Refusal,
+    Reply, Request, SeekRefusal, Situation, Speed, State, SwitchMove, SwitchOffset, SwitchOutput,
+    SwitchRefusal, SwitchTrigger, Taken, Target, VERSION, encode,
 };
 use core::fmt::Write;
 use std::string::String;
 
-fn hex(request: &Request) -> String {
+fn hex<T: serde::Serialize>(request: &T) -> String {
     let mut out = [0; FRAME];
     let length = encode(request, &mut out).unwrap();
     let mut text = String::new();
@@ -38,7 +41,7 @@ fn line() -> Path {
     Path::Line { to: to() }
 }
 
-fn check(cases: &[(Request, &str)]) {
+fn check<T: serde::Serialize + core::fmt::Debug>(cases: &[(T, &str)]) {
     for (request, bytes) in cases {
         assert_eq!(hex(request), *bytes, "{request:?}: a change needs a new VERSION");
     }
@@ -46,7 +49,7 @@ fn check(cases: &[(Request, &str)]) {
 
 #[test]
 fn version_of_these_bytes() {
-    assert_eq!(VERSION, 5);
+    assert_eq!(VERSION, 6);
 }
 
 #[test]
@@ -146,4 +149,124 @@ fn tolerance_and_exact_stop() {
         Request::Item { session: 300, number: 7, item: Item::Move(step) },
         "0501ac0207010203090180897a010502010109803e0105030fe56c00",
     )]);
+}
+
+fn item(item: Item) -> Request {
+    Request::Item { session: 300, number: 7, item }
+}
+
+#[test]
+fn outputs() {
+    let switch = |output, trigger, offset| {
+        item(Item::Switch(SwitchMove { output, value: 1.0, trigger, offset, tag: 5 }))
+    };
+    let power = |dynamic, rest| {
+        item(Item::Power(PowerMove {
+            level: 800.0,
+            dynamic,
+            least: 10.0,
+            most: 1000.0,
+            rest,
+            tag: 5,
+        }))
+    };
+    let (digital, analogue) = (SwitchOutput::Digital(3), SwitchOutput::Analogue(1));
+    let (mm, seconds) = (SwitchOffset::Distance(-2.5), SwitchOffset::Time(0.5));
+    check(&[
+        (
+            switch(digital, SwitchTrigger::End, mm),
+            "0601ac02070202030103803f0101010820c005d6e3368200",
+        ),
+        (
+            switch(analogue, SwitchTrigger::Start, seconds),
+            "0801ac02070201010105803f01010101073f0595eb931500",
+        ),
+        (
+            switch(digital, SwitchTrigger::Rest, SwitchOffset::Distance(0.0)),
+            "0601ac02070202030104803f02010101010605af7da0b700",
+        ),
+        (power(true, false), "0601ac02070301044844010103204101037a44060529782fdb00"),
+        (power(false, true), "0601ac02070301034844010103204101097a4401059f17fc5f00"),
+    ]);
+}
+
+#[test]
+fn probes_and_homing() {
+    let probe = |input, closes, required| {
+        item(Item::Probe(ProbeMove { to: to(), feed: 5_000, input, closes, required, tag: 5 }))
+    };
+    let axis = HomeAxis {
+        fast: -40_000,
+        slow: 4_000,
+        reach: 300_000,
+        back: 2_000,
+        at: -1_000_000,
+        park: Some(3),
+        order: 1,
+    };
+    let axes = [None, Some(axis), Some(HomeAxis { park: None, ..axis })].into_iter().collect();
+    check(&[
+        (
+            probe(ProbeInput::Probe, true, true),
+            "0701ac02070403090180897a0105882708010105ef47f9f000",
+        ),
+        (
+            probe(ProbeInput::Home(2), false, false),
+            "0701ac020704030b0180897a01058827010201060574a7057800",
+        ),
+        (
+            item(Item::Home(HomeMove { axes, tag: 5 })),
+            "0701ac020705032001fff004a01fe0a712d00fff887a01060101fff004a01fe0a712d00fff887a07010583ab76b500",
+        ),
+    ]);
+}
+
+/// What tells of them.
+#[test]
+fn results() {
+    let position: super::Axes = [1_000_000, -3].into_iter().collect();
+    let status = |probe, homing, refused| {
+        let situation = Situation {
+            state: State::Running,
+            position: position.clone(),
+            speed: 1.5,
+            tag: 5,
+            starved: 1,
+            events: 2,
+            jog: None,
+            probe,
+            homing,
+        };
+        let taken = Taken { session: 300, next: 8, limit: 8, commands: 1, gap: false, refused };
+        Reply::Status { taken: Some(taken), situation, damaged: 3 }
+    };
+    let probe = |end| Some(ProbeResult { number: 7, tag: 5, end, position: position.clone() });
+    let fault = HomeFault { axis: 1, step: HomeStep::Latches, trouble: HomeTrouble::Missing };
+    let steps = [HomeStep::Done, HomeStep::Latches].into_iter().collect();
+    let homing = Some(HomeReport { number: 7, tag: 5, over: true, steps, fault: Some(fault) });
+    let travel = Refusal::Seek { tag: 5, reason: SeekRefusal::Travel { axis: 2 } };
+    let output = Refusal::Output { tag: 5, reason: SwitchRefusal::Output };
+    let missed = Refusal::Probe { tag: 5, end: ProbeEnd::Missed };
+    check(&[
+        (
+            status(None, None, Some(output)),
+            "080201ac020808010b01050501010280897a050106c03f050102010106039091943b00",
+        ),
+        (
+            status(probe(ProbeEnd::Tripped), None, None),
+            "080201ac020808010107010280897a050106c03f05010204010705060280897a0506030879a3cd00",
+        ),
+        (
+            status(probe(ProbeEnd::Missed), None, Some(missed)),
+            "080201ac020808010b01070501010280897a050106c03f0501020a010705010280897a0506038b77383600",
+        ),
+        (
+            status(None, None, Some(travel)),
+            "080201ac020808010c0106050302010280897a050106c03f05010201010603166e8d2a00",
+        ),
+        (
+            status(None, homing, Some(Refusal::Home { tag: 5 })),
+            "080201ac020808010a010805010280897a050106c03f0501020106010705010205050101050603a355dd8f00",
+        ),
+    ]);
 }

@@ -2,6 +2,8 @@
 
 use super::jog::{JogMove, JogRefusal};
 use super::moves::{Axes, Move};
+use super::outputs::{PowerMove, SwitchMove, SwitchRefusal};
+use super::seek::{HomeMove, HomeReport, ProbeEnd, ProbeMove, ProbeResult, SeekRefusal};
 use crate::block::BlockError;
 use crate::number::RangeError;
 use crate::number::serial::Serial;
@@ -10,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 /// Version of the protocol. [`Request::Hello`] and [`Reply::Hello`] are the same in every version, so
 /// that two ends of different versions can say so.
-pub const VERSION: u8 = 5;
+pub const VERSION: u8 = 6;
 
 /// Silence after which a controller counts a sender as lost, if the sender does not ask for another
 /// time, ms.
@@ -30,6 +32,15 @@ pub enum Item {
     Move(Move),
     /// No more blocks come: the path ends where the last one ends.
     End,
+    /// An output that switches in time with the path.
+    Switch(SwitchMove),
+    /// The power of a tool along the moves that follow.
+    Power(PowerMove),
+    /// A probe, when everything before it has been run. No more items are taken until it is over: what follows begins where the machine
+    /// then stands.
+    Probe(ProbeMove),
+    /// Axes that find their switches, in the same way.
+    Home(HomeMove),
 }
 
 /// An operator's command: see [`Controls`](crate::Controls).
@@ -163,6 +174,32 @@ pub enum Refusal {
     },
     /// The machine has been jogged away from where the blocks would have begun.
     Jogged,
+    /// The output with this tag cannot be; everything before it is run.
+    Output {
+        /// Its tag.
+        tag: u32,
+        /// Why.
+        reason: SwitchRefusal,
+    },
+    /// The probe or homing with this tag cannot begin.
+    Seek {
+        /// Its tag.
+        tag: u32,
+        /// Why.
+        reason: SeekRefusal,
+    },
+    /// The probe with this tag has not ended by its input, which it had to, or was cancelled.
+    Probe {
+        /// Its tag.
+        tag: u32,
+        /// How it ended.
+        end: ProbeEnd,
+    },
+    /// The homing with this tag has failed: [`Situation::homing`] says at which axis.
+    Home {
+        /// Its tag.
+        tag: u32,
+    },
 }
 
 impl Refusal {
@@ -260,6 +297,10 @@ pub struct Situation {
     pub events: u32,
     /// Why the last jog of the session was not taken, if so.
     pub jog: Option<JogRefusal>,
+    /// What came of the last probe of the session, if there was one.
+    pub probe: Option<ProbeResult>,
+    /// How far homing is, or what came of the last of the session, if there was one.
+    pub homing: Option<HomeReport>,
 }
 
 /// From the controller.

@@ -58,6 +58,20 @@
 //! ([`Path::Event`]), and comes out of [`Events`] in the servo cycle in which the motion has come to it.
 //! [`Situation::events`] tells the host how many have happened.
 //!
+//! # Outputs
+//!
+//! [`Item::Switch`] and [`Item::Power`] stand between the moves (feature `outputs` of the controller). What switches at rest is an event,
+//! of the letter [`IN_TIME`]; everything else comes out of `Interpolator::switch`. A session begins without power.
+//!
+//! # Probes and homing
+//!
+//! [`Item::Probe`] and [`Item::Home`] begin when everything before them has been run (features `probe` and `home`). Until they are over the
+//! window is closed: what follows begins where the machine then stands, and a host that does not know the place asks for the
+//! status first. [`Situation::probe`] has the place of the edge, [`Situation::homing`] what every axis does and what has gone wrong. A hold
+//! stops them, and they go on when it is resumed; [`Command::CancelJog`], an abort and the silence of the sender end them. Then, and if
+//! a probe had to end by its input and has not, or an axis does not find its switch, no more items are taken in the session:
+//! [`Refusal::Probe`], [`Refusal::Home`].
+//!
 //! # Both ends
 //!
 //! [`Station`] is the controller's end and [`Sender`] the host's. Neither knows a port or a clock; bytes
@@ -72,6 +86,9 @@ mod jog;
 mod message;
 #[allow(clippy::large_enum_variant)]
 mod moves;
+mod outputs;
+mod seek;
+mod seeking;
 #[allow(clippy::large_enum_variant)]
 mod sender;
 mod station;
@@ -83,6 +100,13 @@ pub use message::{
     VERSION,
 };
 pub use moves::{Axes, Move, MoveError, Path, Speed, Target};
+pub use outputs::{
+    IN_TIME, PowerMove, SwitchMove, SwitchOffset, SwitchOutput, SwitchRefusal, SwitchTrigger,
+};
+pub use seek::{
+    HomeAxis, HomeFault, HomeMove, HomeReport, HomeStep, HomeTrouble, ProbeEnd, ProbeInput,
+    ProbeMove, ProbeResult, SeekRefusal,
+};
 pub use sender::{Sender, Step};
 pub use station::Station;
 

@@ -7,7 +7,13 @@ use super::message::{
     Taken, VERSION,
 };
 use super::moves::{Move, Path};
+#[cfg(feature = "outputs")]
+use super::outputs::IN_TIME;
+use super::outputs::{PowerMove, SwitchMove, SwitchRefusal};
+use super::seeking::Seeking;
 use crate::block::{Block, Motion, PushError};
+#[cfg(feature = "outputs")]
+use crate::block::{Power, SwitchError};
 use crate::number::{Coord, Scalar};
 use crate::planner::{Planner, Progress};
 use crate::servo::events::{Event, Events};
@@ -16,10 +22,27 @@ use heapless::Deque;
 
 /// What waits for the planner.
 #[derive(Clone, Copy, Debug)]
-enum Waiting<S, const N: usize> {
+pub(super) enum Waiting<S, const N: usize> {
     Block(Block<S, N>),
     Event(Event),
+    #[cfg(feature = "outputs")]
+    Switch(SwitchMove),
+    #[cfg(feature = "outputs")]
+    Power(PowerMove),
+    /// What is in [`Station::seeking`].
+    #[cfg_attr(not(feature = "probe"), allow(dead_code))]
+    Seek,
     End,
+}
+
+/// What has become of the first item of the queue.
+enum Fed {
+    Taken,
+    /// It waits.
+    Full,
+    /// Nothing is taken any more.
+    Aborted,
+    Refused(Refusal),
 }
 
 /// Lines that are handed over in one call: no more work than a slice of planning.
@@ -48,12 +71,12 @@ struct Session {
 
 /// Replies that are due.
 #[derive(Clone, Copy, Debug)]
-struct Due {
+pub(super) struct Due {
     hello: Option<u32>,
     denied: Option<(u32, Denial)>,
     opened: bool,
-    taken: bool,
-    status: bool,
+    pub taken: bool,
+    pub status: bool,
     gap: bool,
 }
 
@@ -66,13 +89,13 @@ impl Due {
 /// rules of who may move the machine: see [the module](super).
 ///
 /// `QUEUE` items wait until the planner has room; that is the window the host may fill. It holds
-/// 100 bytes per item and 550 bytes besides (three axes, `f32`).
+/// 104 bytes per item and 720 bytes besides (three axes, `f32`); with `probe` 112 more, with `home` 256.
 #[derive(Debug)]
 pub struct Station<S: Scalar, const N: usize, const QUEUE: usize> {
     inlet: Inlet,
-    queue: Deque<Waiting<S, N>, QUEUE>,
+    pub(super) queue: Deque<Waiting<S, N>, QUEUE>,
     /// Where the last move taken ends: the next begins there.
-    end: [Coord; N],
+    pub(super) end: [Coord; N],
     session: Option<Session>,
     /// A request to open a session that has not been answered.
     knock: Option<Opening>,
@@ -82,8 +105,9 @@ pub struct Station<S: Scalar, const N: usize, const QUEUE: usize> {
     jog: Option<JogMove>,
     /// Why the last was not taken.
     jog_refused: Option<JogRefusal>,
+    pub(super) seeking: Seeking<S, N>,
     /// What runs is to be dropped.
-    aborting: bool,
+    pub(super) aborting: bool,
     /// An abort that no command of the session has asked for.
     alarm: bool,
     /// The machine is held because the sender has fallen silent.
@@ -94,7 +118,7 @@ pub struct Station<S: Scalar, const N: usize, const QUEUE: usize> {
     starved: u32,
     /// Events of the session that have happened.
     happened: u32,
-    due: Due,
+    pub(super) due: Due,
 }
 
 impl<S: Scalar, const N: usize, const QUEUE: usize> Default for Station<S, N, QUEUE> {
@@ -115,6 +139,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
             heard: false,
             jog: None,
             jog_refused: None,
+            seeking: Seeking::NONE,
             aborting: false,
             alarm: false,
             lost: false,
@@ -193,15 +218,22 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
             return;
         }
         // Without room the host has sent beyond the window: it will have to send it again.
-        if owner.refused.is_some() || self.queue.is_full() {
+        if owner.refused.is_some() || self.queue.is_full() || self.seeking.is_on() {
             return;
         }
-        let waiting = match item {
-            Item::End => Waiting::End,
-            Item::Move(step) => match self.prepare(step) {
-                Some(waiting) => waiting,
-                None => return self.refuse(Refusal::Block { tag: step.tag }),
-            },
+        let prepared = match item {
+            Item::End => Ok(Waiting::End),
+            Item::Move(step) => self.prepare(step).ok_or(Refusal::Block { tag: step.tag }),
+            Item::Switch(switch) => Self::prepare_switch(switch)
+                .map_err(|reason| Refusal::Output { tag: switch.tag, reason }),
+            Item::Power(power) => Self::prepare_power(power)
+                .map_err(|reason| Refusal::Output { tag: power.tag, reason }),
+            Item::Probe(probe) => self.prepare_probe(number.raw(), probe),
+            Item::Home(home) => self.prepare_home(number.raw(), home),
+        };
+        let waiting = match prepared {
+            Ok(waiting) => waiting,
+            Err(reason) => return self.refuse(reason),
         };
         if self.queue.push_back(waiting).is_ok()
             && let Some(owner) = &mut self.session
@@ -224,15 +256,38 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
         Some(Waiting::Block(block))
     }
 
+    /// An output as it waits.
+    #[cfg(feature = "outputs")]
+    fn prepare_switch(switch: &SwitchMove) -> Result<Waiting<S, N>, SwitchRefusal> {
+        switch.switch::<S>().check()?;
+        Ok(Waiting::Switch(*switch))
+    }
+
+    #[cfg(feature = "outputs")]
+    fn prepare_power(power: &PowerMove) -> Result<Waiting<S, N>, SwitchRefusal> {
+        power.power::<S>().check()?;
+        Ok(Waiting::Power(*power))
+    }
+
+    #[cfg(not(feature = "outputs"))]
+    const fn prepare_switch(_: &SwitchMove) -> Result<Waiting<S, N>, SwitchRefusal> {
+        Err(SwitchRefusal::Unknown)
+    }
+
+    #[cfg(not(feature = "outputs"))]
+    const fn prepare_power(_: &PowerMove) -> Result<Waiting<S, N>, SwitchRefusal> {
+        Err(SwitchRefusal::Unknown)
+    }
+
     /// What has been taken before is run to its end; no more is taken.
-    fn refuse(&mut self, reason: Refusal) {
+    pub(super) fn refuse(&mut self, reason: Refusal) {
         self.no_more(reason);
         // There is room: the refused block itself would have needed it.
         let queued = self.queue.push_back(Waiting::End);
         debug_assert!(queued.is_ok(), "an end that never comes");
     }
 
-    fn no_more(&mut self, reason: Refusal) {
+    pub(super) fn no_more(&mut self, reason: Refusal) {
         if let Some(owner) = &mut self.session {
             owner.refused = Some(reason);
         }
@@ -244,6 +299,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
     /// [`Refusal::Alarm`] it shows as [`State::Alarm`] until then.
     pub fn close(&mut self, reason: Refusal) {
         self.queue.clear();
+        self.seeking.drop_waiting();
         (self.aborting, self.lost, self.jog) = (true, false, None);
         self.alarm |= reason == Refusal::Alarm;
         self.no_more(reason);
@@ -263,6 +319,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
         now: u32,
     ) -> Progress {
         self.watch(planner, now);
+        self.note_sought(planner);
         self.pass_jog(planner);
         let more = self.feed(planner, events);
         self.progress = planner.poll();
@@ -299,8 +356,11 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
         };
         self.jog_refused = taken.err();
         self.due.status = true;
-        if taken.is_ok() && !self.left {
+        // A probe that waits would begin elsewhere, and go another way.
+        let rests = planner.blocks_waiting() == 0 && planner.nodes_ahead() == 0;
+        if taken.is_ok() && (!self.left || (self.seeking.is_on() && rests)) {
             self.queue.clear();
+            self.seeking.drop_waiting();
             self.no_more(Refusal::Jogged);
         }
     }
@@ -386,6 +446,12 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
         }
         (self.aborting, self.alarm, self.heard) = (false, false, false);
         (self.jog, self.jog_refused) = (None, None);
+        self.seeking = Seeking::NONE;
+        #[cfg(feature = "outputs")]
+        {
+            let set = planner.set_power(&Power::OFF);
+            debug_assert!(set.is_ok(), "a power that is always good");
+        }
         self.progress = Progress::NeedsBlocks;
         self.end = *planner.end();
         events.clear();
@@ -413,45 +479,125 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
         events: &Events<M>,
     ) -> bool {
         for fed in 0..QUEUE {
-            let (block, event) = match self.queue.front() {
-                None => return false,
-                Some(_) if fed >= FED => return true,
-                Some(Waiting::End) => (None, None),
-                Some(Waiting::Block(block)) => (Some(*block), None),
-                // It comes when one before it has happened.
-                Some(Waiting::Event(_)) if !events.has_room() => return false,
-                Some(Waiting::Event(event)) => (Some(event.block()), Some(*event)),
-            };
-            match block.map(|block| planner.push(&block)) {
-                None => planner.finish(),
-                Some(Ok(())) => {
-                    if let Some(event) = &event {
-                        events.put(event);
-                    }
-                }
-                Some(Err(PushError::Full)) => return false,
-                Some(Err(PushError::Aborted)) => {
+            let Some(waiting) = self.queue.front().copied() else { return false };
+            if fed >= FED {
+                return true;
+            }
+            if let Waiting::Seek = waiting {
+                self.begin_seek(planner);
+                return false;
+            }
+            match Self::hand_over(&waiting, planner, events) {
+                Fed::Taken => {}
+                Fed::Full => return false,
+                Fed::Aborted => {
                     if !self.aborting {
                         self.close(Refusal::Aborted);
                     }
                     self.queue.clear();
                     return false;
                 }
-                Some(Err(PushError::Rejected { tag, reason })) => {
+                Fed::Refused(reason) => {
                     self.queue.clear();
-                    self.refuse(Refusal::of(tag, &reason));
+                    self.seeking.drop_waiting();
+                    self.refuse(reason);
                     continue;
                 }
             }
             self.queue.pop_front();
             // Room has come: the host wants to know.
             self.due.taken = true;
-            let line = block.is_none_or(|block| matches!(block.motion, Motion::Line { .. }));
-            if !line && !self.queue.is_empty() {
+            let slow = match &waiting {
+                Waiting::Block(block) => !matches!(block.motion, Motion::Line { .. }),
+                Waiting::End => false,
+                _ => true,
+            };
+            if slow && !self.queue.is_empty() {
                 return true;
             }
         }
         false
+    }
+
+    /// Hands one item to the planner.
+    fn hand_over<const BLOCKS: usize, const NODES: usize, const M: usize>(
+        waiting: &Waiting<S, N>,
+        planner: &mut Planner<'_, S, N, BLOCKS, NODES>,
+        events: &Events<M>,
+    ) -> Fed {
+        let (block, event) = match waiting {
+            // It has its own way.
+            Waiting::Seek => return Fed::Full,
+            Waiting::End => {
+                planner.finish();
+                return Fed::Taken;
+            }
+            #[cfg(feature = "outputs")]
+            Waiting::Switch(switch) => {
+                let rests = switch.trigger == super::outputs::SwitchTrigger::Rest;
+                let event = rests.then_some(switch.tag);
+                return Self::hand_over_output(event, switch.tag, planner, events, |planner| {
+                    planner.push_switch(&switch.switch())
+                });
+            }
+            #[cfg(feature = "outputs")]
+            Waiting::Power(power) => {
+                let event = power.rest.then_some(power.tag);
+                return Self::hand_over_output(event, power.tag, planner, events, |planner| {
+                    if power.rest {
+                        planner.push_power(&power.power(), power.tag)
+                    } else {
+                        planner.set_power(&power.power())
+                    }
+                });
+            }
+            Waiting::Block(block) => (*block, None),
+            // It comes when one before it has happened.
+            Waiting::Event(_) if !events.has_room() => return Fed::Full,
+            Waiting::Event(event) => (event.block(), Some(*event)),
+        };
+        match planner.push(&block) {
+            Ok(()) => {
+                if let Some(event) = &event {
+                    events.put(event);
+                }
+                Fed::Taken
+            }
+            Err(PushError::Full) => Fed::Full,
+            Err(PushError::Aborted) => Fed::Aborted,
+            Err(PushError::Rejected { tag, reason }) => Fed::Refused(Refusal::of(tag, &reason)),
+        }
+    }
+
+    /// The same of an output; `event`: the tag of the event at which it switches, if it does at rest.
+    #[cfg(feature = "outputs")]
+    fn hand_over_output<const BLOCKS: usize, const NODES: usize, const M: usize>(
+        event: Option<u32>,
+        tag: u32,
+        planner: &mut Planner<'_, S, N, BLOCKS, NODES>,
+        events: &Events<M>,
+        push: impl FnOnce(&mut Planner<'_, S, N, BLOCKS, NODES>) -> Result<(), SwitchError>,
+    ) -> Fed {
+        if event.is_some() && !events.has_room() {
+            return Fed::Full;
+        }
+        match push(planner) {
+            Ok(()) => {
+                if let Some(tag) = event {
+                    // It is counted with the events of the program.
+                    let (letter, tenths) = (IN_TIME, 0);
+                    events.put(&Event { tag, letter, tenths, value: None, pause: false });
+                }
+                Fed::Taken
+            }
+            // What it waits for never comes: nothing is left to run.
+            Err(SwitchError::Full) if planner.is_empty() => {
+                Fed::Refused(Refusal::Output { tag, reason: SwitchRefusal::Full })
+            }
+            Err(SwitchError::Full) => Fed::Full,
+            Err(SwitchError::Aborted) => Fed::Aborted,
+            Err(error) => Fed::Refused(Refusal::Output { tag, reason: error.into() }),
+        }
     }
 
     /// Items taken in this session.
@@ -491,12 +637,15 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
             starved: self.starved,
             events: self.happened,
             jog: self.jog_refused,
+            probe: self.seeking.probed(),
+            homing: self.seeking.homed(),
         }
     }
 
     fn account(&self) -> Option<Taken> {
         let owner = self.session?;
-        let room = QUEUE - self.queue.len();
+        // What follows a probe waits until that is over.
+        let room = if self.seeking.is_on() { 0 } else { QUEUE - self.queue.len() };
         Some(Taken {
             session: owner.number,
             next: owner.next.raw(),

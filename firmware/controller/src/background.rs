@@ -34,7 +34,7 @@ struct Outgoing {
 /// to each other.
 ///
 /// Every part of a round can be called by itself, in the order of [`Background::round`]. It holds a frame, two
-/// references and a [`Station`]: 2.4 kB for three axes in `f32` and a queue of 16.
+/// references and a [`Station`]: 2.8 kB for three axes in `f32` and a queue of 16.
 pub struct Background<
     'a,
     'link,

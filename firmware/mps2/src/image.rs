@@ -7,7 +7,7 @@ mod app {
     };
     use crate::device::Interrupt;
     use crate::log::Log;
-    use crate::machine::{self, AXES};
+    use crate::machine::{self, AXES, Followers};
     use core::fmt::Write;
     use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering::Relaxed};
     use embedded_hal::digital::OutputPin;
@@ -109,6 +109,7 @@ mod app {
         last: Targets<AXES>,
         step_timer: StepTimer,
         interpolator: Interpolator<'static, Real, AXES>,
+        followers: &'static mut Followers<Real>,
         receiver: Receiver,
         transmitter: Transmitter,
         bytes_in: Producer<'static, u8>,
@@ -125,19 +126,22 @@ mod app {
 
     #[init(local = [
         link: Link<Real, AXES, BLOCKS, NODES> = Link::new(),
+        following: Followers<Real> = Followers::new(),
         bytes: Queue<u8, BYTES> = Queue::new(),
         replies: Queue<u8, REPLIES> = Queue::new(),
     ])]
     fn init(context: init::Context) -> (Shared, Local) {
         let board = Board::new().expect("the steps of the machine do not fit");
-        let config = machine::config::<Real>().expect("the machine cannot be used");
+        let followers = context.local.following;
+        let config = machine::config::<Real>().and_then(|config| followers.set(config));
+        let config = config.expect("the machine cannot be used");
         let settings = Settings::new(&config, [machine::steps_per_mm(); AXES], [TRAVEL; AXES]);
         let start = [Coord::ZERO; AXES];
         let made = context.local.link.split(config, start);
         let (planner, mut interpolator) = made.expect("the settings cannot be used");
         let (bytes_in, bytes_out) = context.local.bytes.split();
         let (replies_in, replies_out) = context.local.replies.split();
-        let setpoint = interpolator.tick();
+        let (setpoint, _) = followers.tick(&mut interpolator, |_| ());
         let (controls, seeking) = (planner.controls(), planner.inputs());
         let _ = writeln!(Log, "splineway {}: {} axes", env!("CARGO_PKG_VERSION"), AXES);
         (
@@ -148,6 +152,7 @@ mod app {
                 last: Targets::new(&setpoint),
                 step_timer: board.step_timer,
                 interpolator,
+                followers,
                 receiver: board.receiver,
                 transmitter: board.transmitter,
                 bytes_in,
@@ -191,14 +196,16 @@ mod app {
     }
 
     /// The servo cycle. SPI is not used: its interrupt stands for this task.
-    #[task(binds = SPI, priority = 3, local = [interpolator, moves: bool = false], shared = [targets, setpoint])]
+    #[task(binds = SPI, priority = 3, local = [interpolator, followers, moves: bool = false], shared = [targets, setpoint])]
     fn servo(mut context: servo::Context) {
         let began = board::now();
-        let setpoint = context.local.interpolator.tick();
+        let servo::LocalResources { interpolator, followers, moves, .. } = context.local;
+        // The board's pins that would switch in time with the path, or be a laser's power, are not there.
+        let (setpoint, _) = followers.tick(interpolator, |_| ());
         count(&CYCLES);
         let still = setpoint.velocity == [0.0; AXES] && setpoint.acceleration == [0.0; AXES];
-        if *context.local.moves == still {
-            *context.local.moves = !still;
+        if *moves == still {
+            *moves = !still;
             let change = if still { &RESTED } else { &BEGAN };
             change.store(CYCLES.load(Relaxed), Relaxed);
         }

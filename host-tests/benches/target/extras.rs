@@ -11,7 +11,7 @@ const PARTS: [(&str, &str, u64); 8] = [
     ("zv", "Shaper::shape, ZV", 1500),
     ("mzv", "Shaper::shape, MZV", 2000),
     ("ei", "Shaper::shape, EI", 2000),
-    ("smooth", "Shaper::shape, smooth, 40 Hz at 1 kHz", 10_000),
+    ("smooth", "Shaper::shape, smooth, 40 Hz at 1 kHz", 12_000),
     ("motors", "Linear::setpoint, CoreXY and Z", 600),
 ];
 

@@ -41,11 +41,11 @@ pub struct ControllerCommand {
     /// Machine description (TOML) [default: a small milling machine, which `splineway machine` prints]
     #[arg(long, value_name = "TOML")]
     pub machine: Option<PathBuf>,
-    /// A home switch, closed beyond a place, as "X>5" (mm, the machine being switched on at 0); more than those of the machine's file,
-    /// for --protocol grbl [default: none]
+    /// A home switch, closed beyond a place, as "X>5" (mm, the machine being switched on at 0); more than those of the machine's file
+    /// [default: none]
     #[arg(long, value_name = "PLACE")]
     pub switch: Vec<String>,
-    /// A surface that the probe meets there, as "Z<-20", for --protocol grbl [default: none]
+    /// A surface that the probe meets there, as "Z<-20" [default: none]
     #[arg(long, value_name = "PLACE")]
     pub surface: Vec<String>,
     /// How many times faster than the clock it runs
@@ -82,8 +82,6 @@ impl ControllerCommand {
         machine.check()?;
         let is_grbl = self.protocol == Protocol::Grbl;
         ensure!(is_grbl || self.settings.is_none(), "settings are kept with --protocol grbl only");
-        let has_inputs = !(self.switch.is_empty() && self.surface.is_empty());
-        ensure!(is_grbl || !has_inputs, "--switch and --surface are for --protocol grbl only");
         ensure!(
             !is_grbl || self.faults <= 0.0,
             "faults are for the protocol of splineway stream only"
@@ -120,6 +118,14 @@ impl ControllerCommand {
                 tell(format!("line {}: {}", event.tag, describe_event(event)));
                 false
             }
+            Happening::Output { output, value } => {
+                tell(describe_output(*output, *value));
+                false
+            }
+            Happening::Laser(power) => {
+                tell(describe_laser(*power));
+                false
+            }
             Happening::Run(ends) => {
                 let axes = LETTERS.iter().zip(ends);
                 let place: Vec<String> = axes
@@ -153,19 +159,22 @@ fn describe(doing: &Doing) -> String {
             format!("spindle {spindle}, coolant {coolant}")
         }
         Doing::Switch(Accessories { laser, .. }) => format!("laser at {laser} % of its power"),
-        Doing::Output { output: Output::Digital(number), value } => {
-            format!("output {number} {}", if *value > 0.0 { "on" } else { "off" })
-        }
-        Doing::Output { output: Output::Analogue(number), value } => {
-            format!("analogue output {number} at {value}")
-        }
-        Doing::Output { output: Output::Power, value } | Doing::Laser(value) => {
-            if *value > 0.0 {
-                format!("laser burns at {value}")
-            } else {
-                "laser off".to_owned()
-            }
-        }
+        Doing::Output { output, value } => describe_output(*output, *value),
+        Doing::Laser(value) => describe_laser(*value),
         Doing::Event(event) => format!("line {}: {}", event.tag, describe_event(event)),
     }
+}
+
+fn describe_output(output: Output, value: f32) -> String {
+    match output {
+        Output::Digital(number) => {
+            format!("output {number} {}", if value > 0.0 { "on" } else { "off" })
+        }
+        Output::Analogue(number) => format!("analogue output {number} at {value}"),
+        Output::Power => describe_laser(value),
+    }
+}
+
+fn describe_laser(power: f32) -> String {
+    if power > 0.0 { format!("laser burns at {power}") } else { "laser off".to_owned() }
 }

@@ -3,8 +3,8 @@
 use super::files::check_stdin;
 use super::reading::Reading;
 use crate::stream::{
-    Controlled, News, Order, Settings, Summary, check, describe_place, describe_state, items,
-    open_port, parse_command, placed, send,
+    Controlled, News, Order, Settings, Summary, check, describe_place, describe_state, open_port,
+    parse_command, parts, placed, send,
 };
 use crate::view::bar;
 use anyhow::{Context, Result, ensure};
@@ -12,7 +12,10 @@ use serde::Serialize;
 use splineway::wire::{Item, Situation};
 use splineway_simulator::input::{self, is_stdin};
 use splineway_simulator::machine::is_rotary;
-use splineway_simulator::program::{self, AXES, LETTERS, Point, ReadOptions, Setup, Tape, refuse};
+use splineway_simulator::program::{
+    self, AXES, Attended, LETTERS, Point, ReadOptions, Setup, Tape, refuse,
+};
+use splineway_simulator::run::Homing;
 use std::collections::BTreeMap;
 use std::io::{BufRead, IsTerminal, Write};
 use std::path::PathBuf;
@@ -62,6 +65,16 @@ pub struct Stream {
     /// Abort what a program before has left whose sender is gone
     #[arg(long)]
     pub abort: bool,
+    /// How axes are homed at a line `$H` of the program, mm and mm/s: "X-40 Y-20 slow 4 reach 300 back 2 at 0 park 5"
+    /// [default: none]
+    #[arg(long, value_name = "HOW")]
+    pub home: Option<String>,
+    /// Switch outputs in time with the path by M62 to M68; without it M62 to M65 are events
+    #[arg(long)]
+    pub outputs: bool,
+    /// S and M3 to M5 are those of a laser with this greatest power [default: none]
+    #[arg(long, value_name = "POWER")]
+    pub laser: Option<f64>,
     /// Print what came of it as JSON
     #[arg(long)]
     pub json: bool,
@@ -86,6 +99,11 @@ impl Stream {
         );
         self.reading.check()?;
         check_stdin(&[Some(("the program", &self.file)), self.reading.file()])?;
+        ensure!(
+            self.laser.is_none_or(|most| most > 0.0 && most.is_finite()),
+            "--laser is the greatest power; it must be above 0"
+        );
+        let homing = self.home.as_deref().map(Homing::parse).transpose().context("--home")?;
         let setup = self.reading.machine()?.setup();
         // All of it, before the port is anybody's: standard input may be slow.
         let program = input::bytes(&self.file)?;
@@ -101,7 +119,7 @@ impl Stream {
         let outcome = send(
             &mut port,
             settings,
-            |controlled| self.prepare(&program, &setup, controlled),
+            |controlled| self.prepare(&program, (&setup, homing.as_ref()), controlled),
             &orders,
             &mut |news| match news {
                 News::Status { taken, items, situation } => {
@@ -132,23 +150,41 @@ impl Stream {
         }
     }
 
-    /// The program for the machine where it stands, read and checked as a whole.
-    fn prepare(&self, bytes: &[u8], setup: &Setup, controlled: &Controlled) -> Result<Vec<Item>> {
-        let position = &controlled.situation.position;
-        let mut start: Point = [0.0; AXES];
-        for (mm, &nm) in start.iter_mut().zip(position) {
-            *mm = nm as f64 * 1.0e-6;
-        }
-        let options = ReadOptions { start, ..self.reading.options(setup) };
+    /// The program for the machine where it stands, read and checked as a whole, up to the next probe or homing: as if each of those
+    /// that are to come ended where it is bound for.
+    fn prepare(
+        &self,
+        bytes: &[u8],
+        (setup, homing): (&Setup, Option<&Homing>),
+        controlled: &Controlled,
+    ) -> Result<Vec<Item>> {
+        let point = |place: &[i64]| {
+            let mut point: Point = [0.0; AXES];
+            for (mm, &nm) in point.iter_mut().zip(place) {
+                *mm = nm as f64 * 1.0e-6;
+            }
+            point
+        };
+        let start = point(&controlled.start);
+        let stops: Vec<Point> = controlled.stops.iter().map(|place| point(place)).collect();
+        let attended = Attended {
+            stops: &stops,
+            home: homing.map(Homing::ends),
+            outputs: self.outputs,
+            laser: self.laser,
+        };
+        let attended = Some(attended);
+        let options = ReadOptions { start, attended, ..self.reading.options(setup) };
         let name = self.file.display();
         let (program, found) = program::inspect_bytes(&self.file, bytes, options)?;
         refuse(&found).with_context(|| name.to_string())?;
-        for warning in &program.warnings {
+        let is_first = stops.is_empty();
+        for warning in program.warnings.iter().filter(|_| is_first) {
             complain(&format!("warning: {warning}"));
         }
         let program = self.reading.overriding(&program, None).to_program();
         let (program, approach) = placed(&program, &start, self.approach)?;
-        if let Some(to) = approach {
+        if let (Some(to), true) = (approach, is_first) {
             let words = |point: &Point| -> String {
                 let nm: Vec<i64> = point[..controlled.axes.min(AXES)]
                     .iter()
@@ -158,9 +194,14 @@ impl Stream {
             };
             complain(&format!("--approach: first from {} to {}", words(&start), words(&to)));
         }
-        let items = items(&program, controlled.axes).with_context(|| name.to_string())?;
-        refuse(&check(&items, position)?).with_context(|| name.to_string())?;
-        Ok(items)
+        let home = homing.map(|homing| homing.as_sent(0)).transpose()?;
+        let mut parts =
+            parts(&program, controlled.axes, home.as_ref()).with_context(|| name.to_string())?;
+        for part in parts.iter().skip(stops.len()) {
+            refuse(&check(&part.items, &part.start)?).with_context(|| name.to_string())?;
+        }
+        ensure!(stops.len() < parts.len(), "the program has changed while it was run");
+        Ok(parts.swap_remove(stops.len()).items)
     }
 }
 

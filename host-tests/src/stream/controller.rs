@@ -3,8 +3,10 @@
 use super::line::Line;
 use super::pace::Pace;
 use anyhow::{Result, bail};
-use splineway::wire::{Event, Events, State};
-use splineway::{Activity, BLOCKS, Coord, Link, NODES, Planner, Progress, Setpoint};
+use splineway::wire::{Event, Events, IN_TIME, State};
+use splineway::{
+    Activity, BLOCKS, Coord, Link, NODES, Output, Planner, Progress, Setpoint, Switched,
+};
 use splineway_controller::{Background, Port};
 use splineway_simulator::machine::Machine;
 use std::collections::VecDeque;
@@ -85,6 +87,15 @@ pub enum Happening {
     },
     /// Something that is not motion is to be done.
     Event(Event),
+    /// An output has switched, to 0 or 1 if it is a digital one. The power is told by [`Happening::Laser`].
+    Output {
+        /// Which.
+        output: Output,
+        /// To what.
+        value: f32,
+    },
+    /// The power of a tool has become more than 0, or 0.
+    Laser(f32),
     /// A program has been run to its end, with the axes here, nm.
     Run(Vec<i64>),
 }
@@ -147,7 +158,9 @@ impl Controller {
         let mut link = Box::new(Link::<f32, N, BLOCKS, NODES>::new());
         let (mut planner, mut interpolator): (Planner<'_, f32, N, BLOCKS, NODES>, _) =
             link.split(config, [Coord::ZERO; N])?;
+        let mut shaper = machine.shaper(&all, &config)?;
         let events = Events::<EVENTS>::new();
+        let (inputs, mut seeker) = (planner.inputs(), machine.seeker());
         let mut background =
             Background::<_, N, BLOCKS, NODES, QUEUE, EVENTS>::new(&mut planner, &events);
         let mut pace = Pace::new(speed, machine.cycle);
@@ -158,7 +171,10 @@ impl Controller {
             now: Duration::ZERO,
             setpoint: interpolator.tick(),
         };
-        let (mut ran, mut leaves) = (false, false);
+        // Switches that are closed at the beginning.
+        let start = outside.setpoint;
+        seeker.sense(inputs, &all, (&start, &start), machine.cycle);
+        let (mut ran, mut leaves, mut burns) = (false, false, false);
         let mut state = State::Idle;
         loop {
             pace.hear(&self.line, state == State::Idle, |chunk| {
@@ -168,10 +184,22 @@ impl Controller {
             // The line is served whether a servo cycle is due or not.
             while background.round(&mut outside) == Progress::Planning {}
             pace.run(|| {
-                outside.setpoint = interpolator.tick();
-                if let Some(event) = events.take(&outside.setpoint) {
+                let now = interpolator.tick();
+                let now = shaper.as_mut().map_or(now, |shaper| shaper.shape(&now));
+                let before = std::mem::replace(&mut outside.setpoint, now);
+                let power = interpolator.switch(&now, |Switched { output, value, .. }| {
+                    if output != Output::Power {
+                        leaves |= tell(&Happening::Output { output, value });
+                    }
+                });
+                if std::mem::replace(&mut burns, power > 0.0) != burns {
+                    leaves |= tell(&Happening::Laser(power));
+                }
+                // What switches at rest has been told.
+                if let Some(event) = events.take(&now).filter(|event| event.letter != IN_TIME) {
                     leaves |= tell(&Happening::Event(event));
                 }
+                seeker.sense(inputs, &all, (&before, &now), machine.cycle);
                 while background.round(&mut outside) == Progress::Planning {}
             });
             self.line.write(&outside.outgoing);

@@ -1,11 +1,22 @@
 //! Programs as they are sent.
 
-use anyhow::{Context, Result, ensure};
-use splineway::wire::{Item, Move, Path, Speed, Target};
+use anyhow::{Context, Result, anyhow, ensure};
+use splineway::wire::{
+    HomeMove, Item, Move, Path, PowerMove, ProbeInput, ProbeMove, Speed, SwitchMove, Target,
+};
 use splineway::{Config, Coord, Motion};
 use splineway_simulator::machine::Machine;
-use splineway_simulator::program::{self, Course, Finding, LETTERS, Point, Program};
+use splineway_simulator::program::{self, Aside, Course, Finding, LETTERS, Point, Program};
 use splineway_simulator::run::on_letters;
+
+/// A stretch of a program: up to a probe or homing, or to its end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// Where it begins, nm.
+    pub start: Vec<i64>,
+    /// Its items.
+    pub items: Vec<Item>,
+}
 
 /// The program as a controller with a number of axes takes it, from where the program starts. An axis
 /// whose place does not change, to the nanometre, is not named, and stays.
@@ -13,6 +24,14 @@ use splineway_simulator::run::on_letters;
 /// # Errors
 /// It moves an axis that the controller lacks; a coordinate is out of range.
 pub fn items(program: &Program, axes: usize) -> Result<Vec<Item>> {
+    Ok(parts(program, axes, None)?.into_iter().flat_map(|part| part.items).collect())
+}
+
+/// The same in parts, each of which ends with a probe or homing, and the last with the end of the program. `home`: how axes are homed.
+///
+/// # Errors
+/// As [`items`]; and it homes, and nothing says how.
+pub fn parts(program: &Program, axes: usize, home: Option<&HomeMove>) -> Result<Vec<Part>> {
     for axis in program.axes() {
         ensure!(
             axis < axes || !program.uses[axis],
@@ -21,15 +40,73 @@ pub fn items(program: &Program, axes: usize) -> Result<Vec<Item>> {
             LETTERS[..axes].iter().collect::<String>()
         );
     }
-    let mut items = Vec::with_capacity(program.moves.len() + 1);
     let mut here = nanometres(&program.start, axes)?;
-    for step in &program.moves {
+    let mut part = Part { start: here.clone(), items: Vec::with_capacity(program.moves.len() + 1) };
+    let mut parts = Vec::new();
+    let mut asides = program.asides.iter().peekable();
+    for place in 0..=program.moves.len() {
+        while let Some((_, aside)) = asides.next_if(|(before, _)| *before <= place) {
+            let ends = wire_aside(aside, (axes, home), &mut here, &mut part.items)?;
+            if let Some(ends) = ends {
+                here = nanometres(ends, axes)?;
+                let next = Part { start: here.clone(), items: Vec::new() };
+                parts.push(std::mem::replace(&mut part, next));
+            }
+        }
+        let Some(step) = program.moves.get(place) else { continue };
         let step =
             wire_move(step, axes, &mut here).with_context(|| format!("line {}", step.line))?;
-        items.push(Item::Move(step));
+        part.items.push(Item::Move(step));
     }
-    items.push(Item::End);
-    Ok(items)
+    part.items.push(Item::End);
+    parts.push(part);
+    Ok(parts)
+}
+
+/// What stands between moves, as it is sent; where the machine stands behind it, if that is known only then.
+fn wire_aside<'a>(
+    aside: &'a Aside,
+    (axes, home): (usize, Option<&HomeMove>),
+    here: &mut Vec<i64>,
+    items: &mut Vec<Item>,
+) -> Result<Option<&'a Point>> {
+    match aside {
+        Aside::Probe(probe, ends) => {
+            let [to] = targets([&probe.to.map(Coord::to_mm)], axes, here)
+                .with_context(|| format!("line {}", probe.tag))?;
+            items.push(Item::Probe(ProbeMove {
+                to,
+                feed: (probe.feed * 1.0e3).round() as u32,
+                input: ProbeInput::Probe,
+                closes: probe.closes,
+                required: probe.required,
+                tag: probe.tag,
+            }));
+            return Ok(Some(ends));
+        }
+        Aside::Home { line, ends } => {
+            let home =
+                home.with_context(|| format!("line {line}: nothing says how axes are homed"))?;
+            items.push(Item::Home(HomeMove { tag: *line, ..home.clone() }));
+            return Ok(Some(ends));
+        }
+        Aside::Switch(switch) => {
+            let switch = SwitchMove::try_from(switch).map_err(|refusal| anyhow!("{refusal}"))?;
+            items.push(Item::Switch(switch));
+        }
+        Aside::Power { power, rest, line } => {
+            let single = |x: f64| x as f32;
+            items.push(Item::Power(PowerMove {
+                level: single(power.level),
+                dynamic: power.dynamic,
+                least: single(power.least),
+                most: single(power.most),
+                rest: *rest,
+                tag: *line,
+            }));
+        }
+    }
+    Ok(None)
 }
 
 fn nm(mm: f64) -> Result<i64> {

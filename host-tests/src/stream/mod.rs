@@ -16,7 +16,7 @@ mod talk;
 
 #[cfg(unix)]
 pub use controller::{Controller, Faults, Happening};
-pub use convert::{check, items};
+pub use convert::{Part, check, items, parts};
 #[cfg(unix)]
 pub use grbl::{Doing, Grbl, Kept};
 #[cfg(unix)]

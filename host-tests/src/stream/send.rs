@@ -1,10 +1,11 @@
 //! Sending a program to a controller.
 
 use super::order::Order;
+use super::place::describe_place;
 use super::talk::{Controlled, News, Talk};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use serial2::SerialPort;
-use splineway::wire::{Command, Item, Refusal, SILENCE, Sender, Situation, State};
+use splineway::wire::{Command, HomeFault, Item, Refusal, SILENCE, Sender, Situation, State};
 use std::sync::mpsc::Receiver;
 use std::thread;
 use std::time::{Duration, Instant};
@@ -54,7 +55,7 @@ enum End {
 }
 
 /// Sends a program and waits until it has been run. `make` gives its items when the session is open and it
-/// is known where the machine stands. Orders come from `orders`; `watch` hears what happens.
+/// is known where the machine stands; those up to a probe or homing, if there is one, and the following when it is over. Orders come from `orders`; `watch` hears what happens.
 ///
 /// Whatever goes wrong once a block has been sent, and if an order says so, the machine is aborted before
 /// this returns, and it waits until it stands: at most ten seconds.
@@ -65,21 +66,22 @@ enum End {
 pub fn send<F>(
     port: &mut SerialPort,
     settings: Settings,
-    make: F,
+    mut make: F,
     orders: &Receiver<Order>,
     watch: &mut dyn FnMut(News<'_>),
 ) -> Result<Summary>
 where
-    F: FnOnce(&Controlled) -> Result<Vec<Item>> + Send,
+    F: FnMut(&Controlled) -> Result<Vec<Item>> + Send,
 {
     let clock = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH)?;
     let sender = Sender::new(clock.as_millis() as u32, 0, settings.silence);
     let sender = if settings.abort { sender.aborting() } else { sender };
     let mut talk = Talk::new(port, sender)?;
-    let begun = begin(&mut talk, make, orders);
+    let mut controlled = Controlled::default();
+    let begun = begin(&mut talk, &mut controlled, &mut make, orders);
     let end = begun.and_then(|early| match early {
         Some(reason) => Ok(End::Leaves(reason)),
-        None => run(&mut talk, orders, watch),
+        None => run(&mut talk, &mut controlled, &mut make, orders, watch),
     });
     let aborted = match end {
         Ok(End::Run) => None,
@@ -129,9 +131,14 @@ fn leaves(talk: &mut Talk<'_>, orders: &Receiver<Order>) -> Option<&'static str>
 }
 
 /// Opens the session, and gets the items. `Some` if the operator leaves before that is done.
-fn begin<F>(talk: &mut Talk<'_>, make: F, orders: &Receiver<Order>) -> Result<Option<&'static str>>
+fn begin<F>(
+    talk: &mut Talk<'_>,
+    controlled: &mut Controlled,
+    make: &mut F,
+    orders: &Receiver<Order>,
+) -> Result<Option<&'static str>>
 where
-    F: FnOnce(&Controlled) -> Result<Vec<Item>> + Send,
+    F: FnMut(&Controlled) -> Result<Vec<Item>> + Send,
 {
     let axes = loop {
         if let Some(axes) = talk.greet()? {
@@ -156,26 +163,40 @@ where
         situation.speed == 0.0 && situation.state != State::Running,
         "the machine moves, though its controller says that nothing is left to run"
     );
-    let controlled = Controlled { axes, situation };
-    // The controller hears from here while a long program is read.
+    let start = situation.position.to_vec();
+    *controlled = Controlled { axes, situation, start, stops: Vec::new() };
+    add_items(talk, controlled, make)?;
+    Ok(leaves(talk, orders))
+}
+
+/// Gets items. The controller hears from here while a long program is read.
+fn add_items<F>(talk: &mut Talk<'_>, controlled: &Controlled, make: &mut F) -> Result<()>
+where
+    F: FnMut(&Controlled) -> Result<Vec<Item>> + Send,
+{
     thread::scope(|scope| {
-        let making = scope.spawn(|| make(&controlled));
+        let making = scope.spawn(|| make(controlled));
         while !making.is_finished() {
             talk.turn()?;
             talk.is_open()?;
         }
         let items = making.join().map_err(|_| anyhow!("the program could not be read"))??;
-        talk.set_items(items);
-        Ok(leaves(talk, orders))
+        talk.add_items(items);
+        Ok(())
     })
 }
 
 /// Sends the items, and waits until they have been run.
-fn run(
+fn run<F>(
     talk: &mut Talk<'_>,
+    controlled: &mut Controlled,
+    make: &mut F,
     orders: &Receiver<Order>,
     watch: &mut dyn FnMut(News<'_>),
-) -> Result<End> {
+) -> Result<End>
+where
+    F: FnMut(&Controlled) -> Result<Vec<Item>> + Send,
+{
     let mut before = State::Idle;
     let mut paused = None;
     let mut jog = None;
@@ -211,25 +232,19 @@ fn run(
         }
         match talk.sender.refused() {
             Some(Refusal::Aborted) if talk.is_stopped() => return Ok(End::Aborted),
-            Some(Refusal::Block { tag }) => bail!("the controller refuses the block of line {tag}"),
-            Some(Refusal::Travel { tag, axis, to, limit }) => {
-                let mm = |nm: i64| nm as f64 * 1.0e-6;
-                bail!(
-                    "the controller refuses the block of line {tag}: axis {axis} would go to {} mm; its travel ends at {}",
-                    mm(to),
-                    mm(limit)
-                )
-            }
-            Some(Refusal::Jogged) => bail!("the machine has been jogged: send the program anew"),
-            Some(Refusal::Alarm) => {
-                bail!(
-                    "the controller has stopped: emergency stop, limit switch, or an output that did not follow"
-                )
-            }
-            _ => {}
+            None | Some(Refusal::Aborted) => {}
+            Some(refusal) => refused_by(refusal, talk.situation())?,
         }
         if talk.is_run() {
-            return Ok(End::Run);
+            if !talk.is_at_stop() {
+                return Ok(End::Run);
+            }
+            let Some(situation) = talk.situation().cloned() else { continue };
+            watch(News::Notice(&found(&situation, talk.last_number())));
+            controlled.stops.push(situation.position.to_vec());
+            controlled.situation = situation;
+            add_items(talk, controlled, make)?;
+            talk.forget();
         }
         for order in orders.try_iter() {
             match order {
@@ -242,6 +257,52 @@ fn run(
                 }
             }
         }
+    }
+}
+
+/// What the controller has against the program.
+fn refused_by(refusal: Refusal, situation: Option<&Situation>) -> Result<()> {
+    let mm = |nm: i64| nm as f64 * 1.0e-6;
+    match refusal {
+        Refusal::Block { tag } => bail!("the controller refuses the block of line {tag}"),
+        Refusal::Travel { tag, axis, to, limit } => bail!(
+            "the controller refuses the block of line {tag}: axis {axis} would go to {} mm; its travel ends at {}",
+            mm(to),
+            mm(limit)
+        ),
+        Refusal::Jogged => bail!("the machine has been jogged: send the program anew"),
+        Refusal::Alarm => bail!(
+            "the controller has stopped: emergency stop, limit switch, or an output that did not follow"
+        ),
+        Refusal::Output { tag, reason } => bail!("line {tag}: {reason}"),
+        Refusal::Seek { tag, reason } => bail!("line {tag}: {reason}"),
+        Refusal::Probe { tag, end } => bail!("line {tag}: the probe: {end}"),
+        Refusal::Home { tag } => {
+            let report = situation.and_then(|situation| situation.homing.as_ref());
+            let fault = report.and_then(|report| report.fault);
+            // It may be told behind the refusal.
+            let Some(HomeFault { axis, trouble, .. }) = fault else { return Ok(()) };
+            bail!("line {tag}: homing, axis {axis}: {trouble}")
+        }
+        Refusal::Aborted => Ok(()),
+    }
+}
+
+/// What came of the probe or homing that is the item of this number.
+fn found(situation: &Situation, number: u32) -> String {
+    let stands = describe_place(&situation.position);
+    match (&situation.probe, &situation.homing) {
+        (Some(probe), _) if probe.number == number => {
+            let place = describe_place(&probe.position);
+            format!(
+                "line {}: the probe: {} at {place}; the machine rests at {stands}",
+                probe.tag, probe.end
+            )
+        }
+        (_, Some(homing)) if homing.number == number => {
+            format!("line {}: homed; the machine rests at {stands}", homing.tag)
+        }
+        _ => format!("the machine rests at {stands}"),
     }
 }
 

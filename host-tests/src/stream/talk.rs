@@ -5,8 +5,8 @@ use anyhow::{Context, Result, bail, ensure};
 use serial2::SerialPort;
 use splineway::gcode::{Code, Event};
 use splineway::wire::{
-    Denial, FRAME, Inlet, Item, Move, Path, Refusal, Reply, Request, Sender, Situation, State,
-    Step, VERSION, encode,
+    Denial, FRAME, Inlet, Item, Move, Path, PowerMove, Refusal, Reply, Request, Sender, Situation,
+    State, Step, SwitchTrigger, VERSION, encode,
 };
 use std::io::ErrorKind;
 use std::time::{Duration, Instant};
@@ -23,8 +23,12 @@ const AGAIN: Duration = Duration::from_millis(100);
 pub struct Controlled {
     /// Its number of axes.
     pub axes: usize,
-    /// How it stands, when the session has been opened: at rest.
+    /// How it stands, when the session has been opened, and behind every probe and homing: at rest.
     pub situation: Situation,
+    /// Where it stood when the session was opened, nm.
+    pub start: Vec<i64>,
+    /// Where it stood behind each probe and homing of the program, nm.
+    pub stops: Vec<Vec<i64>>,
 }
 
 /// What happens on the way.
@@ -214,14 +218,29 @@ impl<'a> Talk<'a> {
         }
     }
 
-    pub fn set_items(&mut self, items: Vec<Item>) {
-        let event = |(k, item): (usize, &Item)| {
-            let Item::Move(Move { path: Path::Event { .. }, .. }) = item else { return None };
-            Some(k)
+    /// More items.
+    pub fn add_items(&mut self, items: Vec<Item>) {
+        let first = self.items.len();
+        let is_event = |item: &Item| match item {
+            Item::Move(Move { path: Path::Event { .. }, .. })
+            | Item::Power(PowerMove { rest: true, .. }) => true,
+            Item::Switch(switch) => switch.trigger == SwitchTrigger::Rest,
+            _ => false,
         };
-        self.events = items.iter().enumerate().filter_map(event).collect();
-        self.sender.set_items(items.len() as u32);
-        self.items = items;
+        let events = items.iter().enumerate().filter(|(_, item)| is_event(item));
+        self.events.extend(events.map(|(k, _)| first + k));
+        self.items.extend(items);
+        self.sender.set_items(self.items.len() as u32);
+    }
+
+    /// Whether the last item is a probe or homing: what follows depends on where the machine then stands.
+    pub fn is_at_stop(&self) -> bool {
+        matches!(self.items.last(), Some(Item::Probe(_) | Item::Home(_)))
+    }
+
+    /// Number of the last item.
+    pub fn last_number(&self) -> u32 {
+        (self.items.len() as u32).wrapping_sub(1)
     }
 
     /// What the machine was last said to do in this session.
@@ -237,20 +256,21 @@ impl<'a> Talk<'a> {
     /// Events that have happened and have not been told of.
     pub fn news(&mut self) -> Option<(u32, Event)> {
         let happened = self.situation()?.events as usize;
-        if self.told >= happened {
-            return None;
-        }
-        let place = *self.events.get(self.told)?;
-        self.told += 1;
-        match self.items.get(place)? {
-            Item::Move(Move {
-                path: Path::Event { letter, tenths, value, pause }, tag, ..
-            }) => {
+        while self.told < happened {
+            let place = *self.events.get(self.told)?;
+            self.told += 1;
+            // Of outputs that switch at rest there is nothing to say.
+            if let Item::Move(Move {
+                path: Path::Event { letter, tenths, value, pause },
+                tag,
+                ..
+            }) = self.items.get(place)?
+            {
                 let code = Code { letter: char::from(*letter), tenths: *tenths };
-                Some((*tag, Event { code, value: value.map(f64::from), pause: *pause }))
+                return Some((*tag, Event { code, value: value.map(f64::from), pause: *pause }));
             }
-            _ => None,
         }
+        None
     }
 
     /// Whether every item has been run.

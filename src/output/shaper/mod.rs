@@ -14,6 +14,8 @@ mod kernel;
 pub use kernel::{Shape, ShaperError, ShaperKind};
 
 use crate::machine::{Config, Follower, Quantity};
+#[cfg(feature = "outputs")]
+use crate::number::ArcLength;
 use crate::number::{Coord, Scalar};
 use crate::servo::{Activity, Setpoint};
 use core::array::from_fn;
@@ -26,6 +28,8 @@ struct Past<S, const N: usize> {
     offset: [S; N],
     velocity: [S; N],
     acceleration: [S; N],
+    #[cfg(feature = "outputs")]
+    along: Along<S>,
 }
 
 impl<S: Scalar, const N: usize> Past<S, N> {
@@ -34,12 +38,60 @@ impl<S: Scalar, const N: usize> Past<S, N> {
         offset: [S::ZERO; N],
         velocity: [S::ZERO; N],
         acceleration: [S::ZERO; N],
+        #[cfg(feature = "outputs")]
+        along: Along { origin: ArcLength::ZERO, offset: S::ZERO, speed: S::ZERO },
     };
 
     fn of(setpoint: &Setpoint<S, N>) -> Self {
         let Setpoint { origin, offset, velocity, acceleration, .. } = *setpoint;
-        Self { origin, offset, velocity, acceleration }
+        #[cfg(feature = "outputs")]
+        let along = Along {
+            origin: setpoint.path_origin,
+            offset: setpoint.path_offset,
+            speed: setpoint.path_speed,
+        };
+        Self {
+            origin,
+            offset,
+            velocity,
+            acceleration,
+            #[cfg(feature = "outputs")]
+            along,
+        }
     }
+}
+
+/// Where on the path, for outputs.
+#[cfg(feature = "outputs")]
+#[derive(Clone, Copy, Debug)]
+struct Along<S> {
+    origin: ArcLength,
+    offset: S,
+    speed: S,
+}
+
+#[cfg(feature = "outputs")]
+impl<S: Scalar> Along<S> {
+    /// How far another place lies before this one, mm.
+    #[inline]
+    fn since(&self, before: &Self) -> S {
+        let way = self.offset - before.offset;
+        if self.origin == before.origin {
+            return way;
+        }
+        let units = self.origin.raw().wrapping_sub(before.origin.raw());
+        // A way of 400 mm at least, which is one instruction on the target; the other is a call.
+        let mm = u32::try_from(units).map_or_else(|_| S::from_i64(units), S::from_u32);
+        way + mm * S::of(1.0e-7)
+    }
+}
+
+/// How far the machine is behind along the path, mm, and its speed there: the mean of its axes.
+#[cfg(feature = "outputs")]
+#[derive(Clone, Copy, Debug)]
+struct Reached<S> {
+    behind: S,
+    speed: S,
 }
 
 /// Shapes the setpoints of `N` axes (feature `shaping`); `HISTORY` is how many servo cycles it remembers, 1.5 periods of the lowest
@@ -78,6 +130,9 @@ pub struct Shaper<S, const N: usize, const HISTORY: usize> {
     event: Option<(u32, usize)>,
     /// Whether all axes are shaped alike.
     alike: bool,
+    /// How much each of them counts for the place on the path, if they are not: by the square of the speed with which it moved last.
+    #[cfg(feature = "outputs")]
+    shares: [S; N],
     /// Mean time that all axes look back, cycles.
     mean: f64,
     cycle: f64,
@@ -101,6 +156,8 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
             rested: 0,
             event: None,
             alike: true,
+            #[cfg(feature = "outputs")]
+            shares: [S::ZERO; N],
             mean: 0.0,
             cycle: 0.0,
         }
@@ -145,6 +202,10 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
         self.rested = span;
         self.event = None;
         self.alike = shapes.windows(2).all(|two| two[0] == two[1]);
+        #[cfg(feature = "outputs")]
+        {
+            self.shares = from_fn(|axis| if axis == 0 { S::ONE } else { S::ZERO });
+        }
         self.mean = mean;
         self.cycle = cycle;
         Ok(())
@@ -211,7 +272,12 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
     ///
     /// What is off the path is not shaped: jogs, probes and homing are where their setpoints are, so that an edge is where it was
     /// seen. They begin when the machine has settled. `Activity::Idle`, `Dwelling` and `Event` are told when it has, too;
-    /// arc length, speed along the path and tag are those of the setpoint.
+    /// the tag is that of the setpoint.
+    ///
+    /// With the feature `outputs`, arc length and speed along the path are the machine's: a mean by the same weights, which on a straight
+    /// line is where the axes are. Where axes are shaped unlike each other, those count that move, by the squares of their speeds: of a
+    /// line that is parallel to an axis, this one. Give this setpoint to `Interpolator::switch`, and what
+    /// switches does so where the machine is. Without the feature they are those of the setpoint.
     ///
     /// Cost: at rest that of a copy, else a few instructions per weight, axis and derivative: [docs/shaping.md has the numbers].
     ///
@@ -258,18 +324,12 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
 
     /// The weighted mean.
     #[inline(never)]
-    fn weigh(&self, shaped: &mut Setpoint<S, N>) {
+    fn weigh(&mut self, shaped: &mut Setpoint<S, N>) {
         let now = Past::of(shaped);
         for (i, kernel) in self.kernels.iter().enumerate() {
             let (mut behind, mut velocity, mut acceleration) = (S::ZERO, S::ZERO, S::ZERO);
             for tap in &kernel.taps {
-                let back = tap.back.min(self.known);
-                let at = if back <= self.newest {
-                    self.newest - back
-                } else {
-                    (self.newest + HISTORY).saturating_sub(back)
-                };
-                let Some(past) = self.past.get(at) else { continue };
+                let Some(past) = self.past.get(self.slot(tap.back)) else { continue };
                 let mut way = now.offset[i] - past.offset[i];
                 // Most lie on the same piece of the motion.
                 if past.origin[i] != now.origin[i] {
@@ -283,6 +343,58 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
             shaped.velocity[i] = velocity;
             shaped.acceleration[i] = acceleration;
         }
+        #[cfg(feature = "outputs")]
+        self.reach(shaped, &now.along);
+    }
+
+    /// Where on the path an axis sees the machine.
+    #[cfg(feature = "outputs")]
+    fn seen_by(&self, kernel: &Kernel<S, HISTORY>, now: &Along<S>) -> Reached<S> {
+        let mut reached = Reached { behind: S::ZERO, speed: S::ZERO };
+        for tap in &kernel.taps {
+            let Some(Past { along, .. }) = self.past.get(self.slot(tap.back)) else { continue };
+            reached.behind += tap.weight * now.since(along);
+            reached.speed += tap.weight * along.speed;
+        }
+        reached
+    }
+
+    /// Where the setpoint of so many cycles before is kept, or the first that is known.
+    #[inline]
+    fn slot(&self, back: usize) -> usize {
+        let back = back.min(self.known);
+        if back <= self.newest {
+            self.newest - back
+        } else {
+            (self.newest + HISTORY).saturating_sub(back)
+        }
+    }
+
+    /// Where on the path the machine is, by where each axis sees it.
+    #[cfg(feature = "outputs")]
+    fn reach(&mut self, shaped: &mut Setpoint<S, N>, now: &Along<S>) {
+        let mut at = Reached { behind: S::ZERO, speed: S::ZERO };
+        if self.alike {
+            // The first stands for all.
+            if let Some(kernel) = self.kernels.first() {
+                at = self.seen_by(kernel, now);
+            }
+        } else {
+            let squares = shaped.velocity.map(|speed| speed * speed);
+            let sum = squares.iter().fold(S::ZERO, |sum, square| sum + *square);
+            // Between two moves the axes stay those of the last.
+            if sum > S::ZERO {
+                let part = S::ONE / sum;
+                self.shares = squares.map(|square| square * part);
+            }
+            for (kernel, share) in self.kernels.iter().zip(self.shares) {
+                let seen = self.seen_by(kernel, now);
+                at.behind += share * seen.behind;
+                at.speed += share * seen.speed;
+            }
+        }
+        shaped.path_offset = shaped.path_offset - at.behind;
+        shaped.path_speed = at.speed;
     }
 
     /// What the machine does.

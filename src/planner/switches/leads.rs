@@ -32,6 +32,8 @@ pub enum Led {
     Beyond,
     /// Here.
     At(ArcLength),
+    /// Here, where what is known of the motion begins, or before.
+    From(ArcLength),
 }
 
 /// A place before `end`, but not before the motion has left a standstill: beyond what counts as the same place.
@@ -90,6 +92,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 Led::Beyond => timed.place,
                 Led::At(place) => {
                     not_before(timed.floor, moved(place, shift.wrapping_neg()), timed.place)
+                }
+                Led::From(place) => {
+                    let place = moved(place, shift.wrapping_neg());
+                    // What follows the setpoints may not have come to one that an earlier plan has run past.
+                    let place = if is_before(before, place) { before } else { place };
+                    not_before(timed.floor, place, timed.place)
                 }
             };
         queue.set_place(timed.serial, plan, place);
@@ -161,6 +169,6 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
             }
             left = left - time;
         }
-        Led::At(before.first().unwrap_or(first).arc_length())
+        Led::From(before.first().unwrap_or(first).arc_length())
     }
 }

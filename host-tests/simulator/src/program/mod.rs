@@ -14,4 +14,4 @@ pub use finding::{Finding, SHOWN, Severity, refuse};
 pub use read::{KINDS, Kind, Loaded, inspect, inspect_bytes, read};
 pub use splineway::gcode::{Code, Dialect, Setup};
 pub use tape::{Overriding, Reel, Summary, Tape};
-pub use tool_path::{Course, Header, Move, Program, ReadOptions, Speed};
+pub use tool_path::{Aside, Attended, Course, Header, Move, Program, ReadOptions, Speed};

@@ -2,7 +2,7 @@
 //! is read again each time, so that a long one takes no more room than its text.
 
 use super::gcode::{Run, go_through};
-use super::tool_path::{Header, Move, Program, ReadOptions, Speed};
+use super::tool_path::{Aside, Header, Move, Program, ReadOptions, Speed};
 use super::{AXES, Finding};
 use crate::point::Point;
 use crate::spline::Rational;
@@ -73,6 +73,11 @@ pub trait Tape {
         &[]
     }
 
+    /// What stands between the moves, each with the index of the move behind it.
+    fn asides(&self) -> &[(usize, Aside)] {
+        &[]
+    }
+
     /// Indices of the axes in use.
     fn axes(&self) -> Vec<usize> {
         let uses = self.uses();
@@ -93,6 +98,7 @@ pub trait Tape {
             header: self.header(),
             warnings: self.warnings().to_vec(),
             exact: self.exact().to_vec(),
+            asides: self.asides().to_vec(),
         }
     }
 }
@@ -120,6 +126,10 @@ impl Tape for Program {
 
     fn warnings(&self) -> &[String] {
         &self.warnings
+    }
+
+    fn asides(&self) -> &[(usize, Aside)] {
+        &self.asides
     }
 }
 
@@ -233,6 +243,10 @@ impl Tape for Overriding<'_> {
 
     fn warnings(&self) -> &[String] {
         self.tape.warnings()
+    }
+
+    fn asides(&self) -> &[(usize, Aside)] {
+        self.tape.asides()
     }
 }
 

@@ -3,7 +3,8 @@
 use crate::point::{AXES, Point, on_cubic};
 use crate::spline::Rational;
 use splineway::block::FINEST_BAND;
-use splineway::gcode::{Code, Dialect, Setup};
+use splineway::gcode::{Code, Dialect, ProbeMove, Setup};
+use splineway::{Power, Switch};
 use std::collections::BTreeSet;
 
 /// What a move does.
@@ -118,6 +119,45 @@ pub struct Header {
     pub cycle: f64,
 }
 
+/// What stands between the moves of a program for a controller: see [`Attended`].
+#[derive(Clone, Debug, PartialEq)]
+pub enum Aside {
+    /// A probe, and where the machine stands behind it.
+    Probe(ProbeMove, Point),
+    /// Homing (`$H`), and where the machine stands behind it.
+    Home {
+        /// Line of the program.
+        line: u32,
+        /// Where the machine then stands.
+        ends: Point,
+    },
+    /// An output that switches in time with the path.
+    Switch(Switch<f64>),
+    /// The power of the moves that follow.
+    Power {
+        /// Which.
+        power: Power<f64>,
+        /// Whether it is on at rest, too.
+        rest: bool,
+        /// Line of the program.
+        line: u32,
+    },
+}
+
+/// A program for a machine that probes, homes and switches outputs while it is read.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Attended<'a> {
+    /// Where the machine stood behind each probe and each homing, as far as they are over. Of others it is assumed: the target of a
+    /// probe, and what homing is to end at.
+    pub stops: &'a [Point],
+    /// Where homing ends, mm, of the axes that are homed; `None`: `$H` is refused.
+    pub home: Option<[Option<f64>; AXES]>,
+    /// Whether M62 to M68 are outputs in time with the path; else M62 to M65 are events.
+    pub outputs: bool,
+    /// The greatest power of a laser, if S and M3 to M5 are for one.
+    pub laser: Option<f64>,
+}
+
 /// A tool path.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Program {
@@ -133,6 +173,8 @@ pub struct Program {
     pub warnings: Vec<String>,
     /// Curves that the moves stand for, one for each; empty if the moves are the program themselves.
     pub exact: Vec<Rational>,
+    /// What stands between the moves, each with the index of the move behind it.
+    pub asides: Vec<(usize, Aside)>,
 }
 
 impl Program {
@@ -163,6 +205,7 @@ impl Program {
             let approach =
                 Move { path, speed: Speed::Rapid, tolerance: None, exact_stop: true, line: 0 };
             out.moves.insert(0, approach);
+            out.asides.iter_mut().for_each(|(place, _)| *place += 1);
             out.exact.clear();
             out.start = [0.0; AXES];
         }
@@ -211,6 +254,8 @@ pub struct ReadOptions<'a> {
     pub block_delete: bool,
     /// Work offsets, tools and reference points of the machine (`machine::Machine::setup`).
     pub setup: &'a Setup,
+    /// Whether a machine is there that probes, homes and switches outputs; without one, probes are refused.
+    pub attended: Option<Attended<'a>>,
 }
 
 impl ReadOptions<'_> {
@@ -223,6 +268,7 @@ impl ReadOptions<'_> {
         lenient: false,
         block_delete: false,
         setup: &Setup::NONE,
+        attended: None,
     };
 }
 

@@ -16,6 +16,6 @@ pub use events::{Action, Event, Events, FORMAT};
 pub use happenings::{Happening, Happenings};
 pub use jog::{JOGS, on_axes, parse_jog};
 pub use runner::{Observer, Precision, Sample, Stats, block, run, run_with};
-pub use seek::{Beyond, Seeker};
+pub use seek::{Beyond, Homing, Seeker};
 pub use timing::Timing;
 pub use validate::{on_letters, sharp_corners, validate};

@@ -3,6 +3,7 @@
 use super::jog::{number, parse_axes};
 use crate::program::LETTERS;
 use anyhow::{Context, Result, bail, ensure};
+use splineway::wire::{HomeAxis, HomeMove};
 use splineway::{
     Activity, AxisHome, Coord, Input, Inputs, Outcome, Planner, Probe, ProbeError, Scalar, Setpoint,
 };
@@ -74,6 +75,52 @@ pub struct Homing {
     back: Coord,
     at: Coord,
     park: Option<Coord>,
+}
+
+impl Homing {
+    /// Understands `X-50 Y-50 slow 5 reach 300 back 2 at 0 park 5`.
+    ///
+    /// # Errors
+    /// What is not understood.
+    pub fn parse(words: &str) -> Result<Self> {
+        parse_home(words)
+    }
+
+    /// Where the axes end that are homed, mm; at their edges, if they are not parked.
+    pub fn ends(&self) -> [Option<f64>; 9] {
+        let end = self.park.unwrap_or(self.at).to_mm();
+        self.fast.map(|fast| (fast != 0.0).then_some(end))
+    }
+
+    /// As it is sent to a controller.
+    ///
+    /// # Errors
+    /// A number is beyond what can be sent.
+    pub fn as_sent(&self, tag: u32) -> Result<HomeMove> {
+        let um = |mm: f64| {
+            let um = (mm * 1.0e3).round();
+            ensure!((0.0..=f64::from(u32::MAX)).contains(&um), "homing: {mm} is out of range");
+            Ok(um as u32)
+        };
+        let mut axes = Vec::new();
+        for fast in self.fast {
+            if fast == 0.0 {
+                axes.push(None);
+                continue;
+            }
+            let speed = um(fast.abs())?.min(i32::MAX as u32) as i32;
+            axes.push(Some(HomeAxis {
+                fast: if fast < 0.0 { -speed } else { speed },
+                slow: um(self.slow.abs())?,
+                reach: um(self.reach.to_mm())?,
+                back: um(self.back.to_mm())?,
+                at: self.at.to_nm(),
+                park: self.park.map(Coord::to_nm),
+                order: 0,
+            }));
+        }
+        Ok(HomeMove { axes: axes.into_iter().collect(), tag })
+    }
 }
 
 /// Understands one of them; `None` if the word is none of theirs.

@@ -3,10 +3,11 @@
 use super::guess::guess;
 use super::text::{Place, column, lines};
 use crate::program::{
-    AXES, Course, Finding, LETTERS, Move, Point, Program, ReadOptions, Severity, Speed,
+    AXES, Aside, Attended, Course, Finding, LETTERS, Move, Point, Program, ReadOptions, Severity,
+    Speed,
 };
-use splineway::gcode::{Action, Code, Dialect, Note, Reader, Settings};
-use splineway::{Block, Coord, Feed, Motion, Turn};
+use splineway::gcode::{Action, Code, Dialect, Laser, Note, ProbeMove, Reader, Settings};
+use splineway::{Block, Coord, Feed, Motion, Switch, Turn};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Deepest call of a subprogram from a subprogram.
@@ -18,7 +19,7 @@ const MOST_LINES: u64 = 50_000_000;
 /// is to say of it, and its dialect. `each` gets the moves, and may stop the run.
 pub fn go_through<'a>(
     bytes: &'a [u8],
-    options: ReadOptions<'_>,
+    options: ReadOptions<'a>,
     mut each: impl FnMut(Move, &mut Run<'a>),
 ) -> (Program, Vec<Finding>, Dialect) {
     let mut run = Run::new(bytes, options);
@@ -27,14 +28,14 @@ pub fn go_through<'a>(
         count += 1;
         each(step, &mut run);
     }
-    let Run { reader, start, dialect, mut findings, .. } = run;
-    if count == 0 && findings.iter().all(|finding| !finding.is_error()) {
+    let Run { reader, start, dialect, mut findings, asides, .. } = run;
+    if count == 0 && asides.is_empty() && findings.iter().all(|finding| !finding.is_error()) {
         findings.push(Finding::warning(0, "there is nothing to run in it"));
     }
     let warnings = findings.iter().filter(|finding| !finding.is_error());
     let warnings = warnings.map(Finding::to_string).collect();
-    let program =
-        Program { start: point(&start), uses: reader.named(), warnings, ..Program::default() };
+    let (start, uses) = (point(&start), reader.named());
+    let program = Program { start, uses, warnings, asides, ..Program::default() };
     (program, findings, dialect)
 }
 
@@ -69,11 +70,17 @@ pub struct Run<'a> {
     start: [Coord; AXES],
     dialect: Dialect,
     findings: Vec<Finding>,
+    attended: Option<Attended<'a>>,
+    /// Moves given so far, and what stood between them.
+    given: usize,
+    asides: Vec<(usize, Aside)>,
+    /// Probes and homing so far.
+    stops: usize,
 }
 
 impl<'a> Run<'a> {
     /// A program before its first line.
-    pub fn new(bytes: &'a [u8], options: ReadOptions<'_>) -> Self {
+    pub fn new(bytes: &'a [u8], options: ReadOptions<'a>) -> Self {
         let mut findings = Vec::new();
         let dialect = options.dialect.unwrap_or_else(|| {
             let Some(guess) = guess(lines(bytes)) else { return Dialect::LinuxCnc };
@@ -106,6 +113,11 @@ impl<'a> Run<'a> {
             lenient: options.lenient,
             block_delete: options.block_delete,
             setup: *options.setup,
+            switches: options.attended.is_some_and(|attended| attended.outputs),
+            laser: options
+                .attended
+                .and_then(|attended| attended.laser)
+                .map(|most| Laser { least: 0.0, most }),
             ..Settings::default()
         };
         Self {
@@ -122,7 +134,51 @@ impl<'a> Run<'a> {
             start,
             dialect,
             findings,
+            attended: options.attended,
+            given: 0,
+            asides: Vec::new(),
+            stops: 0,
         }
+    }
+
+    /// Where the machine stands behind the probe or homing that comes next, if that is known.
+    fn stop_place(&mut self, assumed: Point) -> (Point, [Coord; AXES]) {
+        let known = self.attended.and_then(|attended| attended.stops.get(self.stops).copied());
+        self.stops += 1;
+        let place = known.unwrap_or(assumed);
+        (place, place.map(|mm| Coord::from_mm(mm).unwrap_or_default()))
+    }
+
+    /// A probe is the machine's.
+    fn probe(&mut self, probe: &ProbeMove) {
+        if self.attended.is_none() {
+            self.reader.set_position(&probe.to);
+            let text = "a probe within a program needs the machine: what follows depends on where it then stands";
+            return self.refuse(None, text.to_owned());
+        }
+        let (ends, place) = self.stop_place(point(&probe.to));
+        self.reader.set_position(&place);
+        self.asides.push((self.given, Aside::Probe(*probe, ends)));
+    }
+
+    /// So is `$H`. `false`: this line is another.
+    fn homes(&mut self, line: &[u8]) -> bool {
+        let Some(attended) = self.attended else { return false };
+        if !line.trim_ascii().eq_ignore_ascii_case(b"$H") {
+            return false;
+        }
+        let Some(home) = attended.home else {
+            self.refuse(Some(1), "$H: nothing says how the axes are homed".to_owned());
+            return true;
+        };
+        let mut assumed = point(self.reader.position());
+        for (slot, mm) in assumed.iter_mut().zip(home) {
+            *slot = mm.unwrap_or(*slot);
+        }
+        let (ends, place) = self.stop_place(assumed);
+        self.reader.set_position(&place);
+        self.asides.push((self.given, Aside::Home { line: self.line_number(), ends }));
+        true
     }
 
     /// Reads no further, for a reason.
@@ -141,6 +197,9 @@ impl<'a> Run<'a> {
         self.count += 1;
         if self.count > MOST_LINES {
             return self.stop(format!("more than {MOST_LINES} lines with all subprograms"));
+        }
+        if self.homes(line) {
+            return;
         }
         if let Err(refusal) = self.reader.line(self.line_number(), line) {
             let column = column(line, refusal.column);
@@ -197,16 +256,19 @@ impl<'a> Run<'a> {
                     line: self.line_number(),
                 });
             }
-            Action::Probe(probe) => {
-                self.reader.set_position(&probe.to);
-                let text = "a probe within a program needs the machine: what follows depends on where it then stands";
-                self.refuse(None, text.to_owned());
-            }
+            Action::Probe(probe) => self.probe(probe),
             Action::Label(number) => self.is_over |= !self.label(*number),
             Action::Call { program, times } => self.is_over |= !self.call(*program, *times),
             Action::Return => self.is_over |= !self.back(),
-            // The settings ask for no outputs.
-            Action::End | Action::Switch(_) | Action::Power { .. } => {}
+            Action::Switch(switch) => {
+                let switch = Switch { tag: self.line_number(), ..*switch };
+                self.asides.push((self.given, Aside::Switch(switch)));
+            }
+            Action::Power { power, rest } => {
+                let (power, rest, line) = (*power, *rest, self.line_number());
+                self.asides.push((self.given, Aside::Power { power, rest, line }));
+            }
+            Action::End => {}
         }
         None
     }
@@ -272,6 +334,7 @@ impl Iterator for Run<'_> {
                 Some(action) => {
                     let step = self.take(&action);
                     if step.is_some() {
+                        self.given += 1;
                         return step;
                     }
                 }
