@@ -201,7 +201,7 @@ fn another_version_is_named() {
     let make = |controlled: &Controlled| items(&gcode("G1 X1 F600"), controlled.axes);
     let error = send(&mut port, CALM, make, &receiver, &mut |_| {}).unwrap_err();
     assert!(
-        error.to_string().contains("version 1 of the protocol, this program version 5"),
+        error.to_string().contains("version 1 of the protocol, this program version 6"),
         "{error}"
     );
 }

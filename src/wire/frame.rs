@@ -11,8 +11,8 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 /// Most bytes of a frame, its zero byte included: homing of nine axes with every number at its
-/// longest, CRC and COBS take 403.
-pub const FRAME: usize = 404;
+/// longest, CRC and COBS take 412.
+pub const FRAME: usize = 412;
 
 /// A block of COBS that is so long, its code included, stands for its bytes alone: no zero follows.
 const FULL: u8 = u8::MAX;

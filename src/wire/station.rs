@@ -89,7 +89,7 @@ impl Due {
 /// rules of who may move the machine: see [the module](super).
 ///
 /// `QUEUE` items wait until the planner has room; that is the window the host may fill. It holds
-/// 104 bytes per item and 720 bytes besides (three axes, `f32`); with `probe` 112 more, with `home` 256.
+/// 104 bytes per item and 730 bytes besides (three axes, `f32`); with `probe` 112 more, with `home` 256.
 #[derive(Debug)]
 pub struct Station<S: Scalar, const N: usize, const QUEUE: usize> {
     inlet: Inlet,
