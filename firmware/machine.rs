@@ -25,7 +25,7 @@ pub const WATCHDOG_MS: u32 = 1_000;
 pub const SCALE: (u32, u32) = (400, 1_000_000);
 /// Pulse, pause, set-up and hold, ns: common drives ask for 2500, 2500, 5000 and 5000 at most.
 pub const DRIVE: EdgeTimes = EdgeTimes { pulse: 2_500, pause: 2_500, setup: 5_000, hold: 5_000 };
-/// Velocity of every axis, mm/s.
+/// Velocity of every axis, mm/s. Steps are made for it, and a sender of grbl may set less (`$110`), not more.
 pub const VELOCITY: f32 = 100.0;
 /// Acceleration, mm/s2.
 pub const ACCELERATION: f32 = 1_000.0;

@@ -384,7 +384,11 @@ macro_rules! stm32_tasks {
                 #[cfg(feature = "grbl")]
                 let mut background = {
                     let config = defmt::unwrap!(machine::config::<Real>(), "the machine cannot be used");
-                    let settings = Settings::new(&config, [machine::steps_per_mm(); AXES], [TRAVEL; AXES]);
+                    let mut settings = Settings::new(&config, [machine::steps_per_mm(); AXES], [TRAVEL; AXES]);
+                    for axis in &mut settings.axes {
+                        // Pulses are timed for no more.
+                        axis.fastest = Some(machine::VELOCITY * 60.0);
+                    }
                     Background::<_, AXES, BLOCKS, NODES, QUEUED>::new(planner, &EVENTS, settings)
                 };
                 let mut progress = Progress::NeedsBlocks;

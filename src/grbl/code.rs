@@ -34,6 +34,8 @@ pub enum Error {
     NeedsHoming = 10,
     /// The line is too long, or came when there was no room.
     Overflow = 11,
+    /// Steps would come faster than the board can make them.
+    StepRate = 12,
     /// The door is open.
     Door = 13,
     /// A startup line or build info is too long to be kept.

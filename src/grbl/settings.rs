@@ -26,10 +26,17 @@ pub struct AxisSettings {
     /// Whether it has a home switch, and when it is homed: axes of a lower number first, those of the same at once. No setting: a
     /// board says so. Without a word from it Z comes first, then X and Y, and no other axis has a switch.
     pub home: Option<u8>,
+    /// Greatest speed that its drive has the pulses for, mm/min: a greater `$110` is refused. No setting: a board says so; `None`: any.
+    pub fastest: Option<f32>,
 }
 
 impl AxisSettings {
     const PARTS: usize = 5;
+
+    /// Whether its drive could not follow.
+    fn is_too_fast(&self) -> bool {
+        self.fastest.is_some_and(|fastest| self.rate > fastest)
+    }
 
     fn part(&mut self, part: usize) -> Option<&mut f32> {
         Some(match part {
@@ -130,6 +137,7 @@ impl<const N: usize> Settings<N> {
                 jerk: limits.jerk.to_f64() as f32,
                 rotary: limits.rotary,
                 home,
+                fastest: None,
             };
         }
         Self { axes, common }
@@ -226,7 +234,10 @@ impl<const N: usize> Settings<N> {
         let axes = self.axes.map(|axis| {
             let of = |value: f32| S::of(f64::from(value));
             AxisLimits {
-                velocity: S::of(f64::from(axis.rate) / 60.0),
+                // Also of settings that were kept by an image with other drives.
+                velocity: S::of(
+                    f64::from(axis.rate.min(axis.fastest.unwrap_or(f32::INFINITY))) / 60.0,
+                ),
                 acceleration: of(axis.acceleration),
                 jerk: of(axis.jerk),
                 rotary: axis.rotary,
@@ -302,6 +313,11 @@ impl<const N: usize> Settings<N> {
             }
             22 if cfg!(not(feature = "home")) => Err(Error::Statement),
             24 | 25 | 27 if self.has_no_way_home() => Err(Error::Negative),
+            110..=119
+                if self.axes.get(number as usize - 110).is_some_and(AxisSettings::is_too_fast) =>
+            {
+                Err(Error::StepRate)
+            }
             32 if self.laser() && cfg!(not(feature = "outputs")) => Err(Error::Laser),
             _ => Ok(()),
         }
@@ -372,6 +388,7 @@ impl AxisSettings {
         jerk: 0.0,
         rotary: false,
         home: None,
+        fastest: None,
     };
 }
 
@@ -443,5 +460,22 @@ mod tests {
         }
         settings.set(10, 3.7).unwrap();
         assert!(settings.tells_machine() && settings.tells_room());
+    }
+
+    /// An axis whose pulses come too fast for its drive falls behind: the board stops it in the middle of a move.
+    #[test]
+    fn no_axis_is_faster_than_its_drive() {
+        let mut settings = settings();
+        settings.axes[1].fastest = Some(6000.0);
+        settings.set(110, 9000.0).unwrap();
+        settings.set(111, 6000.0).unwrap();
+        let before = settings;
+        assert_eq!(settings.set(111, 6000.5), Err(Error::StepRate));
+        assert_eq!(settings, before);
+        // One that was kept before the board had this drive.
+        settings.axes[1].rate = 30_000.0;
+        let limits = settings.limits::<f64>().unwrap();
+        let velocities = limits.axes().each_ref().map(|axis| axis.velocity);
+        assert!((velocities[0] - 150.0).abs() < 1e-9 && (velocities[1] - 100.0).abs() < 1e-9);
     }
 }

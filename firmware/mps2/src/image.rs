@@ -135,7 +135,11 @@ mod app {
         let followers = context.local.following;
         let config = machine::config::<Real>().and_then(|config| followers.set(config));
         let config = config.expect("the machine cannot be used");
-        let settings = Settings::new(&config, [machine::steps_per_mm(); AXES], [TRAVEL; AXES]);
+        let mut settings = Settings::new(&config, [machine::steps_per_mm(); AXES], [TRAVEL; AXES]);
+        for axis in &mut settings.axes {
+            // Pulses are timed for no more.
+            axis.fastest = Some(machine::VELOCITY * 60.0);
+        }
         let start = [Coord::ZERO; AXES];
         let made = context.local.link.split(config, start);
         let (planner, mut interpolator) = made.expect("the settings cannot be used");

@@ -123,7 +123,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         }
         match self.longer(&item, config) {
             Some(Onward::Part(longer)) => {
-                self.lengthen(longer, config);
+                self.lengthen(&longer, config);
                 return Ok(());
             }
             Some(Onward::Next) => {
@@ -172,8 +172,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
 
     /// The last block becomes longer.
     #[inline(never)]
-    fn lengthen(&mut self, longer: Longer<S, N>, config: &Config<S, N>) {
-        let Longer { block: longer, sleeve, mark } = longer;
+    fn lengthen(
+        &mut self,
+        &Longer { block: ref longer, sleeve, mark }: &Longer<S, N>,
+        config: &Config<S, N>,
+    ) {
         if let Some(mark) = mark {
             self.marks.push(mark);
         }
@@ -183,14 +186,14 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             if let (Some(before), Some(after)) = (&last.segment, &longer.segment) {
                 self.meter.lengthen(before.exact_length, after.exact_length);
             }
-            *last = longer;
+            *last = *longer;
         }
         // The joint behind a block that is being cut has been decided, unless a run goes on.
         if let Some(n) = self.queue.len().checked_sub(2)
             && (n > 0 || self.waits())
             && let Some(before) = self.queue.get_mut(n)
         {
-            (before.joint, before.want) = joint(before, &longer, config);
+            (before.joint, before.want) = joint(before, longer, config);
         }
     }
 
