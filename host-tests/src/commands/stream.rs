@@ -173,7 +173,7 @@ impl Stream {
             outputs: self.outputs,
             laser: self.laser,
         };
-        let attended = Some(attended);
+        let attended = Some(&attended);
         let options = ReadOptions { start, attended, ..self.reading.options(setup) };
         let name = self.file.display();
         let (program, found) = program::inspect_bytes(&self.file, bytes, options)?;

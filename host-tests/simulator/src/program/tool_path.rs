@@ -255,7 +255,7 @@ pub struct ReadOptions<'a> {
     /// Work offsets, tools and reference points of the machine (`machine::Machine::setup`).
     pub setup: &'a Setup,
     /// Whether a machine is there that probes, homes and switches outputs; without one, probes are refused.
-    pub attended: Option<Attended<'a>>,
+    pub attended: Option<&'a Attended<'a>>,
 }
 
 impl ReadOptions<'_> {

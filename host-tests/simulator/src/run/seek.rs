@@ -108,7 +108,7 @@ impl Homing {
                 axes.push(None);
                 continue;
             }
-            let speed = um(fast.abs())?.min(i32::MAX as u32) as i32;
+            let speed = um(fast.abs())?.min(i32::MAX as u32).cast_signed();
             axes.push(Some(HomeAxis {
                 fast: if fast < 0.0 { -speed } else { speed },
                 slow: um(self.slow.abs())?,

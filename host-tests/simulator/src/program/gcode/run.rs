@@ -70,7 +70,7 @@ pub struct Run<'a> {
     start: [Coord; AXES],
     dialect: Dialect,
     findings: Vec<Finding>,
-    attended: Option<Attended<'a>>,
+    attended: Option<&'a Attended<'a>>,
     /// Moves given so far, and what stood between them.
     given: usize,
     asides: Vec<(usize, Aside)>,
