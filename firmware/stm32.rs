@@ -27,7 +27,8 @@ macro_rules! stm32_tasks {
                 Board, Input, Laser, Output, Receiver, Real, StepTimer, Switched, Transmitter, Watchdog,
             };
             use crate::board::pac::Interrupt;
-            use crate::machine::{self, AXES, Followers, Switched as Switching};
+            use crate::followers::{Followers, Switched as Switching};
+            use crate::machine::{self, AXES};
             use core::sync::atomic::{AtomicBool, AtomicU16, AtomicU32, Ordering::Relaxed};
             use heapless::spsc::{Consumer, Producer, Queue};
             #[cfg(feature = "grbl")]

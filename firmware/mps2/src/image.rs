@@ -6,8 +6,9 @@ mod app {
         self, Board, Inputs, Pin, Port as Pins, Real, Receiver, StepTimer, Transmitter, Watchdog,
     };
     use crate::device::Interrupt;
+    use crate::followers::Followers;
     use crate::log::Log;
-    use crate::machine::{self, AXES, Followers};
+    use crate::machine::{self, AXES};
     use core::fmt::Write;
     use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering::Relaxed};
     use embedded_hal::digital::OutputPin;

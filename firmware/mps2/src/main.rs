@@ -31,6 +31,9 @@ mod board;
 #[cfg(target_os = "none")]
 mod device;
 #[cfg(target_os = "none")]
+#[path = "../../followers.rs"]
+mod followers;
+#[cfg(target_os = "none")]
 mod image;
 #[cfg(target_os = "none")]
 mod log;

@@ -16,6 +16,9 @@ mod tasks;
 #[cfg(target_os = "none")]
 mod board;
 #[cfg(target_os = "none")]
+#[path = "../../followers.rs"]
+mod followers;
+#[cfg(target_os = "none")]
 #[path = "../../machine.rs"]
 mod machine;
 
