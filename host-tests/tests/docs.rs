@@ -205,8 +205,8 @@ fn commands_that_are_not_there_are_found() {
 /// The machine of the page is one that runs.
 #[test]
 fn the_machine_of_the_page_is_accepted() {
-    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/formats.md"))
-        .unwrap();
+    let page =
+        fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/formats.md")).unwrap();
     let machines = page.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap());
     for text in machines.clone() {
         let machine = splineway_simulator::machine::Machine::parse(text)
