@@ -165,7 +165,7 @@ impl Fired {
             Output::Digital(_) => {
                 (LEADS, self.0.iter().filter(|(of, ..)| *of == LEADS).count() as u32)
             }
-            _ => return,
+            Output::Power => return,
         };
         let u = switched.fraction.to_f64();
         self.0.push((output, value, f64::from(cycle) + u, between(ends, u)));
@@ -218,7 +218,9 @@ fn program<S: Scalar>(
             }
         }
     }
-    planners.iter_mut().for_each(|planner| planner.finish());
+    for planner in &mut planners {
+        planner.finish();
+    }
     count
 }
 
@@ -256,7 +258,9 @@ fn any_path<S: Scalar>(seed: u64, abort: bool) -> (f64, usize) {
             press(&mut draw, &controls);
         }
         if when == Some(cycle) {
-            controls.iter().for_each(|controls| controls.abort());
+            for controls in &controls {
+                controls.abort();
+            }
         }
         if progress == Progress::Held && draw.chance(0.05) {
             for controls in &controls {
