@@ -218,7 +218,7 @@ fn program<S: Scalar>(
             }
         }
     }
-    for planner in &mut planners {
+    for planner in planners {
         planner.finish();
     }
     count
