@@ -183,7 +183,7 @@ fn run<S: Scalar>(
     draw: &mut Draw,
 ) -> Outcome {
     let mut link = Box::new(Link::<S, 3, BLOCKS, NODES>::new());
-    let (planner, interpolator) = link.split(config.clone(), lines[0].map(at)).unwrap();
+    let (planner, interpolator) = link.split(config, lines[0].map(at)).unwrap();
     Rig { planner, interpolator, config, lines, feed, sent: 0, operated }.run(sender, draw)
 }
 
@@ -301,9 +301,10 @@ fn any_sender<S: Scalar>(seed: u64) {
         config.start_delay = S::of(draw.between(0.0, 0.1));
         let lines = random_path(&mut draw);
         let feed = draw.scale(1.0, 300.0);
-        let sender = match draw.chance(0.5) {
-            true => Sender::Paced(draw.scale(1.0, 60.0) as usize),
-            false => Sender::Bursts(draw.scale(2.0, 300.0) as usize),
+        let sender = if draw.chance(0.5) {
+            Sender::Paced(draw.scale(1.0, 60.0) as usize)
+        } else {
+            Sender::Bursts(draw.scale(2.0, 300.0) as usize)
         };
         let operated = draw.chance(0.5);
         println!("case {case}: {} lines, {feed} mm/s, {sender:?}, {operated}", lines.len());
