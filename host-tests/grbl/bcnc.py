@@ -12,23 +12,17 @@ import json
 import os
 import pathlib
 import shutil
-import socket
 import subprocess
 import sys
 import time
 import urllib.parse
 import urllib.request
 
-from homing import HOME, JOB, Controller
+from homing import HOME, JOB, Controller, free_port, skipped
 
 FOLDER = pathlib.Path(__file__).absolute().parents[2] / "target" / "bcnc"
 PACKAGE = "bCNC==0.9.16"
 PATIENCE = 90
-
-
-def skipped(why: str) -> None:
-    print(f"skipped: {why}")
-    sys.exit(0)
 
 
 def installed() -> pathlib.Path:
@@ -49,12 +43,6 @@ def installed() -> pathlib.Path:
     except (OSError, subprocess.SubprocessError) as error:
         skipped(f"bCNC cannot be installed ({error})")
     return own
-
-
-def free_port() -> int:
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        return free.getsockname()[1]
 
 
 class Machine:

@@ -12,22 +12,16 @@ import json
 import os
 import pathlib
 import shutil
-import socket
 import subprocess
 import sys
 
-from homing import JOB, Controller
+from homing import JOB, Controller, free_port, skipped
 
 ROOT = pathlib.Path(__file__).absolute().parents[2]
 FOLDER = ROOT / "target" / "cncjs"
 PACKAGES = ["cncjs@1.11.5", "puppeteer-core@24.43.1"]
 BROWSERS = ["chromium", "chromium-browser", "google-chrome"]
 PATIENCE = 300
-
-
-def skipped(why: str) -> None:
-    print(f"skipped: {why}")
-    sys.exit(0)
 
 
 def installed() -> pathlib.Path:
@@ -54,9 +48,7 @@ def main() -> None:
     port = controller.port
     try:
         (FOLDER / "job.nc").write_text("\n".join(JOB))
-        with socket.socket() as free:
-            free.bind(("127.0.0.1", 0))
-            web = free.getsockname()[1]
+        web = free_port()
         home = FOLDER / "home"
         shutil.rmtree(home, ignore_errors=True)
         home.mkdir()

@@ -2,7 +2,9 @@
 
 import os
 import pathlib
+import socket
 import subprocess
+import sys
 import time
 
 # At the upper ends; homing on, 2 mm off the switch, 3000 and 600 mm/min.
@@ -12,6 +14,17 @@ SETTINGS = ["$22=1", "$27=2", "$25=3000", "$24=600"]
 HOME = (-2.0, -2.0, -2.0)
 # A circle and lines, back to the start.
 JOB = ["G21 G90", "G1 X10 Y0 F1000", "G2 X20 Y10 I0 J10", "G1 X30 Y30", "G1 X0 Y30", "G1 X0 Y0", "M2", ""]
+
+
+def skipped(why: str) -> None:
+    print(f"skipped: {why}")
+    sys.exit(0)
+
+
+def free_port() -> int:
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        return free.getsockname()[1]
 
 
 class Controller:

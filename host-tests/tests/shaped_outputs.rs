@@ -41,6 +41,24 @@ fn shapes(draw: &mut Draw, alike: bool) -> [Option<Shape>; AXES] {
     })
 }
 
+/// A machine with shapers, and whether its axes are shaped alike.
+struct Shaped<S: Scalar> {
+    config: Config<S, AXES>,
+    shaper: Box<Shaper<S, AXES, HISTORY>>,
+    alike: bool,
+}
+
+impl<S: Scalar> Shaped<S> {
+    fn new(draw: &mut Draw) -> Self {
+        let mut config = machine::<S>(draw);
+        let alike = draw.chance(0.5);
+        let mut shaper = Box::new(Shaper::<S, AXES, HISTORY>::new());
+        shaper.set(shapes(draw, alike), &config).unwrap();
+        config.follower = shaper.follower(&config);
+        Self { config, shaper, alike }
+    }
+}
+
 /// Presses a button now and then.
 fn press(draw: &mut Draw, controls: &[Controls<'_>]) {
     let (which, percent) = ((draw.share() * 6.0) as usize, draw.between(20.0, 180.0) as u16);
@@ -72,11 +90,7 @@ fn between<S: Scalar>(
 /// Gives how far off they were at most, and how far the setpoints were.
 fn straight<S: Scalar>(seed: u64) -> [f64; 2] {
     let mut draw = Draw(seed | 1);
-    let mut config = machine::<S>(&mut draw);
-    let alike = draw.chance(0.5);
-    let mut shaper = Box::new(Shaper::<S, AXES, HISTORY>::new());
-    shaper.set(shapes(&mut draw, alike), &config).unwrap();
-    config.follower = shaper.follower(&config);
+    let Shaped { config, mut shaper, alike } = Shaped::<S>::new(&mut draw);
     let mut link = Box::new(Link::<S, AXES, 32, 96>::new());
     let (mut planner, mut interpolator): Core<'_, S> =
         link.split(config, [Coord::ZERO; AXES]).unwrap();
@@ -229,11 +243,7 @@ fn program<S: Scalar>(
 /// path by, and how many there were.
 fn any_path<S: Scalar>(seed: u64, abort: bool) -> (f64, usize) {
     let mut draw = Draw(seed | 1);
-    let mut config = machine::<S>(&mut draw);
-    let alike = draw.chance(0.5);
-    let mut shaper = Box::new(Shaper::<S, AXES, HISTORY>::new());
-    shaper.set(shapes(&mut draw, alike), &config).unwrap();
-    config.follower = shaper.follower(&config);
+    let Shaped { config, mut shaper, .. } = Shaped::<S>::new(&mut draw);
     let span = (config.follower.settle.to_f64() / CYCLE).round();
     let (mut raw_link, mut link) =
         (Box::new(Link::<S, AXES, 32, 96>::new()), Box::new(Link::<S, AXES, 32, 96>::new()));

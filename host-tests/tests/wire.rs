@@ -4,13 +4,13 @@
 #[path = "common/line.rs"]
 mod line;
 
-use line::{Line, fault};
+use line::{Line, answer, fault, speak};
 use proptest::prelude::*;
 use splineway::wire::{
     Command, Events, FRAME, HomeAxis, HomeFault, HomeMove, HomeReport, HomeStep, HomeTrouble,
     Inlet, Item, JogRefusal, Move, Opening, Path, PowerMove, ProbeEnd, ProbeInput, ProbeMove,
-    ProbeResult, Refusal, Reply, Request, Sender, Situation, Speed, State, Station, Step,
-    SwitchMove, SwitchOffset, SwitchOutput, SwitchTrigger, Taken, Target, encode,
+    ProbeResult, Refusal, Reply, Request, Sender, Situation, Speed, State, Station, SwitchMove,
+    SwitchOffset, SwitchOutput, SwitchTrigger, Taken, Target, encode,
 };
 use splineway::{
     AxisLimits, AxisTravel, Block, Config, Coord, Limits, Link, Planner, Progress, PushError,
@@ -67,7 +67,6 @@ fn stream(items: &[Item], mut lines: [Line; 2], commands: &[(u64, Command)], hea
     let mut sender = Sender::new(77, items.len() as u32, 0);
     let mut inlet = Inlet::new();
     let events = Events::<4>::new();
-    let mut out = [0; FRAME];
     let mut outcome =
         Outcome { positions: Vec::new(), commands: Vec::new(), refused: None, done: false };
     let mut commands = commands.iter().peekable();
@@ -84,15 +83,7 @@ fn stream(items: &[Item], mut lines: [Line; 2], commands: &[(u64, Command)], hea
         while let Some((_, command)) = commands.next_if(|(time, _)| *time <= now) {
             assert!(sender.command(*command));
         }
-        for _ in 0..4 {
-            let request = match sender.step(now) {
-                Step::Wait => break,
-                Step::Send(request) => request,
-                Step::Item(number) => sender.item(number, items[number as usize].clone()),
-            };
-            let length = encode(&request, &mut out).unwrap();
-            lines[0].send(&out[..length]);
-        }
+        speak(&mut sender, items, now, |bytes| lines[0].send(bytes));
         // The controller.
         for byte in lines[0].receive() {
             if let Some(command) = station.receive(byte) {
@@ -104,13 +95,7 @@ fn stream(items: &[Item], mut lines: [Line; 2], commands: &[(u64, Command)], hea
         let setpoint = interpolator.tick();
         outcome.positions.push([0, 1, 2].map(|axis| setpoint.position_nm(axis)));
         let state = station.state(&setpoint);
-        loop {
-            let length = station.reply(&setpoint, &mut out);
-            if length == 0 {
-                break;
-            }
-            lines[1].send(&out[..length]);
-        }
+        answer(&mut station, &setpoint, &mut lines[1]);
         outcome.refused = sender.refused();
         outcome.done = commands.peek().is_none() && sender.is_done() && state == State::Idle;
         let rests = matches!(state, State::Idle | State::Aborted);

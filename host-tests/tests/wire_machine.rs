@@ -3,13 +3,13 @@
 #[path = "common/line.rs"]
 mod line;
 
-use line::{Line, fault};
+use line::{Line, answer, fault, speak};
 use proptest::prelude::*;
 use splineway::wire::{
     Command, Events, FRAME, HomeAxis, HomeMove, HomeReport, HomeStep, HomeTrouble, Inlet, Item,
     Move, Path, PowerMove, ProbeEnd, ProbeInput, ProbeMove, ProbeResult, Refusal, Reply,
-    SeekRefusal, Sender, Situation, Speed, State, Station, Step, SwitchMove, SwitchOffset,
-    SwitchOutput, SwitchRefusal, SwitchTrigger, Target, encode,
+    SeekRefusal, Sender, Situation, Speed, State, Station, SwitchMove, SwitchOffset, SwitchOutput,
+    SwitchRefusal, SwitchTrigger, Target, encode,
 };
 use splineway::{
     Activity, AxisLimits, Config, Coord, Input, Interpolator, Limits, Link, Output, Planner,
@@ -153,17 +153,11 @@ fn stream(
         while let Some((_, command)) = commands.next_if(|(time, _)| *time <= now) {
             assert!(sender.command(*command));
         }
-        for _ in 0..4 {
-            let request = match sender.step(now) {
-                Step::Wait => break,
-                Step::Send(request) => request,
-                Step::Item(number) => sender.item(number, items[number as usize].clone()),
-            };
-            let length = encode(&request, &mut out).unwrap();
+        speak(&mut sender, items, now, |bytes| {
             if !silent {
-                lines[0].send(&out[..length]);
+                lines[0].send(bytes);
             }
-        }
+        });
         for byte in lines[0].receive() {
             if let Some(command) = station.receive(byte) {
                 command.send(controls);
@@ -189,13 +183,7 @@ fn stream(
         outcome.at.insert(setpoint.tag, outcome.last);
         before = setpoint;
         let state = station.state(&setpoint);
-        loop {
-            let length = station.reply(&setpoint, &mut out);
-            if length == 0 {
-                break;
-            }
-            lines[1].send(&out[..length]);
-        }
+        answer(&mut station, &setpoint, &mut lines[1]);
         (outcome.refused, outcome.taken) = (sender.refused(), station.taken());
         outcome.done = sender.is_done() && state == State::Idle;
         let rests = matches!(state, State::Idle | State::Aborted | State::SenderLost);

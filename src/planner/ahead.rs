@@ -113,9 +113,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// that the present plan ends.
     pub(super) fn is_pressed(&self, at: NodeSerial) -> bool {
         let Phase::Following(now) = self.phase else { return false };
-        let new = self.last_node().since(self.horizon.end()).unwrap_or(0);
         let until = self.planned(at) + self.horizon.config.lead;
-        new >= LEAST_NEW && !self.is_vain(at) && self.horizon.reaches_within(until, at, now.shown)
+        self.new_cells() >= LEAST_NEW
+            && !self.is_vain(at)
+            && self.horizon.reaches_within(until, at, now.shown)
+    }
+
+    /// Cells behind the end of the agreed plan.
+    fn new_cells(&self) -> u32 {
+        self.last_node().since(self.horizon.end()).unwrap_or(0)
     }
 
     /// Whether no block has come for so long that the producer has none: one that has some pushes them whenever there
@@ -150,8 +156,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let (lead, planned) = (self.horizon.config.lead, self.planned(at));
         let soon = (lead * S::of(URGENT_LEADS)).greatest(planned + lead);
         let urgent = self.horizon.reaches_within(soon, at, self.horizon.end());
-        let new = self.last_node().since(self.horizon.end()).unwrap_or(0);
-        if new < LEAST_NEW
+        if self.new_cells() < LEAST_NEW
             && !self.builder.is_full()
             && self.horizon.reaches_within(soon, at, now.shown)
         {

@@ -126,6 +126,13 @@ impl<S, const N: usize> Seeking<S, N> {
 }
 
 impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
+    /// What is sought, as it waits.
+    #[cfg(feature = "probe")]
+    fn prepare_seek(&mut self, number: u32, tag: u32, what: What<S, N>) -> Waiting<S, N> {
+        self.seeking.seek = Some(Seek { number, tag, begun: false, what });
+        Waiting::Seek
+    }
+
     /// A probe as it waits.
     #[cfg_attr(not(feature = "probe"), allow(clippy::unused_self))]
     pub(super) fn prepare_probe(
@@ -137,9 +144,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
         #[cfg(feature = "probe")]
         {
             let probe = asked.probe(&self.end).map_err(refused)?;
-            let what = What::Probe(probe, asked.required);
-            self.seeking.seek = Some(Seek { number, tag: asked.tag, begun: false, what });
-            Ok(Waiting::Seek)
+            Ok(self.prepare_seek(number, asked.tag, What::Probe(probe, asked.required)))
         }
         #[cfg(not(feature = "probe"))]
         {
@@ -158,9 +163,8 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
         let refused = |reason| Refusal::Seek { tag: asked.tag, reason };
         #[cfg(feature = "home")]
         {
-            let what = What::Home(asked.home().map_err(refused)?);
-            self.seeking.seek = Some(Seek { number, tag: asked.tag, begun: false, what });
-            Ok(Waiting::Seek)
+            let home = asked.home().map_err(refused)?;
+            Ok(self.prepare_seek(number, asked.tag, What::Home(home)))
         }
         #[cfg(not(feature = "home"))]
         {

@@ -1,6 +1,8 @@
 //! A serial line that loses, garbles and doubles.
 
 use proptest::prelude::*;
+use splineway::Setpoint;
+use splineway::wire::{FRAME, Item, Sender, Station, Step, encode};
 use std::collections::VecDeque;
 
 /// What the line does to a share of its bytes.
@@ -62,4 +64,34 @@ pub fn fault() -> impl Strategy<Value = (u16, Fault)> {
         Just(Fault::Zero)
     ];
     (0u16..400, kind)
+}
+
+/// What a host sends at a time, to `send`.
+pub fn speak(sender: &mut Sender, items: &[Item], now: u64, mut send: impl FnMut(&[u8])) {
+    let mut out = [0; FRAME];
+    for _ in 0..4 {
+        let request = match sender.step(now) {
+            Step::Wait => break,
+            Step::Send(request) => request,
+            Step::Item(number) => sender.item(number, items[number as usize].clone()),
+        };
+        let length = encode(&request, &mut out).unwrap();
+        send(&out[..length]);
+    }
+}
+
+/// All that a controller has to reply.
+pub fn answer<const QUEUE: usize>(
+    station: &mut Station<f32, 3, QUEUE>,
+    setpoint: &Setpoint<f32, 3>,
+    line: &mut Line,
+) {
+    let mut out = [0; FRAME];
+    loop {
+        let length = station.reply(setpoint, &mut out);
+        if length == 0 {
+            break;
+        }
+        line.send(&out[..length]);
+    }
 }
