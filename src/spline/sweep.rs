@@ -56,6 +56,8 @@ const WOUND_UP: f64 = 1.3;
 const ROUNDS: u8 = 8;
 /// Rounds in which they are halved; after that they are dropped.
 const HALVINGS: u8 = 3;
+/// Check points whose distances and weights are found side by side.
+const ABREAST: usize = 4;
 
 /// Price of the third derivative by the reach, mm.
 pub fn price<S: Scalar>(reach: S) -> S {
@@ -177,7 +179,6 @@ impl<S: Scalar, const N: usize, K: Kind> Tube<'_, S, N, K> {
         for pole in &mut *self.poles {
             pole.trial = pole.shift;
         }
-        self.measure(0..self.spans.len());
         let hard = self.hardness(|pole| pole.shift);
         Some(Smoothing { stage: Stage::Sweeps(sweeps), hard })
     }
@@ -250,7 +251,6 @@ impl<S: Scalar, const N: usize, K: Kind> Tube<'_, S, N, K> {
                 *x += *dx;
             }
         }
-        self.measure(spans);
     }
 
     /// Draws the spline back into the tube where it is outside.
@@ -276,21 +276,17 @@ impl<S: Scalar, const N: usize, K: Kind> Tube<'_, S, N, K> {
         }
     }
 
-    /// Distances at the check points of some spans, as tried.
-    fn measure(&mut self, spans: Range<usize>) {
-        for (k, span) in self.spans.iter().enumerate().take(spans.end).skip(spans.start) {
-            let Some(poles) = some::<_, 4>(self.poles, k) else { return };
-            let shifts = poles.each_ref().map(|pole| pole.trial);
-            for check in part_mut(self.checks, span.range()) {
-                match K::REFERENCE {
-                    Reference::Lines => check.measure(&shifts),
-                    Reference::Itself => check.measure_still(&shifts),
-                }
-            }
+    /// From the reference to the spline at a check point, the four control points being moved, mm.
+    #[inline]
+    fn miss(check: &CheckPoint<S, N>, shifts: &[Vector<S, N>; 4]) -> Vector<S, N> {
+        let off = check.displaced(shifts);
+        match K::REFERENCE {
+            Reference::Lines => check.slipped(&off),
+            Reference::Itself => off,
         }
     }
 
-    /// The system whose solution is the step from what is tried to the minimiser, for weights by the distances as measured.
+    /// The system whose solution is the step from what is tried to the minimiser, for weights by the distances there.
     fn assemble<const SIZE: usize>(
         &mut self,
         system: &mut System<S, N, SIZE>,
@@ -317,25 +313,31 @@ impl<S: Scalar, const N: usize, K: Kind> Tube<'_, S, N, K> {
             };
             let sag = self.slack(k, span, &edges);
             let (least, most) = (stiffness * S::of(LEAST_WEIGHT), stiffness * S::of(MOST_WEIGHT));
-            let weight = |check: &CheckPoint<S, N>| {
-                let ratio = (norm(&check.miss) + sag) / (check.radius * S::of(TARGET));
+            let weight = |check: &CheckPoint<S, N>, miss: &Vector<S, N>| {
+                let ratio = (norm(miss) + sag) / (check.radius * S::of(TARGET));
                 (check.weight * change(ratio)).greatest(least).least(most)
             };
+            let shifts = trial_shifts(self.poles, k);
             let checks = part_mut(self.checks, span.range());
             match K::DERIVATIVE {
                 Derivative::Third => {
                     for check in checks {
-                        check.weight = weight(check);
-                        sum.add(check.weight, &check.basis, &check.miss);
+                        let miss = Self::miss(check, &shifts);
+                        check.weight = weight(check, &miss);
+                        sum.add(check.weight, &check.basis, &miss);
                     }
                 }
                 Derivative::Second => {
                     // Apart: a processor that looks ahead takes the roots and divisions of several places at once.
-                    for check in &mut *checks {
-                        check.weight = weight(check);
-                    }
-                    for check in checks {
-                        sum.add(check.weight, &check.basis, &check.miss);
+                    for checks in checks.chunks_mut(ABREAST) {
+                        let mut misses = [[S::ZERO; N]; ABREAST];
+                        for (check, miss) in checks.iter_mut().zip(&mut misses) {
+                            *miss = Self::miss(check, &shifts);
+                            check.weight = weight(check, miss);
+                        }
+                        for (check, miss) in checks.iter().zip(&misses) {
+                            sum.add(check.weight, &check.basis, miss);
+                        }
                     }
                 }
             }
@@ -343,12 +345,12 @@ impl<S: Scalar, const N: usize, K: Kind> Tube<'_, S, N, K> {
         }
     }
 
-    /// Whether the spline is inside the tube everywhere, as tried and measured.
+    /// Whether the spline is inside the tube everywhere, as tried.
     fn is_inside(&self) -> bool {
         self.spans.iter().enumerate().all(|(k, span)| self.holds(k, span))
     }
 
-    /// Whether a span is inside the tube, as tried and measured, and goes on without a kink.
+    /// Whether a span is inside the tube, as tried, and goes on without a kink.
     fn holds(&self, k: usize, span: &Span<S>) -> bool {
         let edges = trial_edges(self.poles, k);
         let goes_on = match K::REFERENCE {
@@ -359,10 +361,16 @@ impl<S: Scalar, const N: usize, K: Kind> Tube<'_, S, N, K> {
             return false;
         }
         let sag = self.slack(k, span, &edges);
-        let own = part(self.checks, span.range());
+        let inside = |check: &CheckPoint<S, N>, shifts: &[Vector<S, N>; 4]| {
+            norm(&Self::miss(check, shifts)) + sag <= check.radius
+        };
+        let shifts = trial_shifts(self.poles, k);
+        if !part(self.checks, span.range()).iter().all(|check| inside(check, &shifts)) {
+            return false;
+        }
         // The end of the span is the first place of the next one.
         let next = self.spans.get(k + 1).and_then(|s| self.checks.get(usize::from(s.first_check)));
-        own.iter().chain(next).all(|check| norm(&check.miss) + sag <= check.radius)
+        next.is_none_or(|check| inside(check, &trial_shifts(self.poles, k + 1)))
     }
 
     /// Leaves of the moves of the `free` control points a `share`, where they lead out of the tube. Returns whether
@@ -382,9 +390,6 @@ impl<S: Scalar, const N: usize, K: Kind> Tube<'_, S, N, K> {
                 pole.trial = from_fn(|n| pole.shift[n] + share * (pole.trial[n] - pole.shift[n]));
             }
         }
-        if any {
-            self.measure(0..self.spans.len());
-        }
         any
     }
 
@@ -400,6 +405,15 @@ impl<S: Scalar, const N: usize, K: Kind> Tube<'_, S, N, K> {
         }
         None
     }
+}
+
+/// By how much the control points of a span have been moved, as tried; of a span that does not exist by nothing.
+#[inline]
+fn trial_shifts<S: Scalar, const N: usize>(
+    poles: &[Pole<S, N>],
+    span: usize,
+) -> [Vector<S, N>; 4] {
+    some::<_, 4>(poles, span).map_or([[S::ZERO; N]; 4], |poles| poles.each_ref().map(|p| p.trial))
 }
 
 /// The edges of the control polygon of a span, as tried.

@@ -76,8 +76,6 @@ pub struct CheckPoint<S, const N: usize> {
     pub along: Vector<S, N>,
     /// From where to where along it the point to compare with may lie, mm.
     pub slip: Slip<S>,
-    /// From the nearest of those points to the spline, as measured last, mm.
-    pub miss: Vector<S, N>,
 }
 
 /// How far along the poly-line the point that is compared with may lie.
@@ -111,13 +109,12 @@ impl<S: Scalar, const N: usize> CheckPoint<S, N> {
             weight: S::ZERO,
             along: [S::ZERO; N],
             slip: Slip::NONE,
-            miss: [S::ZERO; N],
         }
     }
 
     /// Spline minus poly-line for shifts of the four control points, mm.
     #[inline]
-    fn displaced(&self, shifts: &[Vector<S, N>; 4]) -> Vector<S, N> {
+    pub fn displaced(&self, shifts: &[Vector<S, N>; 4]) -> Vector<S, N> {
         let mut off = self.off;
         for (part, shift) in self.basis.iter().zip(shifts) {
             for (sum, x) in off.iter_mut().zip(shift) {
@@ -127,18 +124,12 @@ impl<S: Scalar, const N: usize> CheckPoint<S, N> {
         off
     }
 
-    /// Finds the miss for shifts of the four control points.
+    /// From the nearest point of the poly-line that it may be compared with to the spline, mm: `off` is spline minus
+    /// poly-line at the check point.
     #[inline]
-    pub fn measure(&mut self, shifts: &[Vector<S, N>; 4]) {
-        let off = self.displaced(shifts);
-        let slip = dot(&off, &self.along).least(self.slip.ahead).greatest(self.slip.back);
-        self.miss = from_fn(|i| off[i] - slip * self.along[i]);
-    }
-
-    /// The same for a point that must not slip.
-    #[inline]
-    pub fn measure_still(&mut self, shifts: &[Vector<S, N>; 4]) {
-        self.miss = self.displaced(shifts);
+    pub fn slipped(&self, off: &Vector<S, N>) -> Vector<S, N> {
+        let slip = dot(off, &self.along).least(self.slip.ahead).greatest(self.slip.back);
+        from_fn(|i| off[i] - slip * self.along[i])
     }
 }
 

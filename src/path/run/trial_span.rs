@@ -87,7 +87,6 @@ impl<S: Scalar, const N: usize> Base<S, N> {
             weight: S::ZERO,
             along: zero(),
             slip: Slip::NONE,
-            miss: off,
         };
         if let Some((start, end)) = line {
             let most = self.leg.tolerance * S::of(SLIP);
@@ -96,7 +95,6 @@ impl<S: Scalar, const N: usize> Base<S, N> {
                 back: -most.least((s - start.s).to_mm()),
                 ahead: most.least((end.s - s).to_mm()),
             };
-            check.measure(&[[S::ZERO; N]; 4]);
         }
         check
     }
@@ -126,7 +124,7 @@ impl<S: Scalar, const N: usize, const CHECKS: usize> Checked<'_, S, N, CHECKS> {
 
     /// Takes note of what one misses the poly-line by.
     fn see(&mut self, check: &CheckPoint<S, N>) {
-        let miss = norm(&check.miss);
+        let miss = norm(&check.slipped(&check.off));
         self.most = self.most.greatest(miss);
         self.inside &= miss <= self.radius;
     }
