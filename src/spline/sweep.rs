@@ -25,7 +25,7 @@ use super::banded::{Sum, System};
 use super::tube::{CheckPoint, Pole, Span, edges};
 use crate::number::Scalar;
 use crate::number::cube_root;
-use crate::number::list::{part, part_mut, some, some_mut};
+use crate::number::list::{part, part_mut, some};
 use crate::number::vector::{Vector, norm, sub};
 use core::array::from_fn;
 use core::ops::Range;
@@ -377,16 +377,17 @@ impl<S: Scalar, const N: usize, K: Kind> Tube<'_, S, N, K> {
     /// any does.
     fn shorten(&mut self, free: &Range<usize>, share: S) -> bool {
         let mut any = false;
-        for (k, span) in self.spans.iter().enumerate() {
-            if !self.holds(k, span) {
-                any = true;
-                for pole in some_mut::<_, 4>(self.poles, k).into_iter().flatten() {
-                    pole.back = true;
-                }
-            }
-        }
-        for (i, pole) in self.poles.iter_mut().enumerate() {
-            if core::mem::take(&mut pole.back) && free.contains(&i) {
+        // Whether the spans that depend on a control point are outside, the last of them first.
+        let mut outside = [false; 4];
+        for i in 0..self.poles.len() {
+            let out = self.spans.get(i).is_some_and(|span| !self.holds(i, span));
+            outside = [out, outside[0], outside[1], outside[2]];
+            any |= out;
+            // No span that is looked at later depends on it.
+            if outside.contains(&true)
+                && free.contains(&i)
+                && let Some(pole) = self.poles.get_mut(i)
+            {
                 pole.trial = from_fn(|n| pole.shift[n] + share * (pole.trial[n] - pole.shift[n]));
             }
         }

@@ -27,8 +27,6 @@ pub struct Pole<S, const N: usize> {
     pub shift: Vector<S, N>,
     /// The same while it is being worked on.
     pub trial: Vector<S, N>,
-    /// Whether what is tried leads out of the tube here.
-    pub back: bool,
 }
 
 /// A span: it depends on four control points, the first of which has the span's index.
@@ -95,7 +93,7 @@ impl<S: Scalar> Slip<S> {
 impl<S: Scalar, const N: usize> Pole<S, N> {
     /// One that has not moved.
     pub fn new(edge: Vector<S, N>) -> Self {
-        Self { edge, shift: [S::ZERO; N], trial: [S::ZERO; N], back: false }
+        Self { edge, shift: [S::ZERO; N], trial: [S::ZERO; N] }
     }
 }
 
