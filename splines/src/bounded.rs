@@ -95,6 +95,8 @@ pub struct Smoother<S, const N: usize, const SIZE: usize, const CHECKS: usize> {
     lows: Vec<Low<S>, CHECKS>,
     /// [`Span::curl`] of every span as given.
     curls: Vec<S, SIZE>,
+    /// What each of these may become.
+    most_curls: Vec<S, SIZE>,
     /// The control point from which on spans and check points are those of the spline as given.
     loaded: Option<usize>,
 }
@@ -120,6 +122,7 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
             system: System::new(),
             lows: Vec::new(),
             curls: Vec::new(),
+            most_curls: Vec::new(),
             loaded: None,
         }
     }
@@ -214,7 +217,7 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
                 checks: &mut self.checks,
                 // The third derivative as a candidate besides, as runs of lines are smoothed, would take half as long
                 // again, and the means over the thesis's cases and ripples are the same.
-                kind: OfSpline,
+                kind: OfSpline { most_curls: &self.most_curls },
             }
             .improve(options.sweeps, &free, &mut self.system);
             for (k, pole) in self.poles.iter().take(m).enumerate() {
@@ -286,7 +289,7 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
             // v^4 by the integral of k^2 over the length.
             let root = r.cbrt();
             span.price = r * r * root * root / (speed * speed * speed);
-            let weight = OfSpline::DERIVATIVE.first_weight(span);
+            let weight = <OfSpline<S> as Kind<S>>::DERIVATIVE.first_weight(span);
             for check in part_mut(&mut self.checks, span.range()) {
                 check.weight = weight;
             }
@@ -320,9 +323,10 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
             (from..to).filter_map(|k| self.curls.get((first + k) % n).copied())
         };
         let floor = curls(0, n).fold(S::ZERO, S::greatest) * S::of(CURL_FLOOR);
-        for (k, span) in self.spans.iter_mut().enumerate() {
+        self.most_curls.clear();
+        for k in 0..n {
             let beside = curls(k.saturating_sub(BESIDE), n.min(k + BESIDE + 1));
-            span.most_curl = beside.fold(floor, S::greatest) * S::of(share);
+            append(&mut self.most_curls, beside.fold(floor, S::greatest) * S::of(share));
         }
     }
 
@@ -339,9 +343,9 @@ impl<S: Scalar, const N: usize, const SIZE: usize, const CHECKS: usize>
         let mut finder = Lows::default();
         self.lows.clear();
         let mut way = S::ZERO;
-        for (k, span) in self.spans.iter().enumerate() {
+        for (k, (span, most_curl)) in self.spans.iter().zip(&self.most_curls).enumerate() {
             let curl = span.curl(&edges(&self.poles, k, |pole| pole.shift));
-            if !(curl <= span.most_curl) {
+            if !(curl <= *most_curl) {
                 return None;
             }
             let hodograph = Hodograph::new(&spline.bezier(k));

@@ -65,30 +65,9 @@ impl<S: Scalar> Local<S> {
         [two / (self.knots[3] - self.knots[1]), two / self.knots[4]]
     }
 
-    /// The third derivative, which is constant on the span, by the four control points.
-    pub fn thirds(&self) -> [S; 4] {
-        let [a0, a1, a2] = self.firsts();
-        let [b0, b1] = self.seconds();
-        let per = S::ONE / self.step();
-        let (first, last) = (b0 * a0 * per, b1 * a2 * per);
-        let middle = (b0 + b1) * a1 * per;
-        [-first, first + middle, -(middle + last), last]
-    }
-
-    /// First derivative at the start of the span, by the first two edges.
-    pub fn first_at_start(&self) -> [S; 2] {
-        let [a0, a1, _] = self.firsts();
-        let t = &self.knots;
-        let per = S::ONE / (t[3] - t[1]);
-        [a0 * t[3] * per, -(a1 * t[1] * per)]
-    }
-
-    /// First derivative at the end of the span, by the last two edges.
-    pub fn first_at_end(&self) -> [S; 2] {
-        let [_, a1, a2] = self.firsts();
-        let t = &self.knots;
-        let per = S::ONE / t[4];
-        [a1 * (t[4] - t[3]) * per, a2 * t[3] * per]
+    /// The knots next to those of the span, from its start.
+    pub fn beside(&self) -> [S; 2] {
+        [self.knots[1], self.knots[4]]
     }
 }
 
@@ -115,34 +94,5 @@ mod tests {
                 (0..4).map(|j| n[j] * (knots[j] + knots[j + 1] + knots[j + 2]) / 3.0).sum();
             assert!((at - u).abs() < 1e-14, "{u} {at}");
         }
-    }
-
-    /// Derivatives against differences of the values.
-    #[test]
-    fn derivatives_agree_with_differences() {
-        let local = local();
-        let c = [0.3, -1.0, 2.5, 0.7];
-        let value = |u: f64| -> f64 { local.values(u).iter().zip(c).map(|(n, c)| n * c).sum() };
-        let edges = [c[1] - c[0], c[2] - c[1], c[3] - c[2]];
-        let h = 1e-3;
-        let third = (value(1.0 + 2.0 * h) - 2.0 * value(1.0 + h) + 2.0 * value(1.0 - h)
-            - value(1.0 - 2.0 * h))
-            / (2.0 * h * h * h);
-        let by_points: f64 = local.thirds().iter().zip(c).map(|(g, c)| g * c).sum();
-        assert!((third - by_points).abs() < 1e-4, "{third} {by_points}");
-        let [a, b] = local.first_at_start();
-        let start = (value(h) - value(0.0)) / h;
-        assert!((a * edges[0] + b * edges[1] - start).abs() < 1e-2);
-        let [a, b] = local.first_at_end();
-        let end = (value(2.0) - value(2.0 - h)) / h;
-        assert!((a * edges[1] + b * edges[2] - end).abs() < 1e-2);
-        let [f0, f1, f2] = local.firsts();
-        let [s0, s1] = local.seconds();
-        let second = s0 * (f1 * edges[1] - f0 * edges[0]);
-        let measured = (value(2.0 * h) - 2.0 * value(h) + value(0.0)) / (h * h);
-        assert!((second - measured).abs() < 1e-2, "{second} {measured}");
-        let second = s1 * (f2 * edges[2] - f1 * edges[1]);
-        let measured = (value(2.0) - 2.0 * value(2.0 - h) + value(2.0 - 2.0 * h)) / (h * h);
-        assert!((second - measured).abs() < 1e-2, "{second} {measured}");
     }
 }

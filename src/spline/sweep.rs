@@ -22,7 +22,7 @@
 //! system at most: between two of them the spline is as it was, with what is tried beside it.
 
 use super::banded::{Sum, System};
-use super::tube::{CheckPoint, Pole, Span, edges};
+use super::tube::{CheckPoint, Pole, Span, edges, third};
 use crate::number::Scalar;
 use crate::number::cube_root;
 use crate::number::list::{part, part_mut, some};
@@ -87,7 +87,7 @@ impl Derivative {
     /// What holds a spline against being moved, by the square of a displacement.
     fn stiffness<S: Scalar>(self, span: &Span<S>) -> S {
         match self {
-            Self::Third => span.stiffness(),
+            Self::Third => span.stiffness(&span.thirds()),
             Self::Second => span.second_stiffness(&span.second_rows()),
         }
     }
@@ -99,29 +99,43 @@ impl Derivative {
 }
 
 /// What is smoothed, and to which end: a type, so that a program contains the code of its own kinds only.
-pub trait Kind {
+pub trait Kind<S> {
     /// What the tube is around.
     const REFERENCE: Reference;
     /// What is minimised.
     const DERIVATIVE: Derivative;
+
+    /// Whether span number `k` may be bent as the edges of its control polygon make it.
+    fn admits<const N: usize>(&self, k: usize, span: &Span<S>, edges: &[Vector<S, N>; 3]) -> bool;
 }
 
 /// A run of short lines, for a machine whose jerk is limited.
 #[derive(Clone, Copy, Debug)]
 pub struct OfLines;
 
-impl Kind for OfLines {
+impl<S: Scalar> Kind<S> for OfLines {
     const REFERENCE: Reference = Reference::Lines;
     const DERIVATIVE: Derivative = Derivative::Third;
+
+    fn admits<const N: usize>(&self, _: usize, span: &Span<S>, edges: &[Vector<S, N>; 3]) -> bool {
+        span.goes_on(edges)
+    }
 }
 
 /// A spline that comes as such, for less curvature.
 #[derive(Clone, Copy, Debug)]
-pub struct OfSpline;
+pub struct OfSpline<'a, S> {
+    /// Greatest [`Span::curl`] that every span may have, 1/mm.
+    pub most_curls: &'a [S],
+}
 
-impl Kind for OfSpline {
+impl<S: Scalar> Kind<S> for OfSpline<'_, S> {
     const REFERENCE: Reference = Reference::Itself;
     const DERIVATIVE: Derivative = Derivative::Second;
+
+    fn admits<const N: usize>(&self, k: usize, span: &Span<S>, edges: &[Vector<S, N>; 3]) -> bool {
+        self.most_curls.get(k).is_some_and(|most| span.curl(edges) <= *most)
+    }
 }
 
 /// A spline in its tube: span number k depends on the control points k to k + 3.
@@ -155,7 +169,7 @@ enum Stage {
     Shortening { round: u8 },
 }
 
-impl<S: Scalar, const N: usize, K: Kind> Tube<'_, S, N, K> {
+impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
     /// Smooths the spline by `sweeps` sweeps, and as many repairs as the tube asks for, up to
     /// eight; the `free` control points may move.
     pub fn improve<const SIZE: usize>(
@@ -225,7 +239,7 @@ impl<S: Scalar, const N: usize, K: Kind> Tube<'_, S, N, K> {
     fn hardness(&self, moved: impl Fn(&Pole<S, N>) -> Vector<S, N>) -> S {
         let mut sum = S::ZERO;
         for (k, span) in self.spans.iter().enumerate() {
-            let third = norm(&span.third(&edges(self.poles, k, &moved)));
+            let third = norm(&third(&span.thirds(), &edges(self.poles, k, &moved)));
             // From rest, constant jerk J leads to v = (9/2 J s^2)^(1/3).
             let reached = S::of(2.0 / 9.0) / (span.reach * span.reach).greatest(S::of(1.0e-12));
             sum += span.step * cube_root(third.greatest(reached));
@@ -299,8 +313,9 @@ impl<S: Scalar, const N: usize, K: Kind> Tube<'_, S, N, K> {
             let mut sum = Sum::new();
             let stiffness = match K::DERIVATIVE {
                 Derivative::Third => {
-                    sum.add(span.weight(), &span.thirds, &span.third(&edges));
-                    span.stiffness()
+                    let row = span.thirds();
+                    sum.add(span.weight(), &row, &third(&row, &edges));
+                    span.stiffness(&row)
                 }
                 Derivative::Second => {
                     let rows = span.second_rows();
@@ -350,14 +365,10 @@ impl<S: Scalar, const N: usize, K: Kind> Tube<'_, S, N, K> {
         self.spans.iter().enumerate().all(|(k, span)| self.holds(k, span))
     }
 
-    /// Whether a span is inside the tube, as tried, and goes on without a kink.
+    /// Whether a span is inside the tube, as tried, and bent as it may be.
     fn holds(&self, k: usize, span: &Span<S>) -> bool {
         let edges = trial_edges(self.poles, k);
-        let goes_on = match K::REFERENCE {
-            Reference::Lines => span.goes_on(&edges),
-            Reference::Itself => span.curl(&edges) <= span.most_curl,
-        };
-        if !goes_on {
+        if !self.kind.admits(k, span, &edges) {
             return false;
         }
         let sag = self.slack(k, span, &edges);
@@ -410,10 +421,7 @@ impl<S: Scalar, const N: usize, K: Kind> Tube<'_, S, N, K> {
 
 /// By how much the control points of a span have been moved, as tried; of a span that does not exist by nothing.
 #[inline]
-fn trial_shifts<S: Scalar, const N: usize>(
-    poles: &[Pole<S, N>],
-    span: usize,
-) -> [Vector<S, N>; 4] {
+fn trial_shifts<S: Scalar, const N: usize>(poles: &[Pole<S, N>], span: usize) -> [Vector<S, N>; 4] {
     some::<_, 4>(poles, span).map_or([[S::ZERO; N]; 4], |poles| poles.each_ref().map(|p| p.trial))
 }
 

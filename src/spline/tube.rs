@@ -32,15 +32,12 @@ pub struct Pole<S, const N: usize> {
 /// A span: it depends on four control points, the first of which has the span's index.
 #[derive(Clone, Copy, Debug)]
 pub struct Span<S> {
-    /// Third derivative by the control points, 1/mm3.
-    pub thirds: [S; 4],
     /// Factors of the edges of the control polygon in the first derivative's control points, 1/mm.
     pub firsts: [S; 3],
     /// Factors of the differences of those in the second derivatives at both ends, 1/mm.
     pub seconds: [S; 2],
-    /// Factors of the edges in the first derivative at the start (of the first two) and at the end
-    /// (of the last two).
-    pub ends: [[S; 2]; 2],
+    /// The knots next to its own, from its start, mm.
+    pub beside: [S; 2],
     /// Length by the knots, mm.
     pub step: S,
     /// Factor of the second derivative in what is kept free of the band, mm2: for the gaps between check points,
@@ -50,9 +47,6 @@ pub struct Span<S> {
     pub reach: S,
     /// Price of the derivative that is minimised.
     pub price: S,
-    /// Greatest [`curl`](Self::curl) that it may have, 1/mm; looked at only where the reference is
-    /// the spline itself.
-    pub most_curl: S,
     /// Its first check point.
     pub first_check: u16,
     /// How many it has.
@@ -136,15 +130,13 @@ impl<S: Scalar> Span<S> {
     /// the tube, mm2.
     pub fn new(local: &Local<S>, sag: S) -> Self {
         Self {
-            thirds: local.thirds(),
             firsts: local.firsts(),
             seconds: local.seconds(),
-            ends: [local.first_at_start(), local.first_at_end()],
+            beside: local.beside(),
             step: local.step(),
             sag,
             reach: S::ZERO,
             price: S::ONE,
-            most_curl: S::ZERO,
             first_check: 0,
             checks: 0,
         }
@@ -216,7 +208,7 @@ impl<S: Scalar> Span<S> {
 
     /// The Bezier points of the first derivative.
     pub fn first<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> [Vector<S, N>; 3] {
-        let [start, end] = &self.ends;
+        let [start, end] = self.ends();
         [
             from_fn(|i| start[0] * edges[0][i] + start[1] * edges[1][i]),
             from_fn(|i| self.firsts[1] * edges[1][i]),
@@ -232,15 +224,32 @@ impl<S: Scalar> Span<S> {
         dot(&a, &b) > least && dot(&b, &c) > least && dot(&b, &b) > least
     }
 
-    /// Third derivative by the edges of the control polygon, 1/mm2.
-    pub fn third<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> Vector<S, N> {
-        let [a, b, _, d] = self.thirds;
-        from_fn(|i| d * edges[2][i] - (a + b) * edges[1][i] - a * edges[0][i])
+    /// Factors of the edges in the first derivative at the start (of the first two) and at the end
+    /// (of the last two).
+    fn ends(&self) -> [[S; 2]; 2] {
+        let ([a0, a1, a2], [before, behind]) = (self.firsts, self.beside);
+        // 1 / support, of 2 / support to the bit.
+        let [start, end] = self.seconds.map(|second| second * S::of(0.5));
+        [
+            [a0 * self.step * start, -(a1 * before * start)],
+            [a1 * (behind - self.step) * end, a2 * self.step * end],
+        ]
     }
 
-    /// What a third derivative costs here, by the square of a displacement of a control point.
-    pub fn stiffness(&self) -> S {
-        let [a, b, c, d] = self.thirds;
+    /// The third derivative, which is constant on the span, by the four control points, 1/mm3.
+    #[inline]
+    pub fn thirds(&self) -> [S; 4] {
+        let ([a0, a1, a2], [b0, b1]) = (self.firsts, self.seconds);
+        let per = S::ONE / self.step;
+        let (first, last) = (b0 * a0 * per, b1 * a2 * per);
+        let middle = (b0 + b1) * a1 * per;
+        [-first, first + middle, -(middle + last), last]
+    }
+
+    /// What a third derivative costs here, by the square of a displacement of a control point; `row` is what
+    /// [`thirds`](Self::thirds) gives.
+    pub fn stiffness(&self, row: &[S; 4]) -> S {
+        let [a, b, c, d] = *row;
         self.weight() * (a * a + b * b + c * c + d * d)
     }
 
@@ -280,6 +289,12 @@ impl<S: Scalar> Span<S> {
     }
 }
 
+/// The third derivative by the edges of the control polygon, 1/mm2; `row` is what [`Span::thirds`] gives.
+pub fn third<S: Scalar, const N: usize>(row: &[S; 4], edges: &[Vector<S, N>; 3]) -> Vector<S, N> {
+    let [a, b, _, d] = *row;
+    from_fn(|i| d * edges[2][i] - (a + b) * edges[1][i] - a * edges[0][i])
+}
+
 /// The edges of the control polygon of a span, the control points being moved; of a span that does not
 /// exist they have no length.
 pub fn edges<S: Scalar, const N: usize>(
@@ -293,4 +308,39 @@ pub fn edges<S: Scalar, const N: usize>(
         from_fn(|i| a.edge[i] + (to[i] - from[i]))
     };
     [edge(a, b), edge(b, c), edge(c, d)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Derivatives against differences of the values.
+    #[test]
+    fn derivatives_agree_with_differences() {
+        let knots = [-3.0, -1.0, 0.0, 2.0, 3.0, 7.0];
+        let local = Local::from_knots(knots);
+        let span = Span::new(&local, 0.0);
+        let c = [0.3, -1.0, 2.5, 0.7];
+        let value = |u: f64| -> f64 { local.values(u).iter().zip(c).map(|(n, c)| n * c).sum() };
+        let edges = [c[1] - c[0], c[2] - c[1], c[3] - c[2]];
+        let h = 1e-3;
+        let third = (value(1.0 + 2.0 * h) - 2.0 * value(1.0 + h) + 2.0 * value(1.0 - h)
+            - value(1.0 - 2.0 * h))
+            / (2.0 * h * h * h);
+        let by_points: f64 = span.thirds().iter().zip(c).map(|(g, c)| g * c).sum();
+        assert!((third - by_points).abs() < 1e-4, "{third} {by_points}");
+        let [[a, b], [c1, c2]] = span.ends();
+        let start = (value(h) - value(0.0)) / h;
+        assert!((a * edges[0] + b * edges[1] - start).abs() < 1e-2);
+        let end = (value(2.0) - value(2.0 - h)) / h;
+        assert!((c1 * edges[1] + c2 * edges[2] - end).abs() < 1e-2);
+        let [f0, f1, f2] = span.firsts;
+        let [s0, s1] = span.seconds;
+        let second = s0 * (f1 * edges[1] - f0 * edges[0]);
+        let measured = (value(2.0 * h) - 2.0 * value(h) + value(0.0)) / (h * h);
+        assert!((second - measured).abs() < 1e-2, "{second} {measured}");
+        let second = s1 * (f2 * edges[2] - f1 * edges[1]);
+        let measured = (value(2.0) - 2.0 * value(2.0 - h) + value(2.0 - 2.0 * h)) / (h * h);
+        assert!((second - measured).abs() < 1e-2, "{second} {measured}");
+    }
 }

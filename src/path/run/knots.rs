@@ -88,9 +88,9 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         // A little before its end: the ends of pieces are rounded.
         let line = self.polyline.line_end(to - Length::UNIT);
         if let Some(tag) = self.pieces.tag_at(to - (to - from) / ENDS_ON, line)
-            && let Some(leg) = self.spline.legs.last_mut()
+            && let Some(programmed) = self.spline.programmed.last_mut()
         {
-            leg.programmed.tag = tag;
+            programmed.tag = tag;
         }
         self.pieces.release_before(from);
     }

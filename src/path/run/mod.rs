@@ -321,7 +321,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             self.spline.finish(span)
         };
         let node = Node::new(end, curve.frame(part + 1));
-        let programmed = self.spline.legs.get(span)?.programmed;
+        let programmed = *self.spline.programmed.get(span)?;
         let cell = curve.cell(part, &from, &node, programmed);
         self.part += 1;
         #[cfg(feature = "outputs")]

@@ -13,7 +13,7 @@ use super::trial_span::{SPAN_CHECKS, TrialSpan};
 use crate::number::list::{part_mut, some};
 use crate::number::vector::zero;
 use crate::number::{Coord, Interval, Length, Scalar};
-use crate::path::leg::Leg;
+use crate::path::node::Programmed;
 use crate::spline::banded::System;
 use crate::spline::basis::Local;
 use crate::spline::sweep::{Kind, OfLines, Smoothing, Tube, price};
@@ -24,6 +24,8 @@ use heapless::Vec;
 
 /// Control points held.
 pub const CONTROLS: usize = 48;
+/// Spans held: each depends on four control points.
+const SPANS: usize = CONTROLS - 3;
 /// Check points held.
 pub const CHECKS: usize = 128;
 /// Places to be slow at that are remembered for the spans behind them.
@@ -69,9 +71,9 @@ pub struct SlidingSpline<S, const N: usize> {
     pub controls: Vec<Control<N>, CONTROLS>,
     /// What smoothing does with them.
     pub poles: Vec<Pole<S, N>, CONTROLS>,
-    pub spans: Vec<Span<S>, CONTROLS>,
-    /// The lines beside them.
-    pub legs: Vec<Leg<S>, CONTROLS>,
+    pub spans: Vec<Span<S>, SPANS>,
+    /// What is asked of their cells.
+    pub programmed: Vec<Programmed<S>, SPANS>,
     pub checks: Vec<CheckPoint<S, N>, CHECKS>,
     /// Control points at the front that no longer move.
     pub frozen: usize,
@@ -93,7 +95,7 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
             controls: Vec::new(),
             poles: Vec::new(),
             spans: Vec::new(),
-            legs: Vec::new(),
+            programmed: Vec::new(),
             checks: Vec::new(),
             frozen: 0,
             tied: 0,
@@ -113,7 +115,7 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         self.controls.clear();
         self.poles.clear();
         self.spans.clear();
-        self.legs.clear();
+        self.programmed.clear();
         self.checks.clear();
     }
 
@@ -276,7 +278,8 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         }
     }
 
-    fn take_span(&mut self, TrialSpan { mut span, leg }: TrialSpan<S>, end: Length, places: usize) {
+    fn take_span(&mut self, trial: TrialSpan<S>, end: Length, places: usize) {
+        let TrialSpan { mut span, programmed } = trial;
         let start = self.reach;
         self.reach += span.step;
         self.slow_points.retain(|slow| slow.s >= end);
@@ -287,7 +290,7 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         span.price = price(span.reach);
         span.first_check = places as u16;
         span.checks = (self.checks.len() - places) as u16;
-        let weight = OfLines::DERIVATIVE.first_weight(&span);
+        let weight = <OfLines as Kind<S>>::DERIVATIVE.first_weight(&span);
         // The place where two spans meet is held against the narrower band of the two.
         let before = places.checked_sub(1).and_then(|last| self.checks.get(last));
         let mut narrower = before.map(|check| check.radius);
@@ -297,7 +300,7 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
                 check.radius = check.radius.least(radius);
             }
         }
-        let kept = self.spans.push(span).is_ok() & self.legs.push(leg).is_ok();
+        let kept = self.spans.push(span).is_ok() & self.programmed.push(programmed).is_ok();
         debug_assert!(kept, "no room for a span");
     }
 
@@ -335,7 +338,7 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         drop_front(&mut self.controls, count);
         drop_front(&mut self.poles, count);
         drop_front(&mut self.spans, count);
-        drop_front(&mut self.legs, count);
+        drop_front(&mut self.programmed, count);
         drop_front(&mut self.checks, places);
         for span in &mut self.spans {
             span.first_check -= places as u16;

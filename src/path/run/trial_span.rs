@@ -10,6 +10,7 @@ use crate::number::vector::{Vector, dot, norm, sub, zero};
 use crate::number::{Coord, Interval, Length, Scalar};
 use crate::path::budget;
 use crate::path::leg::Leg;
+use crate::path::node::Programmed;
 use crate::spline::basis::Local;
 use crate::spline::tube::{CheckPoint, Slip, Span};
 use core::array::from_fn;
@@ -29,8 +30,8 @@ const SLIP: f64 = 2.0;
 /// A span that may be taken on.
 pub struct TrialSpan<S> {
     pub span: Span<S>,
-    /// What is asked for on it.
-    pub leg: Leg<S>,
+    /// What is asked of its cells.
+    pub programmed: Programmed<S>,
 }
 
 /// A line of the poly-line: the vertices at its start and its end.
@@ -189,7 +190,7 @@ impl<S: Scalar> TrialSpan<S> {
         let rest = base.local.step() * base.local.step() * S::of(budget::REST);
         let span = Span::new(&base.local, gap * gap * S::of(0.125) + rest);
         let holds = checked.inside && checked.most + span.slack(&edges) <= base.radius;
-        (holds && span.goes_on(&edges)).then_some(Self { span, leg: base.leg })
+        (holds && span.goes_on(&edges)).then_some(Self { span, programmed: base.leg.programmed })
     }
 }
 
