@@ -163,8 +163,8 @@ pub struct Smoothing<S> {
 enum Stage {
     /// A sweep, of so many.
     Sweeps(u16),
-    /// A sweep where the spline as tried is not inside the tube, of so many.
-    Repairs(u8),
+    /// A sweep where the spline as tried is not inside the tube, of so many; a span that was outside before.
+    Repairs { left: u8, outside: u16 },
     /// Moves are shortened where they lead out of the tube.
     Shortening { round: u8 },
 }
@@ -213,15 +213,20 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
                     ratio * ratio.sqrt()
                 });
                 match left {
-                    0 | 1 => Stage::Repairs(REPAIRS),
+                    0 | 1 => Stage::Repairs { left: REPAIRS, outside: 0 },
                     _ => Stage::Sweeps(left - 1),
                 }
             }
-            Stage::Repairs(_) if self.is_inside() => return self.take_on(hard),
-            Stage::Repairs(0) => Stage::Shortening { round: 0 },
-            Stage::Repairs(left) => {
-                self.repair(system, free);
-                Stage::Repairs(left - 1)
+            Stage::Repairs { left, outside } => {
+                let Some(outside) = self.outside(outside.into()) else {
+                    return self.take_on(hard);
+                };
+                if left == 0 {
+                    Stage::Shortening { round: 0 }
+                } else {
+                    self.repair(system, free);
+                    Stage::Repairs { left: left - 1, outside: outside as u16 }
+                }
             }
             Stage::Shortening { round: ROUNDS } => return None,
             Stage::Shortening { round } => {
@@ -290,10 +295,10 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
         }
     }
 
-    /// From the reference to the spline at a check point, the four control points being moved, mm.
+    /// From the reference to the spline at a check point, the four control points being moved as tried, mm.
     #[inline]
-    fn miss(check: &CheckPoint<S, N>, shifts: &[Vector<S, N>; 4]) -> Vector<S, N> {
-        let off = check.displaced(shifts);
+    fn miss(check: &CheckPoint<S, N>, poles: &[Pole<S, N>; 4]) -> Vector<S, N> {
+        let off = check.displaced(poles.each_ref().map(|pole| &pole.trial));
         match K::REFERENCE {
             Reference::Lines => check.slipped(&off),
             Reference::Itself => off,
@@ -332,12 +337,12 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
                 let ratio = (norm(miss) + sag) / (check.radius * S::of(TARGET));
                 (check.weight * change(ratio)).greatest(least).least(most)
             };
-            let shifts = trial_shifts(self.poles, k);
+            let Some(poles) = some(self.poles, k) else { return };
             let checks = part_mut(self.checks, span.range());
             match K::DERIVATIVE {
                 Derivative::Third => {
                     for check in checks {
-                        let miss = Self::miss(check, &shifts);
+                        let miss = Self::miss(check, poles);
                         check.weight = weight(check, &miss);
                         sum.add(check.weight, &check.basis, &miss);
                     }
@@ -347,7 +352,7 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
                     for checks in checks.chunks_mut(ABREAST) {
                         let mut misses = [[S::ZERO; N]; ABREAST];
                         for (check, miss) in checks.iter_mut().zip(&mut misses) {
-                            *miss = Self::miss(check, &shifts);
+                            *miss = Self::miss(check, poles);
                             check.weight = weight(check, miss);
                         }
                         for (check, miss) in checks.iter().zip(&misses) {
@@ -360,9 +365,10 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
         }
     }
 
-    /// Whether the spline is inside the tube everywhere, as tried.
-    fn is_inside(&self) -> bool {
-        self.spans.iter().enumerate().all(|(k, span)| self.holds(k, span))
+    /// A span that is not inside the tube, as tried; looked for from one on that probably is not.
+    fn outside(&self, from: usize) -> Option<usize> {
+        let mut spans = (from..self.spans.len()).chain(0..from);
+        spans.find(|&k| self.spans.get(k).is_some_and(|span| !self.holds(k, span)))
     }
 
     /// Whether a span is inside the tube, as tried, and bent as it may be.
@@ -372,16 +378,17 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
             return false;
         }
         let sag = self.slack(k, span, &edges);
-        let inside = |check: &CheckPoint<S, N>, shifts: &[Vector<S, N>; 4]| {
-            norm(&Self::miss(check, shifts)) + sag <= check.radius
+        let inside = |check: &CheckPoint<S, N>, poles: &[Pole<S, N>; 4]| {
+            norm(&Self::miss(check, poles)) + sag <= check.radius
         };
-        let shifts = trial_shifts(self.poles, k);
-        if !part(self.checks, span.range()).iter().all(|check| inside(check, &shifts)) {
+        let Some(poles) = some(self.poles, k) else { return true };
+        if !part(self.checks, span.range()).iter().all(|check| inside(check, poles)) {
             return false;
         }
         // The end of the span is the first place of the next one.
         let next = self.spans.get(k + 1).and_then(|s| self.checks.get(usize::from(s.first_check)));
-        next.is_none_or(|check| inside(check, &trial_shifts(self.poles, k + 1)))
+        let next = next.zip(some(self.poles, k + 1));
+        next.is_none_or(|(check, poles)| inside(check, poles))
     }
 
     /// Leaves of the moves of the `free` control points a `share`, where they lead out of the tube. Returns whether
@@ -417,12 +424,6 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
         }
         None
     }
-}
-
-/// By how much the control points of a span have been moved, as tried; of a span that does not exist by nothing.
-#[inline]
-fn trial_shifts<S: Scalar, const N: usize>(poles: &[Pole<S, N>], span: usize) -> [Vector<S, N>; 4] {
-    some::<_, 4>(poles, span).map_or([[S::ZERO; N]; 4], |poles| poles.each_ref().map(|p| p.trial))
 }
 
 /// The edges of the control polygon of a span, as tried.

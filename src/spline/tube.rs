@@ -106,7 +106,7 @@ impl<S: Scalar, const N: usize> CheckPoint<S, N> {
 
     /// Spline minus poly-line for shifts of the four control points, mm.
     #[inline]
-    pub fn displaced(&self, shifts: &[Vector<S, N>; 4]) -> Vector<S, N> {
+    pub fn displaced(&self, shifts: [&Vector<S, N>; 4]) -> Vector<S, N> {
         let mut off = self.off;
         for (part, shift) in self.basis.iter().zip(shifts) {
             for (sum, x) in off.iter_mut().zip(shift) {
@@ -120,6 +120,9 @@ impl<S: Scalar, const N: usize> CheckPoint<S, N> {
     /// poly-line at the check point.
     #[inline]
     pub fn slipped(&self, off: &Vector<S, N>) -> Vector<S, N> {
+        if !(self.slip.back < self.slip.ahead) {
+            return *off;
+        }
         let slip = dot(off, &self.along).least(self.slip.ahead).greatest(self.slip.back);
         from_fn(|i| off[i] - slip * self.along[i])
     }
