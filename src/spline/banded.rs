@@ -4,12 +4,13 @@ use crate::number::Scalar;
 use crate::number::list::{part, part_mut};
 use crate::number::vector::Vector;
 use core::ops::Range;
+use heapless::Vec;
 
 /// The band matrix and the right-hand sides of a sweep over at most `SIZE` control points.
 pub struct System<S, const N: usize, const SIZE: usize> {
     /// Row by row, from the diagonal on.
-    rows: [[S; 4]; SIZE],
-    right: [Vector<S, N>; SIZE],
+    rows: Vec<[S; 4], SIZE>,
+    right: Vec<Vector<S, N>, SIZE>,
 }
 
 /// Sum of weighted squares in the four control points of a span: kept apart until it is complete, for the registers hold it.
@@ -42,19 +43,23 @@ impl<S: Scalar, const N: usize> Sum<S, N> {
 impl<S: Scalar, const N: usize, const SIZE: usize> System<S, N, SIZE> {
     /// One that is empty: [`super::sweep::Tube::improve`] fills it.
     pub const fn new() -> Self {
-        Self { rows: [[S::ZERO; 4]; SIZE], right: [[S::ZERO; N]; SIZE] }
+        Self { rows: Vec::new(), right: Vec::new() }
     }
 
     /// Begins anew, for the sums of spans in ascending order, from that on which ends at the first of the free control
     /// points if there is one.
-    pub(super) fn begin(&mut self) {
-        // What no span ends at; the others are set by the span that does.
-        part_mut(&mut self.rows, 0..3).fill([S::ZERO; 4]);
-        part_mut(&mut self.right, 0..3).fill([S::ZERO; N]);
+    pub(super) fn begin(&mut self, free: &Range<usize>) {
+        self.rows.clear();
+        self.right.clear();
+        // What no span ends at, or is not free; the others are put in by the span that ends there.
+        let first = free.start.max(3);
+        let has_room = self.rows.resize(first, [S::ZERO; 4]).is_ok()
+            & self.right.resize(first, [S::ZERO; N]).is_ok();
+        debug_assert!(has_room, "no room for what is not free");
     }
 
     /// What has been solved for, one row for a control point.
-    pub(super) fn solution(&self) -> &[Vector<S, N>; SIZE] {
+    pub(super) fn solution(&self) -> &[Vector<S, N>] {
         &self.right
     }
 
@@ -66,14 +71,16 @@ impl<S: Scalar, const N: usize, const SIZE: usize> System<S, N, SIZE> {
             if !free.contains(&i) {
                 continue;
             }
+            if a == 3 {
+                debug_assert_eq!(i, self.rows.len(), "spans in ascending order");
+                let row = [sum.rows[3][3], S::ZERO, S::ZERO, S::ZERO];
+                let pushed = self.rows.push(row).is_ok() & self.right.push(sum.right[3]).is_ok();
+                debug_assert!(pushed, "no room for a control point");
+                continue;
+            }
             let (Some(sums), Some(right)) = (self.rows.get_mut(i), self.right.get_mut(i)) else {
                 return;
             };
-            if a == 3 {
-                *sums = [sum.rows[3][3], S::ZERO, S::ZERO, S::ZERO];
-                *right = sum.right[3];
-                continue;
-            }
             for (sum, x) in sums.iter_mut().zip(&sum.rows[a][a..]) {
                 *sum += *x;
             }

@@ -312,7 +312,7 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
         (free, spans): (&Range<usize>, &Range<usize>),
         change: impl Fn(S) -> S,
     ) {
-        system.begin();
+        system.begin(free);
         for (k, span) in self.spans.iter().enumerate().take(spans.end).skip(spans.start) {
             let edges = trial_edges(self.poles, k);
             let mut sum = Sum::new();
