@@ -11,7 +11,7 @@ use heapless::Deque;
 /// than 3 %.)
 const COARSE: f64 = 0.7;
 /// Most vertices between two dominant points. (2: 0.3 % longer, 6 % more cells; 8: no path by more than 0.4 %.)
-const PASSED: u32 = 5;
+pub(super) const PASSED: u32 = 5;
 /// Length of the spans at a dominant point, times turn over tolerance: what a uniform cubic spline with
 /// spans of this length cuts off is two thirds of the band. (Half: 0.5 % longer, 29 % more cells; twice: 12 % longer,
 /// for the band allows no such knots.)

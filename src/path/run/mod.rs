@@ -42,6 +42,12 @@ const HELD_BACK: usize = 4;
 const LEAST_BEGUN: usize = 14;
 /// Dominant points waiting for their spans.
 const WAITING: usize = 6;
+/// Most lines from a dominant point to the next, and behind the newest: none is passed by more vertices.
+const APART: usize = dominant::PASSED as usize + 1;
+/// Vertices of the poly-line that are held at most. No interval between knots reaches beyond a dominant point; knots have
+/// been laid up to the first of at most `WAITING` - 3 of them when a line is taken ([`Run::has_room`]), which adds two
+/// vertices if it is the last. Before the intervals that are needed one vertex is kept.
+const VERTICES: usize = 2 + sliding::NEEDED_BEHIND * APART + (WAITING - 3) * APART + 2;
 /// Share of the first or last line of a smooth end that one span may take: two must fit.
 const SMOOTH_SHARE: f64 = 0.49;
 
@@ -166,7 +172,9 @@ impl<S: Scalar, const N: usize> Run<S, N> {
 
     /// Whether a line can be taken.
     pub fn has_room(&self) -> bool {
-        !self.end.is_some() && self.polyline.has_room() && self.dominant.len() + 3 <= WAITING
+        let has_room = !self.end.is_some() && self.dominant.len() + 3 <= WAITING;
+        debug_assert!(!has_room || self.polyline.has_room(), "more vertices than can be");
+        has_room && self.polyline.has_room()
     }
 
     /// Arc length at the end of the last line taken.

@@ -1,5 +1,6 @@
 //! The programmed poly-line of a run, thinned a little, by its arc length.
 
+use super::VERTICES;
 use crate::number::optional::Optional;
 use crate::number::serial::Serial;
 use crate::number::vector::{Vector, dot, norm, zero};
@@ -10,8 +11,6 @@ use crate::path::segment::Segment;
 use core::array::from_fn;
 use heapless::{Deque, Vec};
 
-/// Vertices held.
-const VERTICES: usize = 64;
 /// Vertices left out between two that are kept.
 const DROPPED: usize = 12;
 /// Lines shorter than this, are followed by their direction, in `f32` to a nanometre; on longer
@@ -72,14 +71,14 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
         self.keep(Vertex { at, s: Length::ZERO, direction: zero(), leg });
     }
 
-    /// Keeps a vertex, for which there is room: [`Polyline::has_room`] leaves it.
+    /// Keeps a vertex, for which there is room: see [`VERTICES`].
     fn keep(&mut self, vertex: Vertex<S, N>) {
         debug_assert!(vertex.s >= self.vertices.back().map_or(Length::ZERO, |last| last.s));
         let kept = self.vertices.push_back(vertex);
         debug_assert!(kept.is_ok(), "no room for a vertex");
     }
 
-    /// Whether another line can be taken.
+    /// Whether another line can be taken, be it the last.
     pub fn has_room(&self) -> bool {
         self.vertices.len() + 2 <= VERTICES
     }

@@ -24,6 +24,8 @@ use heapless::Vec;
 
 /// Control points held.
 pub const CONTROLS: usize = 48;
+/// Intervals between knots before the newest over which the poly-line is still needed.
+pub const NEEDED_BEHIND: usize = 5;
 /// Spans held: each depends on four control points.
 const SPANS: usize = CONTROLS - 3;
 /// Check points held.
@@ -192,7 +194,7 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
 
     /// Arc length before which the polyline is no longer needed.
     pub fn oldest_needed(&self) -> Length {
-        self.knot((self.controls.len().cast_signed() - 6).max(-2))
+        self.knot((self.controls.len().cast_signed() - 1 - NEEDED_BEHIND.cast_signed()).max(-2))
     }
 
     /// Whether the base spline keeps to the band in the spans that these knots would make, three at most, and there is room
