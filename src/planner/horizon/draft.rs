@@ -19,7 +19,7 @@
 use super::Horizon;
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
-use crate::path::node::Cell;
+use crate::number::vector::Vector;
 use crate::profile::law::PathState;
 use crate::profile::window::Station;
 use crate::servo::control::Overrides;
@@ -47,7 +47,14 @@ pub struct Draft<S, const N: usize> {
     /// Whether it is run by a clock that slows down.
     pub slows: bool,
     /// Stations put in, in order: running number, and the cell that each was put into.
-    pub added: heapless::Vec<(NodeSerial, Cell<S, N>), ADDED>,
+    pub added: heapless::Vec<(NodeSerial, Whole<S, N>), ADDED>,
+}
+
+/// What a station that is put into a cell changes of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Whole<S, const N: usize> {
+    pub length: S,
+    pub tangent_offset: Vector<S, N>,
 }
 
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {

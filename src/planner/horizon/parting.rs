@@ -1,7 +1,7 @@
 //! Stations put into cells, and taken out again.
 
 use super::Horizon;
-use super::draft::ADDED;
+use super::draft::{ADDED, Whole};
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::path::hermite;
@@ -21,7 +21,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     ///
     /// The cell of station `i` is still the whole one: it is to be shortened afterwards.
     pub(super) fn add(&mut self, i: usize, station: Station<S, N>) -> bool {
-        let Some(whole) = self.window.get(i).map(|station| station.cell) else { return false };
+        let Some(Station { cell, .. }) = self.window.get(i) else { return false };
+        let whole = Whole { length: cell.length, tangent_offset: cell.tangent_offset };
         if self.room_to_add() == 0 || !self.put_behind(i, station) {
             return false;
         }
@@ -43,9 +44,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// Takes out again the stations that the draft has put in.
     pub fn take_back(&mut self) {
         while let Some(draft) = self.draft.as_mut()
-            && let Some((serial, cell)) = draft.added.pop()
+            && let Some((serial, whole)) = draft.added.pop()
         {
-            self.take_out(self.window.clamped_index(serial), cell);
+            self.take_out(self.window.clamped_index(serial), whole);
         }
     }
 
@@ -150,11 +151,11 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         (station.rest || first + 1 == last) && !after.rest && station.cell.length > S::ZERO
     }
 
-    /// Takes out the station at `i`, which was put into `cell`.
-    pub fn take_out(&mut self, i: usize, cell: Cell<S, N>) {
+    /// Takes out the station at `i`, which was put into a cell.
+    fn take_out(&mut self, i: usize, Whole { length, tangent_offset }: Whole<S, N>) {
         let Some(before) = i.checked_sub(1) else { return };
         if let Some(station) = self.window.get_mut(before) {
-            station.cell = cell;
+            (station.cell.length, station.cell.tangent_offset) = (length, tangent_offset);
         }
         self.window.remove(i);
         self.end = self.end.previous();
