@@ -494,7 +494,7 @@ const fn bytes<S: splineway::Scalar, const N: usize, const BLOCKS: usize, const 
     size_of::<Link<S, N, BLOCKS, NODES>>() + size_of::<Planner<'static, S, N, BLOCKS, NODES>>()
 }
 
-/// A core for three axes that looks ahead over 128 dense lines and more: 49 KiB, jogs, probes and homing.
+/// A core for three axes that looks ahead over 128 dense lines and more: 45 KiB, jogs, probes and homing.
 const SMALL: usize = bytes::<f32, 3, 8, 56>();
 const SMALL_SIX: usize = bytes::<f32, 6, 8, 56>();
 /// What the queues of outputs add, which a core without the feature has not.
@@ -504,7 +504,7 @@ const MOTORS: usize = 6 * (8 * 48 + 8);
 /// What input shaping adds: other limits in each of five sets, and what follows the setpoints.
 const SHAPING: usize = 5 * size_of::<Limits<f32, 6>>() + 128;
 const MORE: usize = OUTPUTS + MOTORS + SHAPING;
-const _: () = assert!(SMALL <= 52 * 1024 + MORE && SMALL_SIX <= 78 * 1024 + MORE);
+const _: () = assert!(SMALL <= 48 * 1024 + MORE && SMALL_SIX <= 71 * 1024 + MORE);
 
 /// Bytes that one more block, and one more node, of the look-ahead take; limits of travel are in it.
 const PER_BLOCK: usize = (bytes::<f32, 3, 16, 56>() - SMALL) / 8;

@@ -49,13 +49,13 @@ const STACKS: [(&str, u32); 10] = [
     ("tick", 1024),
     ("split", 1024),
     ("init", 2048),
-    ("poll", 4 * 1024 + 256),
-    ("settle", 4 * 1024 + 256),
-    ("push", 4 * 1024 + 256),
+    ("poll", 4 * 1024),
+    ("settle", 4 * 1024),
+    ("push", 4 * 1024),
     ("", 1024),
 ];
 /// RAM of a core in three axes at most, bytes.
-const RAM: u64 = 54 * 1024;
+const RAM: u64 = 48 * 1024 + 256;
 
 /// Loops of a tick: attempts at a compare-and-swap, of which the first fails only if another context comes in; one may. All
 /// others are unrolled.

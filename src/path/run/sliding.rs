@@ -280,8 +280,12 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         }
     }
 
-    fn take_span(&mut self, trial: TrialSpan<S>, end: Length, places: usize) {
-        let TrialSpan { mut span, programmed } = trial;
+    fn take_span(
+        &mut self,
+        TrialSpan { mut span, programmed }: TrialSpan<S>,
+        end: Length,
+        places: usize,
+    ) {
         let start = self.reach;
         self.reach += span.step;
         self.slow_points.retain(|slow| slow.s >= end);
