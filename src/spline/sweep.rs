@@ -313,6 +313,7 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
         change: impl Fn(S) -> S,
     ) {
         system.begin(free);
+        let mut misses = [[S::ZERO; N]; ABREAST];
         for (k, span) in self.spans.iter().enumerate().take(spans.end).skip(spans.start) {
             let edges = trial_edges(self.poles, k);
             let mut sum = Sum::new();
@@ -350,7 +351,6 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
                 Derivative::Second => {
                     // Apart: a processor that looks ahead takes the roots and divisions of several places at once.
                     for checks in checks.chunks_mut(ABREAST) {
-                        let mut misses = [[S::ZERO; N]; ABREAST];
                         for (check, miss) in checks.iter_mut().zip(&mut misses) {
                             *miss = Self::miss(check, poles);
                             check.weight = weight(check, miss);
