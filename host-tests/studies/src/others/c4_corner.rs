@@ -1,14 +1,14 @@
 //! C4 corners with acceleration 0 in their middle, and symmetric S-curves between.
 //!
-//! Written from what the Prunt motion controller publishes, with limits up to that of jerk (it has snap and crackle besides): every corner
-//! is a curve of [`pythagorean`](super::pythagorean) as large as band and half the lines allow; the speed in its middle is bound by the
-//! curvature k there, v <= (A / k)^(1/2) and v <= (J / k^2)^(1/3), and by what can be reached from the corners next to it; from middle to middle the speed follows
-//! an S-curve that begins and ends with acceleration 0.
+//! Written from what the Prunt motion controller publishes, with limits up to that of jerk (it has snap and crackle besides): every
+//! corner is a curve of [`pythagorean`](super::pythagorean) as large as band and half the lines allow; the speed in its middle is
+//! bound by the curvature k there, v <= (A / k)^(1/2) and v <= (J / k^2)^(1/3), and by what can be reached from the corners next to
+//! it; from middle to middle the speed follows an S-curve that begins and ends with acceleration 0.
 //!
 //! That rule says nothing of what curvature and S-curve come to together, axis by axis. What breaks a limit of an axis is made
-//! slower here, until all are kept: the speed of the corner, the limits of the S-curve, or both, whatever is faster, and smaller corners are tried too. Or the S-curves
-//! keep to the lines and the speed is constant in the corners, where it is bound by their third derivative (as with most
-//! corners of the literature); that is taken where it is faster.
+//! slower here, until all are kept: the speed of the corner, the limits of the S-curve, or both, whatever is faster, and smaller
+//! corners are tried too. Or the S-curves keep to the lines and the speed is constant in the corners, where it is bound by their
+//! third derivative (as with most corners of the literature); that is taken where it is faster.
 
 use super::blend::{Corner, KEPT};
 use super::line_path::{LinePath, limit, plus, times};

@@ -5,8 +5,8 @@ use super::ramp::{End, Phases, leg};
 use crate::anymotion::motion::Motion;
 use anyhow::{Context, Result};
 
-/// The motion, whose path is the programmed one. What every machine can do (G61.1 in LinuxCNC's words), and the yardstick: what is slower has cornered for
-/// nothing. The cost is a bisection for every line.
+/// The motion, whose path is the programmed one. What every machine can do (G61.1 in LinuxCNC's words), and the yardstick: what is
+/// slower has cornered for nothing. The cost is a bisection for every line.
 ///
 /// # Errors
 /// None for lines of some length.

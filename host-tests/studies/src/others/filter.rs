@@ -84,8 +84,8 @@ pub(super) struct Choice {
 mod tests {
     use super::*;
 
-    /// Both motions are of constant jerk F / (T1 T2) while they overlap for a time o: at a right angle they are J o^3 / 48 off their lines
-    /// when both have gone as far.
+    /// Both motions are of constant jerk F / (T1 T2) while they overlap for a time o: at a right angle they are J o^3 / 48 off
+    /// their lines when both have gone as far.
     #[test]
     fn a_short_overlap_leaves_the_lines_by_the_jerk() {
         let filter = Filter { first: 0.1, second: 0.04 };

@@ -1,15 +1,16 @@
-//! Trapezoids as filtered pulses: every block is a rectangular pulse of velocity, and two moving averages make it a motion with limited
-//! acceleration and jerk.
+//! Trapezoids as filtered pulses: every block is a rectangular pulse of velocity, and two moving averages make it a motion with
+//! limited acceleration and jerk.
 //!
-//! Written from Tajima, Sencer and Shamoto, "Accurate interpolation of machining tool-paths based on FIR filtering" (2018), after Sencer,
-//! Ishizaki and Shamoto, "High speed cornering strategy with confined contour error and vibration suppression for CNC machine tools"
-//! (2015). With the averages' times T1 and T2 a block at feed F has the acceleration F / T1 and the jerk F / (T1 T2), and takes T1 + T2
-//! longer than its pulse; the pulse of the next block begins in that time, which rounds the corner. The delay between the pulses is the
-//! shortest that keeps the band, found on the closed form of both blocks' motion. Times are whole servo cycles; pulses are not.
+//! Written from Tajima, Sencer and Shamoto, "Accurate interpolation of machining tool-paths based on FIR filtering" (2018), after
+//! Sencer, Ishizaki and Shamoto, "High speed cornering strategy with confined contour error and vibration suppression for CNC
+//! machine tools" (2015). With the averages' times T1 and T2 a block at feed F has the acceleration F / T1 and the jerk F / (T1
+//! T2), and takes T1 + T2 longer than its pulse; the pulse of the next block begins in that time, which rounds the corner. The
+//! delay between the pulses is the shortest that keeps the band, found on the closed form of both blocks' motion. Times are whole
+//! servo cycles; pulses are not.
 //!
-//! What is ours: where blocks are shorter than the filter, several corners act together; wherever band or limits are then
-//! not kept, feeds are lowered a little (or delays made longer between long blocks), until all is kept. The papers lower the feed of
-//! short blocks too, by other rules. The feed that the filter is made for, and what counts as long, is the best of a row.
+//! What is ours: where blocks are shorter than the filter, several corners act together; wherever band or limits are then not kept,
+//! feeds are lowered a little (or delays made longer between long blocks), until all is kept. The papers lower the feed of short
+//! blocks too, by other rules. The feed that the filter is made for, and what counts as long, is the best of a row.
 
 use super::filter::{Choice, Filter};
 use super::line_path::{LinePath, apart, plus, times};

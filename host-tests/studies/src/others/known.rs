@@ -18,8 +18,8 @@ const fn known(path: &'static str, tolerance: f64, time: f64, ratios: [f64; 2]) 
 }
 
 /// LinuxCNC 2.10 with its jerk-limited planner: master of 2026-08-22, `G64 P` with the tolerance and naive CAM merging at the same,
-/// 1 kHz, limits as in the path's first line. The program itself was run, and its setpoints were judged, by others than us, on paths of
-/// these names; where a ratio is greater than 1 it has not kept what the others keep.
+/// 1 kHz, limits as in the path's first line. The program itself was run, and its setpoints were judged, by others than us, on
+/// paths of these names; where a ratio is greater than 1 it has not kept what the others keep.
 pub const LINUXCNC: [Known; 8] = [
     known("zigzag90", 0.05, 5.49, [0.35, 1.10]),
     known("zigzag90", 0.01, 3.59, [0.05, 1.00]),

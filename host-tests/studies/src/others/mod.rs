@@ -2,7 +2,8 @@
 //!
 //! **None of this is the authors' code.** Each model is written from papers (or, of the C4 corner, from what an open
 //! controller documents), and each file says from which, and what had to be decided where they say nothing; that was always decided
-//! for the shorter time. All keep velocity, acceleration and jerk of every axis and the same band around the path, and what they come to is
+//! for the shorter time. The methods are theirs; equations were derived anew from what the methods are, and are stated where they
+//! are used. All keep velocity, acceleration and jerk of every axis and the same band around the path, and what they come to is
 //! judged like a run of the core: setpoint by setpoint, by [`Judge`].
 //!
 //! - [`exact_stop`]: rest at every corner;

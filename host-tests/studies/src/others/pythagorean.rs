@@ -1,10 +1,10 @@
 //! A corner curve with a Pythagorean hodograph, in C4 contact with both lines.
 //!
-//! Written from "C4 continuous" corners of the kind of Jiang and others (2022, doi 10.1007/s00170-022-09463-y), which the Prunt motion
-//! controller uses in symmetric form: a Bezier curve of degree 15 whose hodograph is the square of a complex polynomial w of degree 7,
-//! so that the arc length is a polynomial too. For C4 contact the first four coefficients of w (in Bernstein form) point along the one
-//! line and the last four along the other; here they are equal, so that with S, the sum of the last four Bernstein polynomials, and half
-//! the turn h
+//! Written from "C4 continuous" corners of the kind of Jiang and others (2022, doi 10.1007/s00170-022-09463-y), which the Prunt
+//! motion controller uses in symmetric form: a Bezier curve of degree 15 whose hodograph is the square of a complex polynomial w of
+//! degree 7, so that the arc length is a polynomial too. For C4 contact the first four coefficients of w (in Bernstein form) point
+//! along the one line and the last four along the other; here they are equal, so that with S, the sum of the last four Bernstein
+//! polynomials, and half the turn h
 //!
 //!   w = 1 - S + S e^(i h),   r' = w^2,   s' = |w|^2,   curvature = 2 S' sin h / |w|^4.
 //!

@@ -6,9 +6,9 @@
 //! motion comes in while it still slows down and leaves while it already speeds up, so that the acceleration is not interrupted.
 //! Between the corners are seven phases (as Ruckig finds them, or TinyG, which ends its blocks with acceleration 0).
 //!
-//! What is ours: corners are symmetric, in at (v, -a) and out at (v, a), with two phases of jerk; for every corner some pairs
-//! (v, a) are made that keep the limits of every axis and the band, and the best of them all over the path are found by dynamic programming,
-//! so that the look-ahead is longer than that of any controller.
+//! What is ours: corners are symmetric, in at (v, -a) and out at (v, a), with two phases of jerk; for every corner some pairs (v,
+//! a) are made that keep the limits of every axis and the band, and the best of them all over the path are found by dynamic
+//! programming, so that the look-ahead is longer than that of any controller.
 
 use super::exact_stop::along;
 use super::line_path::{LinePath, plus, times};
@@ -201,7 +201,7 @@ fn best(path: &LinePath) -> (f64, Vec<Corner>) {
     (times[0], chosen)
 }
 
-/// The motion. The cost of a line is some 600 times seven phases.
+/// The motion. The cost of a line is some 800 times seven phases.
 ///
 /// # Errors
 /// None for lines of some length.
