@@ -26,6 +26,9 @@ INSTEAD = {
     "splineway limit FILE ...": "splineway limit host-tests/data/zigzag.txt --rounds 2",
     "cargo run --release -p splineway-host --example paths -- FOLDER":
         "cargo run --release -p splineway-host --example paths -- SCRATCH/paths 1000000",
+    # Ten minutes with all paths of the table.
+    "cargo run --release -p splineway-host --example others -- --plot others.html FILE ...":
+        "cargo run --release -p splineway-host --example others -- --plot others.html host-tests/data/zigzag.txt",
     # Ten minutes and more with all paths.
     "cargo bench -p splineway-host --bench reference -- FOLDER":
         "mkdir -p SCRATCH/few && cp SCRATCH/paths/star_0.05.txt SCRATCH/few && "

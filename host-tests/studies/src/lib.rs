@@ -4,7 +4,7 @@
 //! [`geometry`] records such a path. [`stop`]: the
 //! shortest stop on a path that was run. [`corners`]: the corner transitions of the literature. [`smoothing`]: the
 //! cases of Naseath (2007). [`paper`]: the routines and paths of Guo, Yan, Wang (2023). [`figures`]: times, deviations and
-//! costs of paths, judged. [`paths`]: tool paths to measure.
+//! costs of paths, judged. [`others`]: planners of others, from their papers. [`paths`]: tool paths to measure.
 //!
 //! What does not belong here: anything that a simulation needs (`splineway-simulator`), and how figures are shown
 //! (`splineway-host`).
@@ -14,6 +14,7 @@ pub mod baseline;
 pub mod corners;
 pub mod figures;
 pub mod geometry;
+pub mod others;
 pub mod paper;
 pub mod paths;
 pub mod reference;

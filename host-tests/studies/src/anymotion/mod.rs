@@ -10,12 +10,12 @@
 //! yardstick for what is planned.
 
 mod cone;
-mod motion;
+pub(crate) mod motion;
 mod tube;
 
 use anyhow::{Context, Result, bail, ensure};
 use cone::{Better, Bounds, round};
-use motion::Motion;
+use motion::{Motion, State};
 use splineway::Activity;
 use splineway_simulator::judge::{Judge, Track, Verdict};
 use splineway_simulator::machine::{Machine, is_rotary};
@@ -361,28 +361,31 @@ struct Show<'a, 'b> {
 
 impl Show<'_, '_> {
     fn motion(&mut self, motion: &Motion, setpoints: &mut Vec<Vec<f64>>) -> Result<()> {
-        let cycles = (motion.duration() / self.cycle - 1.0e-6).ceil() as usize;
         let first = usize::from(!setpoints.is_empty());
-        for k in first..=cycles {
-            let time = k as f64 * self.cycle;
-            let [position, velocity, acceleration] = motion.at(time);
-            let sample = Sample {
-                time: self.time + time,
-                position: &position,
-                velocity: &velocity,
-                acceleration: &acceleration,
-                path: 0.0,
-                speed: 0.0,
-                tag: 0,
-                activity: Activity::Running,
-                began: true,
-                unit: f64::EPSILON,
-                pace: Pace::FULL,
-            };
-            self.judge.setpoint(&sample)?;
-            setpoints.push(position);
+        let states = motion.sampled(self.cycle);
+        for (k, state) in states.iter().enumerate().skip(first) {
+            show(self.judge, self.time + k as f64 * self.cycle, state)?;
+            setpoints.push(state[0].clone());
         }
-        self.time += cycles as f64 * self.cycle;
+        self.time += (states.len() - 1) as f64 * self.cycle;
         Ok(())
     }
+}
+
+/// Shows a setpoint to the judge.
+pub(crate) fn show(judge: &mut Judge<'_>, time: f64, state: &State) -> Result<()> {
+    let [position, velocity, acceleration] = state;
+    judge.setpoint(&Sample {
+        time,
+        position,
+        velocity,
+        acceleration,
+        path: 0.0,
+        speed: 0.0,
+        tag: 0,
+        activity: Activity::Running,
+        began: true,
+        unit: f64::EPSILON,
+        pace: Pace::FULL,
+    })
 }

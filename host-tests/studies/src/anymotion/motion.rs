@@ -3,6 +3,9 @@
 /// Position, velocity and acceleration of all axes.
 pub type State = [Vec<f64>; 3];
 
+/// Shorter phases are none, s.
+const NO_TIME: f64 = 1.0e-10;
+
 /// A motion: of every knot its time and, axis by axis, position, velocity and acceleration.
 #[derive(Clone, Debug)]
 pub struct Motion {
@@ -33,6 +36,21 @@ impl Motion {
         self.acceleration.extend_from_slice(acceleration);
     }
 
+    /// With one knot, at rest in a point.
+    pub fn resting(at: &[f64]) -> Self {
+        let mut motion = Self::new(at.len());
+        let rest = vec![0.0; at.len()];
+        motion.push(0.0, [at, &rest, &rest]);
+        motion
+    }
+
+    /// Adds a knot a time after the last, if that is any time at all.
+    pub fn advance(&mut self, time: f64, state: [&[f64]; 3]) {
+        if time > NO_TIME {
+            self.push(self.duration() + time, state);
+        }
+    }
+
     /// Number of intervals.
     pub fn steps(&self) -> usize {
         self.time.len() - 1
@@ -57,8 +75,32 @@ impl Motion {
     /// The state at a time; before the first knot and behind the last, theirs.
     pub fn at(&self, time: f64) -> State {
         let time = time.clamp(self.time[0], self.duration());
-        let k = self.time.partition_point(|t| *t <= time).clamp(1, self.steps()) - 1;
+        let k = self.interval(time);
         self.after(k, time - self.time[k])
+    }
+
+    /// The states at every servo cycle, from the first knot to the first cycle that is not before the last.
+    pub fn sampled(&self, cycle: f64) -> Vec<State> {
+        self.cycles(cycle).map(|time| self.at(time)).collect()
+    }
+
+    /// The times of these.
+    pub fn cycles(&self, cycle: f64) -> impl Iterator<Item = f64> {
+        let last = (self.duration() / cycle - 1.0e-6).ceil() as usize;
+        (0..=last).map(move |k| k as f64 * cycle)
+    }
+
+    /// The jerk of every axis behind a time.
+    pub fn jerk(&self, time: f64) -> Vec<f64> {
+        let k = self.interval(time);
+        let (i, d) = (k * self.axes, self.axes);
+        (i..i + d)
+            .map(|i| (self.acceleration[i + d] - self.acceleration[i]) / self.step(k))
+            .collect()
+    }
+
+    fn interval(&self, time: f64) -> usize {
+        self.time.partition_point(|t| *t <= time).clamp(1, self.steps()) - 1
     }
 
     fn after(&self, k: usize, t: f64) -> State {
