@@ -12,7 +12,7 @@ const ROUNDING: f64 = 0.01;
 
 /// Rows whose slacks are multiplied before the product is looked at, and the product from which on
 /// its logarithm is taken: four slacks of a rounding error are still a number in `f32`.
-const GROUP: usize = 4;
+pub const GROUP: usize = 4;
 const LEAST_PRODUCT: f64 = 1.0e-9;
 
 /// What r exceeds 1 by, with its kink rounded to a hyperbola: value and first two derivatives.
@@ -39,13 +39,60 @@ pub fn none<S: Scalar, const M: usize>() -> [Gradient<S>; M] {
     [[S::ZERO; 4]; M]
 }
 
+/// The rows of which so much is left that their barrier is a logarithm, however it is relaxed.
+#[derive(Clone, Copy, Debug)]
+pub struct Logs<S> {
+    product: S,
+    /// Their barrier, but for the logarithm of `product`.
+    sum: S,
+}
+
+impl<S: Scalar> Logs<S> {
+    const NONE: Self = Self { product: S::ONE, sum: S::ZERO };
+
+    /// Takes what is left of a limit on both sides. After at most [`GROUP`] of them the product must be looked at.
+    #[inline]
+    pub fn take(&mut self, left: S) {
+        self.product = self.product * left;
+    }
+
+    /// Takes the product's logarithm before it is too small a number.
+    #[inline]
+    pub fn look(&mut self) {
+        if self.product < S::of(LEAST_PRODUCT) {
+            self.fold();
+        }
+    }
+
+    /// Takes what is left of a limit on one side that is near.
+    #[inline]
+    pub fn take_near(&mut self, left: S) {
+        let u = left * S::of(1.0 / NEAR);
+        self.sum = self.sum + (u - S::ONE);
+        self.take(u);
+        self.look();
+    }
+
+    #[inline]
+    fn fold(&mut self) {
+        self.sum = self.sum - self.product.ln();
+        self.product = S::ONE;
+    }
+
+    /// Their barrier.
+    pub fn value(mut self) -> S {
+        self.fold();
+        self.sum
+    }
+}
+
 /// Sums the barrier over all rows; notices a broken limit.
 #[derive(Clone, Copy, Debug)]
 pub struct Slack<S> {
     pub relaxation: Relaxation<S>,
-    product: S,
-    /// Value of the barrier, but for the logarithm of `product`.
-    barrier: S,
+    pub logs: Logs<S>,
+    /// The barrier of the other rows.
+    pub others: S,
     /// Least slack seen; positive means that all limits hold.
     least: S,
     /// Sum of the penalties.
@@ -54,7 +101,8 @@ pub struct Slack<S> {
 
 impl<S: Scalar> Slack<S> {
     pub fn new(relaxation: Relaxation<S>) -> Self {
-        Self { relaxation, product: S::ONE, barrier: S::ZERO, least: S::ONE, penalty: S::ZERO }
+        let zero = S::ZERO;
+        Self { relaxation, logs: Logs::NONE, others: zero, least: S::ONE, penalty: zero }
     }
 
     /// Whether a limit is broken that must not be.
@@ -63,73 +111,34 @@ impl<S: Scalar> Slack<S> {
         !(self.least > S::ZERO || self.relaxation.is_relaxed())
     }
 
-    /// Some rows with what is left of them; at most [`GROUP`], so that their product is a number.
+    /// Takes note of what is left of a limit. A NaN counts as broken: the comparison is false for it.
     #[inline]
-    fn take<const M: usize>(&mut self, slack: [S; M], beyond: impl Fn(&Relaxation<S>, usize) -> S) {
-        const { assert!(M <= GROUP) };
-        let mut least = slack[0];
-        for &s in &slack {
-            // A NaN must count as broken: the comparison is false for it.
-            if !(s > least) {
-                least = s;
-            }
-        }
-        if !(least > self.least) {
-            self.least = least;
-        }
-        if least >= self.relaxation.delta() {
-            for &s in &slack {
-                self.product = self.product * s;
-            }
-            if self.product < S::of(LEAST_PRODUCT) {
-                self.fold();
-            }
-            return;
-        }
-        for (k, &s) in slack.iter().enumerate() {
-            self.barrier = if s < self.relaxation.delta() {
-                self.barrier + beyond(&self.relaxation, k)
-            } else {
-                self.barrier - s.ln()
-            };
+    pub fn note(&mut self, left: S) {
+        if !(left > self.least) {
+            self.least = left;
         }
     }
 
     /// Takes a row with one side, of which so much is left that it is near.
-    pub fn near(&mut self, left: S) {
+    fn near(&mut self, left: S) {
         debug_assert!(is_near(left));
-        if !(left > self.least) {
-            self.least = left;
-        }
-        let delta = self.relaxation.delta();
-        if left >= delta {
-            let u = left * S::of(1.0 / NEAR);
-            self.barrier = self.barrier + (u - S::ONE);
-            self.product = self.product * u;
-            if self.product < S::of(LEAST_PRODUCT) {
-                self.fold();
-            }
+        self.note(left);
+        if left >= self.relaxation.delta() {
+            self.logs.take_near(left);
         } else {
-            self.barrier = self.barrier + self.relaxation.one_sided.value(delta - left);
+            self.others = self.others + self.relaxation.of_one(left);
         }
-    }
-
-    #[inline]
-    fn fold(&mut self) {
-        self.barrier = self.barrier - self.product.ln();
-        self.product = S::ONE;
     }
 
     /// What the value of the barrier is at least: without a logarithm that is never negative.
     #[inline]
     pub fn least_barrier(&self) -> S {
-        self.barrier
+        self.logs.sum + self.others
     }
 
     /// Value of the barrier.
-    pub fn barrier(&mut self) -> S {
-        self.fold();
-        self.barrier
+    pub fn barrier(&self) -> S {
+        self.logs.value() + self.others
     }
 }
 
@@ -142,14 +151,25 @@ impl<S: Scalar> Sink<S> for Slack<S> {
         _: [S; M],
         _: impl FnOnce() -> [Gradient<S>; M],
     ) {
-        let beyond = |relaxed: &Relaxation<S>, k: usize| {
-            relaxed.two_sided.value(r[k].abs() - relaxed.used())
-        };
-        let mut slack = r;
-        for s in &mut slack {
-            *s = S::ONE - *s * *s;
+        const { assert!(M <= GROUP) };
+        let slack = r.map(|r| S::ONE - r * r);
+        let mut least = slack[0];
+        for &left in &slack {
+            if !(left > least) {
+                least = left;
+            }
         }
-        self.take(slack, beyond);
+        self.note(least);
+        if least >= self.relaxation.delta() {
+            for &left in &slack {
+                self.logs.take(left);
+            }
+            self.logs.look();
+            return;
+        }
+        for (&r, left) in r.iter().zip(slack) {
+            self.others = self.others + self.relaxation.of_two(r, left);
+        }
     }
     #[inline]
     fn two_sided_at(&mut self, _: End, r: S, scale: S, _: [S; 2]) {

@@ -11,7 +11,7 @@
 //! Either is a [`Descent`], which takes a part of a Newton step at a time and is plain data between two.
 //!
 //! Work of either: at most `iterations` steps, each one pass with gradients over the cells of the
-//! stretch, in parts, and at most [`TRIES`] + 2 without, each a part; one and a half times as many for an aim
+//! stretch, in parts (two where the first does not like the step before), and at most [`TRIES`] + 2 without, each a part; one and a half times as many for an aim
 //! other than the time.
 //!
 //! The numbers below were chosen by trial; one of them changed hardly changes the time, and not much the number of steps. Over
@@ -33,6 +33,7 @@
 //! there, the Newton decrement bounds what is left to gain.
 
 use super::problem::{Assembly, Probe, Problem, Weights};
+use super::relaxation::Relaxation;
 use super::tridiagonal::solve;
 use crate::machine::UNLIMITED;
 use crate::number::Scalar;
@@ -54,6 +55,9 @@ const ROUNDING_ERRORS: f64 = 8.0;
 /// a corner of the limits and stay there.
 const FIRST_MU: f64 = 7.5e-4;
 const FIRST_SHARE: f64 = 0.05;
+/// Share of what is minimised that is hardly worth another step: a decrement squared below it, and all limits kept, is the end. (It is
+/// twice what the step before was to gain; the next one gains the square of that.)
+const NEARLY: f64 = 0.1;
 /// Steps in a row that found nothing better, with more damping each time, before mu falls.
 const MOST_FAILURES: u32 = 4;
 /// Damping after the first step that a limit has shortened.
@@ -73,7 +77,7 @@ pub(super) struct Schedule {
 /// Where the limits are kept, the states must stay near the centre of what is left.
 pub(super) const STRICT: Schedule = Schedule { fall: 0.3, small: 10.0, last: 5.0e-5 };
 /// Where they may be broken, there is no need to.
-pub(super) const RELAXED: Schedule = Schedule { fall: 0.4, small: 160.0, last: 5.0e-5 };
+pub(super) const RELAXED: Schedule = Schedule { fall: 0.4, small: 160.0, last: 7.0e-5 };
 
 /// Share of a limit from which on the barrier is relaxed, at first.
 pub(super) const FIRST_DELTA: f64 = 0.3;
@@ -112,6 +116,8 @@ pub(super) struct Descent<S> {
     schedule: &'static Schedule,
     /// Steps in a row that found nothing better.
     failures: u32,
+    /// Whether the last step was taken whole: the next one is taken to be good, too.
+    trusts: bool,
     stage: Stage<S>,
 }
 
@@ -119,8 +125,8 @@ pub(super) struct Descent<S> {
 #[derive(Clone, Copy, Debug)]
 enum Stage<S> {
     Begin,
-    /// The Newton system is being made.
-    Assembling(Assembly<S>),
+    /// The Newton system is being made, behind a leap or not.
+    Assembling(Assembly<S>, Option<Leap<S>>),
     /// The step is in the workspace: how much of it to take?
     Searching(Trial<S>),
 }
@@ -139,15 +145,49 @@ struct Trial<S> {
     tries: usize,
 }
 
+/// A step that was taken before it was known to be good: that comes out while the next system is made, at hardly any cost.
+#[derive(Clone, Copy, Debug)]
+struct Leap<S> {
+    trial: Trial<S>,
+    /// What to go back to.
+    weights: Weights<S>,
+    relaxation: Relaxation<S>,
+    failures: u32,
+}
+
+impl<S: Scalar> Trial<S> {
+    /// What states may be worth to be no worse.
+    fn most(&self) -> S {
+        self.here + self.here.abs() * S::EPSILON * S::of(ROUNDING_ERRORS)
+    }
+
+    /// Less of the step, for what has been tried was not good.
+    fn shorten(&mut self, blocked: bool) {
+        self.blocked |= blocked;
+        self.share = self.share * S::of(SHORTER);
+        self.tries += 1;
+    }
+}
+
 impl<S: Scalar> Descent<S> {
     pub(super) fn new(range: MuRange<S>, schedule: &'static Schedule) -> Self {
         let weights = Weights { mu: range.first, mu_curvature: range.first, damping: S::ZERO };
-        Self { weights, last_mu: range.last, schedule, failures: 0, stage: Stage::Begin }
+        Self {
+            weights,
+            last_mu: range.last,
+            schedule,
+            failures: 0,
+            trusts: true,
+            stage: Stage::Begin,
+        }
     }
 
-    /// Forgets what has been done for a step: the workspace has been used for something else.
-    pub(super) fn begin_again(&mut self) {
+    /// Forgets what has been done for a step: the workspace has been used for something else. Whether a step has been taken
+    /// that nobody has looked at: it stays.
+    pub(super) fn begin_again(&mut self) -> bool {
+        let leapt = matches!(self.stage, Stage::Assembling(_, Some(_)));
         self.stage = Stage::Begin;
+        leapt
     }
 
     /// A part of a Newton step: some cells' derivatives, or one trial.
@@ -157,12 +197,14 @@ impl<S: Scalar> Descent<S> {
         &mut self,
         problem: &mut Problem<'_, S, N, NODES>,
     ) -> Went {
-        let assembly = match self.stage {
-            Stage::Begin => problem.begin_assembly(),
-            Stage::Assembling(assembly) => assembly,
-            Stage::Searching(trial) => return self.try_share(problem, trial),
-        };
-        self.assemble(problem, assembly)
+        match self.stage {
+            Stage::Begin => {
+                let assembly = problem.begin_assembly(problem.task.relaxation);
+                self.assemble(problem, assembly, None)
+            }
+            Stage::Assembling(assembly, leap) => self.assemble(problem, assembly, leap),
+            Stage::Searching(trial) => self.try_share(problem, trial),
+        }
     }
 
     /// Makes the Newton system, or a part of it, and solves it if it is complete.
@@ -171,22 +213,30 @@ impl<S: Scalar> Descent<S> {
         &mut self,
         problem: &mut Problem<'_, S, N, NODES>,
         mut assembly: Assembly<S>,
+        leap: Option<Leap<S>>,
     ) -> Went {
-        let now = &mut self.weights;
-        match problem.assemble(*now, &mut assembly) {
-            None => return Went::Lost,
-            Some(false) => {
-                self.stage = Stage::Assembling(assembly);
+        let complete = problem.assemble(self.weights, &mut assembly);
+        if complete == Some(false) {
+            self.stage = Stage::Assembling(assembly, leap);
+            return Went::Part;
+        }
+        let mut went = Went::Part;
+        if let Some(leap) = leap {
+            let there = complete.and_then(|_| assembly.value_before(leap.weights.mu));
+            if !there.is_some_and(|there| there <= leap.trial.most()) {
+                self.go_back(problem, leap, there.is_none());
                 return Went::Part;
             }
-            Some(true) => {}
+            went = Went::Step;
         }
-        let Some(here) = assembly.value(now.mu) else { return Went::Lost };
+        let Some(here) = complete.and_then(|_| assembly.value(self.weights.mu)) else {
+            return Went::Lost;
+        };
         let cells = problem.cells();
         let decrement = solve(problem.rows(cells.clone()));
         if !decrement.is_finite() {
             // Rounding has made the system singular: take it from further inside.
-            now.damping = (now.damping * S::of(16.0)).greatest(S::ONE);
+            self.weights.damping = (self.weights.damping * S::of(16.0)).greatest(S::ONE);
             self.stage = Stage::Begin;
             return Went::Step;
         }
@@ -195,8 +245,50 @@ impl<S: Scalar> Descent<S> {
         }
         let share = problem.longest_share();
         let trial = Trial { here, decrement, share, blocked: false, tries: 0 };
+        let whole = share == S::ONE && problem.task.relaxation.is_relaxed();
+        if whole && self.trusts && !self.may_be_last(&trial) {
+            self.leap(problem, trial);
+        } else {
+            self.stage = Stage::Searching(trial);
+        }
+        went
+    }
+
+    /// Whether there may be nothing more to do after a step: mu has fallen as far as it does, and hardly anything is left to gain.
+    fn may_be_last(&self, trial: &Trial<S>) -> bool {
+        let mu = self.weights.mu;
+        let small = (mu * S::of(self.schedule.small)).greatest(trial.here * S::of(NEARLY));
+        mu <= self.last_mu && trial.decrement < small
+    }
+
+    /// Takes a step, and leaves it to the next system whether it was good: nearly all are, and to try them first takes a third as much
+    /// as a system.
+    #[inline]
+    fn leap<const N: usize, const NODES: usize>(
+        &mut self,
+        problem: &mut Problem<'_, S, N, NODES>,
+        trial: Trial<S>,
+    ) {
+        let (weights, relaxation) = (self.weights, problem.task.relaxation);
+        let leap = Leap { trial, weights, relaxation, failures: self.failures };
+        let went = self.take(problem, &trial, true);
+        debug_assert!(went == Went::Step, "an end that nobody has looked at");
+        self.stage = Stage::Assembling(problem.begin_assembly(relaxation), Some(leap));
+    }
+
+    /// Takes a leap back that was not good, and tries less of its step. The next step is tried first.
+    #[inline]
+    fn go_back<const N: usize, const NODES: usize>(
+        &mut self,
+        problem: &mut Problem<'_, S, N, NODES>,
+        Leap { mut trial, weights, relaxation, failures }: Leap<S>,
+        blocked: bool,
+    ) {
+        problem.take_back();
+        (self.weights, self.failures, self.trusts) = (weights, failures, false);
+        problem.task.relaxation = relaxation;
+        trial.shorten(blocked);
         self.stage = Stage::Searching(trial);
-        Went::Part
     }
 
     /// Tries a share of the step, and takes it if it is no worse.
@@ -208,7 +300,7 @@ impl<S: Scalar> Descent<S> {
     ) -> Went {
         let mu = self.weights.mu;
         let value = |share: S, most: S| problem.value(Probe { mu, share, most }, problem.cells());
-        let most = trial.here + trial.here.abs() * S::EPSILON * S::of(ROUNDING_ERRORS);
+        let most = trial.most();
         let there = value(trial.share, most);
         let found = there.is_some_and(|there| there <= most);
         if found {
@@ -218,9 +310,7 @@ impl<S: Scalar> Descent<S> {
                 trial.share = shorter;
             }
         } else {
-            trial.blocked |= there.is_none();
-            trial.share = trial.share * S::of(SHORTER);
-            trial.tries += 1;
+            trial.shorten(there.is_none());
             if trial.tries < TRIES {
                 self.stage = Stage::Searching(trial);
                 return Went::Part;
@@ -238,20 +328,22 @@ impl<S: Scalar> Descent<S> {
         trial: &Trial<S>,
         found: bool,
     ) -> Went {
+        let may_be_last = self.may_be_last(trial);
         let now = &mut self.weights;
         now.damping = next_damping(now.damping, found, trial.blocked);
         let mut settled = trial.decrement < now.mu * S::of(self.schedule.small);
         if found {
             problem.take_step(trial.share);
             self.failures = 0;
+            self.trusts = trial.share == S::ONE;
             let share = if trial.share > S::of(WHOLE_STEP) { S::ONE } else { trial.share };
-            settled |= now.mu_curvature > now.mu && share == S::ONE;
+            settled |= (now.mu_curvature > now.mu || may_be_last) && share == S::ONE;
             now.mu_curvature += (now.mu - now.mu_curvature) * share;
         } else {
             self.failures += 1;
             settled |= self.failures >= MOST_FAILURES;
         }
-        if settled { self.settle(problem, trial.decrement) } else { Went::Step }
+        if settled { self.settle(problem, trial) } else { Went::Step }
     }
 
     /// Near enough to the least value at this mu: on to the next, or to an end.
@@ -259,8 +351,9 @@ impl<S: Scalar> Descent<S> {
     fn settle<const N: usize, const NODES: usize>(
         &mut self,
         problem: &mut Problem<'_, S, N, NODES>,
-        decrement: S,
+        trial: &Trial<S>,
     ) -> Went {
+        let may_be_last = self.may_be_last(trial);
         let now = &mut self.weights;
         let fall = S::of(DELTA_FALL);
         now.mu_curvature = now.mu;
@@ -270,11 +363,11 @@ impl<S: Scalar> Descent<S> {
                 problem.task.relaxation = problem.task.relaxation.sharpened(fall);
             }
         } else if !problem.task.relaxation.is_relaxed()
-            || problem.holds()
+            || (may_be_last && problem.holds())
             || self.failures >= MOST_FAILURES
         {
             return Went::Settled;
-        } else if decrement < now.mu * S::of(SHARPEN) {
+        } else if trial.decrement < now.mu * S::of(SHARPEN) {
             problem.task.relaxation = problem.task.relaxation.sharpened(fall);
         }
         Went::Step

@@ -34,6 +34,10 @@ const FELT: f64 = 3.0;
 /// Most relative change of v^2 that a guessed acceleration makes over a cell, by half. Below 0.75 there
 /// is a motion between any two guesses ([`Law`]).
 const STEEPEST: f64 = 0.7;
+/// Passes that round the kinks of the guessed speed off.
+const ROUNDINGS: usize = 6;
+/// Share of the jerk limit with which they are rounded.
+const ROUND_JERK: f64 = 0.7;
 /// v^3 where nothing bounds it yet, (mm/s)^3; an `f32` holds it.
 const NO_CUBE_LIMIT: f64 = 1.0e30;
 
@@ -77,7 +81,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
     ///
     /// It works with y = v^1.5, of which leaving a slow place at constant jerk J makes a straight
     /// line: v' = sqrt(J v) is dy / ds = 1.5 sqrt(J), and for a start from rest it is exact
-    /// within a factor of 2 in J.
+    /// within a factor of 2 in J. Where two such lines meet the speed has a kink, which is rounded off.
     ///
     /// Stations long before those, which have the states of a plan of least time, are left out of the problem: they
     /// would hardly move.
@@ -104,6 +108,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
                 self.window.set_state(i, PathState { b: y * cube_root(y), a: S::ZERO });
             }
         }
+        for _ in 0..ROUNDINGS {
+            self.round(start, last);
+        }
         let mut before = self.window.get(start).map_or(S::ZERO, |station| station.state.b);
         for i in start + 1..last {
             let b = self.window.get(i).map_or(S::ZERO, |station| station.state.b);
@@ -113,6 +120,38 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
                 self.set_between(i, b, rise);
             }
             before = b;
+        }
+    }
+
+    /// Rounds the kinks of v^2 off, where the motion would change from one acceleration to another at once: of three
+    /// stations the one in the middle, or those beside it, are lowered to what jerk allows, for with b = v^2 the jerk along the
+    /// path is v b'' / 2. One pass; what it does to a station is seen by the next ones.
+    fn round(&mut self, start: usize, last: usize) {
+        for i in start + 1..last {
+            let (Some((from, here)), Some(to)) = (self.window.pair(i - 1), self.window.get(i + 1))
+            else {
+                return;
+            };
+            let (before, behind) = (from.cell.length, here.cell.length);
+            if !(self.is_free(i) && before > S::ZERO && behind > S::ZERO) {
+                continue;
+            }
+            let b = here.state.b;
+            let beside = [from.state.b, if i + 1 == last { S::ZERO } else { to.state.b }];
+            let straight = (beside[0] * behind + beside[1] * before) / (before + behind);
+            let jerk = here.bounds.jerk.least(from.bounds.jerk) * S::of(ROUND_JERK);
+            let most = jerk * before * behind / b.sqrt().greatest(S::of(1.0e-3));
+            if b > straight + most {
+                self.window.set_state(i, PathState { b: straight + most, a: S::ZERO });
+                continue;
+            }
+            let excess = straight - most - b;
+            for (k, beside) in [(i - 1, beside[0]), (i + 1, beside[1])] {
+                if excess > S::ZERO && beside > b && k > start && self.is_free(k) {
+                    let b = (beside - excess).greatest(b);
+                    self.window.set_state(k, PathState { b, a: S::ZERO });
+                }
+            }
         }
     }
 

@@ -48,14 +48,7 @@ impl<S: Scalar> Law<S> {
     #[inline]
     pub fn new(length: S, from: PathState<S>, to: PathState<S>) -> Option<Self> {
         let (v0, v1) = (from.b.sqrt(), to.b.sqrt());
-        let mean = (v0 + v1) * S::of(0.5);
-        let tilt = (from.a - to.a) * S::of(1.0 / 12.0);
-        let square = mean * mean + S::of(4.0) * tilt * length;
-        if !(square > S::of(LEAST_ROOT) * mean * mean) {
-            return None;
-        }
-        let root = square.sqrt();
-        let time = S::of(2.0) * length / (mean + root);
+        let [time, root] = crossing(length, [v0, v1], from.a - to.a)?;
         let rate = S::ONE / time;
         // Never backwards.
         let [early, late] = inner_speeds((v0, from.a), (v1, to.a), time);
@@ -105,11 +98,32 @@ impl<S: Scalar> Law<S> {
         inner_speeds((self.v0, self.a0), (self.v1, self.a1), self.time)
     }
 
+    /// The duration alone, s.
+    #[inline]
+    pub fn time(length: S, from: PathState<S>, to: PathState<S>) -> Option<S> {
+        let [time, _] = crossing(length, [from.b.sqrt(), to.b.sqrt()], from.a - to.a)?;
+        Some(time)
+    }
+
     /// Length, mm, of the motion that takes `time` from one state to another.
     pub fn length(from: PathState<S>, to: PathState<S>, time: S) -> S {
         time * (from.b.sqrt() + to.b.sqrt()) * S::of(0.5)
             + time * time * (from.a - to.a) * S::of(1.0 / 12.0)
     }
+}
+
+/// The duration of a motion over a cell of `length` mm between two speeds, where the acceleration falls by `fall`, and the root of the
+/// discriminant.
+#[inline]
+pub fn crossing<S: Scalar>(length: S, [v0, v1]: [S; 2], fall: S) -> Option<[S; 2]> {
+    let mean = (v0 + v1) * S::of(0.5);
+    let tilt = fall * S::of(1.0 / 12.0);
+    let square = mean * mean + S::of(4.0) * tilt * length;
+    if !(square > S::of(LEAST_ROOT) * mean * mean) {
+        return None;
+    }
+    let root = square.sqrt();
+    Some([S::of(2.0) * length / (mean + root), root])
 }
 
 #[inline]

@@ -1,9 +1,9 @@
 //! The derivatives over one cell: those of the [barrier](super::barrier), and what stands in for the curvature of
 //! the time.
 
-use super::barrier::{Slack, hinge, is_near, none};
+use super::barrier::{GROUP, Slack, hinge, is_near, none};
 use super::law::{Law, PathState};
-use super::relaxation::NEAR;
+use super::relaxation::{NEAR, Relaxation};
 use super::rows::{End, Gradient, Sink};
 use crate::number::Scalar;
 use core::array::from_fn;
@@ -28,10 +28,20 @@ struct Bend<S> {
     curvature: S,
 }
 
+/// A barrier that was relaxed no less: its rows that are a logarithm now were one then, or are in `others`.
+#[derive(Clone, Copy, Debug)]
+pub struct Before<S> {
+    pub relaxation: Relaxation<S>,
+    /// The barrier of the rows that are not in the logarithms of the one now.
+    pub others: S,
+}
+
 /// Collects gradient and second derivatives of the barrier over one cell.
 pub struct Model<S> {
     /// Its value.
     pub slack: Slack<S>,
+    /// The barrier before, of the rows that are not in the logarithms of `slack`.
+    pub before: Before<S>,
     /// Barrier parameter in the gradient.
     pub mu: S,
     /// Barrier parameter in the second derivatives.
@@ -84,6 +94,14 @@ impl<S: Scalar> Sums<S> {
     }
 }
 
+/// Slope and curvature of -ln(1 - r^2) by r, where `left` is 1 - r^2.
+#[inline]
+fn log_bend<S: Scalar>(r: S, left: S) -> [S; 2] {
+    let per = S::ONE / left;
+    let slope = S::of(2.0) * r * per;
+    [slope, S::of(2.0) * per + slope * slope]
+}
+
 impl<S: Scalar> Model<S> {
     /// The barrier's bend by x where `left` is left of a row x `scale` with one side.
     #[inline]
@@ -100,21 +118,53 @@ impl<S: Scalar> Model<S> {
         self.weighed(slope, curvature, scale)
     }
 
-    /// The same of a row with two sides that is worth `r`.
+    /// The same of a row with two sides that is worth `r`, whose value is taken.
     #[inline]
-    fn bend_of_two(&self, r: S, scale: S) -> Bend<S> {
-        let relaxation = &self.slack.relaxation;
+    fn take_two(&mut self, r: S, scale: S) -> Bend<S> {
         let left = S::ONE - r * r;
-        let (slope, curvature) = if left >= relaxation.delta() {
-            // -ln(1 - r^2)
-            let per = S::ONE / left;
-            let slope = S::of(2.0) * r * per;
-            (slope, S::of(2.0) * per + slope * slope)
+        let [slope, curvature] = if left >= self.before.relaxation.delta() {
+            self.slack.logs.take(left);
+            log_bend(r, left)
         } else {
-            let slope = relaxation.two_sided.slope(r.abs() - relaxation.used());
-            (if r < S::ZERO { -slope } else { slope }, relaxation.two_sided.curvature)
+            self.take_two_apart(r, left)
         };
         self.weighed(slope, curvature, scale)
+    }
+
+    /// The same where the barrier before was another.
+    // A function of its own: it is seldom called, and would take registers from what is done for every row.
+    #[inline(never)]
+    fn take_two_apart(&mut self, r: S, left: S) -> [S; 2] {
+        let relaxation = self.slack.relaxation;
+        self.take_apart(left, |barrier| barrier.of_two(r, left));
+        if left >= relaxation.delta() {
+            return log_bend(r, left);
+        }
+        let slope = relaxation.two_sided.slope(r.abs() - relaxation.used());
+        [if r < S::ZERO { -slope } else { slope }, relaxation.two_sided.curvature]
+    }
+
+    /// Takes the value of a row with one side, of which so much is left that it is near.
+    #[inline]
+    fn take_near(&mut self, left: S) {
+        if left >= self.before.relaxation.delta() {
+            self.slack.logs.take_near(left);
+        } else {
+            self.take_near_apart(left);
+        }
+    }
+
+    #[inline(never)]
+    fn take_near_apart(&mut self, left: S) {
+        self.take_apart(left, |barrier| barrier.of_one(left));
+    }
+
+    /// Takes the values of a row of which so little is `left` that the barrier before was another.
+    #[inline]
+    fn take_apart(&mut self, left: S, value: impl Fn(&Relaxation<S>) -> S) {
+        self.slack.note(left);
+        self.slack.others = self.slack.others + value(&self.slack.relaxation);
+        self.before.others = self.before.others + value(&self.before.relaxation);
     }
 
     #[inline]
@@ -135,15 +185,17 @@ impl<S: Scalar> Sink<S> for Model<S> {
         scale: [S; M],
         g: impl FnOnce() -> [Gradient<S>; M],
     ) {
-        self.slack.two_sided(r, scale, none);
+        const { assert!(M <= GROUP) };
         let g = g();
-        let rows: [_; M] = from_fn(|k| (self.bend_of_two(r[k], scale[k]), g[k]));
+        let rows: [_; M] = from_fn(|k| (self.take_two(r[k], scale[k]), g[k]));
+        self.slack.logs.look();
         self.sums.add(&rows);
     }
     #[inline]
     fn two_sided_at(&mut self, end: End, r: S, scale: S, g: [S; 2]) {
-        self.slack.two_sided_at(end, r, scale, g);
-        self.sums.add_at(end, self.bend_of_two(r, scale), g);
+        let bend = self.take_two(r, scale);
+        self.slack.logs.look();
+        self.sums.add_at(end, bend, g);
     }
     #[inline]
     fn one_sided<const M: usize>(
@@ -153,7 +205,11 @@ impl<S: Scalar> Sink<S> for Model<S> {
         g: impl FnOnce() -> [Gradient<S>; M],
     ) {
         if r.iter().any(|r| is_near(S::ONE - *r)) {
-            self.slack.one_sided(r, scale, none);
+            for left in r.map(|r| S::ONE - r) {
+                if is_near(left) {
+                    self.take_near(left);
+                }
+            }
             let g = g();
             let rows: [_; M] = from_fn(|k| (self.bend(S::ONE - r[k], scale), g[k]));
             self.sums.add(&rows);
@@ -162,21 +218,21 @@ impl<S: Scalar> Sink<S> for Model<S> {
     #[inline]
     fn one_sided_at(&mut self, end: End, r: S, scale: S, g: [S; 2]) {
         if is_near(S::ONE - r) {
-            self.slack.near(S::ONE - r);
+            self.take_near(S::ONE - r);
             self.sums.add_at(end, self.bend(S::ONE - r, scale), g);
         }
     }
     #[inline]
     fn positive(&mut self, r: S, g: impl FnOnce() -> Gradient<S>) {
         if is_near(r) {
-            self.slack.near(r);
+            self.take_near(r);
             self.sums.add(&[(self.bend(r, -S::ONE), g())]);
         }
     }
     #[inline]
     fn positive_at(&mut self, end: End, r: S, g: [S; 2]) {
         if is_near(r) {
-            self.slack.near(r);
+            self.take_near(r);
             self.sums.add_at(end, self.bend(r, -S::ONE), g);
         }
     }

@@ -7,7 +7,7 @@
 
 use super::barrier::Slack;
 use super::law::{Law, PathState};
-use super::model::{CellEnds, Model, Sums, add_damping, add_time_curvature, by_square};
+use super::model::{Before, CellEnds, Model, Sums, add_damping, add_time_curvature, by_square};
 use super::relaxation::Relaxation;
 use super::rows::{View, rows, time_gradient};
 use super::tridiagonal::BlockRow;
@@ -85,11 +85,19 @@ pub(super) struct Assembly<S> {
     next: usize,
     time: S,
     slack: Slack<S>,
+    before: Before<S>,
 }
 
 impl<S: Scalar> Assembly<S> {
+    /// What was minimised before, over the cells so far, under the barrier before; `None` if it is no number.
+    pub(super) fn value_before(&self, mu: S) -> Option<S> {
+        let barrier = self.slack.logs.value() + self.before.others;
+        let value = self.time + self.slack.penalty + mu * barrier;
+        value.is_finite().then_some(value)
+    }
+
     /// What is minimised, over the cells so far; `None` if it is no number.
-    pub(super) fn value(mut self, mu: S) -> Option<S> {
+    pub(super) fn value(&self, mu: S) -> Option<S> {
         let value = self.time + self.slack.penalty + mu * self.slack.barrier();
         value.is_finite().then_some(value)
     }
@@ -184,11 +192,26 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
         PathState { b: station.state.b - share * step[0], a: station.state.a - share * step[1] }
     }
 
-    /// Moves the states by a share of their steps.
+    /// Moves the states by a share of their steps, of which the states before are kept instead.
     pub(super) fn take_step(&mut self, share: S) {
         for i in self.task.stretch.first..=self.task.until {
             if let Some(station) = self.window.get(i) {
-                self.window.set_state(i, self.moved(i, station, share));
+                let (before, after) = (station.state, self.moved(i, station, share));
+                self.window.set_state(i, after);
+                if let Some(row) = self.rows.get_mut(i) {
+                    row.step = [before.b, before.a];
+                }
+            }
+        }
+    }
+
+    /// Moves the states back to what they were before whole steps, and these are steps again.
+    pub(super) fn take_back(&mut self) {
+        for i in self.task.stretch.first..=self.task.until {
+            if let (Some(station), Some(row)) = (self.window.get(i), self.rows.get_mut(i)) {
+                let (after, [b, a]) = (station.state, row.step);
+                row.step = [b - after.b, a - after.a];
+                self.window.set_state(i, PathState { b, a });
             }
         }
     }
@@ -292,12 +315,21 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
         Some(time)
     }
 
-    /// An assembly of which nothing has been done.
-    pub(super) fn begin_assembly(&mut self) -> Assembly<S> {
+    /// An assembly of which nothing has been done, and which also finds what the states are worth under the barrier `before`,
+    /// that was relaxed no less.
+    pub(super) fn begin_assembly(&mut self, before: Relaxation<S>) -> Assembly<S> {
         let cells = self.cells();
         let next = cells.start;
-        self.rows(cells).fill(BlockRow::EMPTY);
-        Assembly { next, time: S::ZERO, slack: Slack::new(self.task.relaxation) }
+        for row in self.rows(cells) {
+            *row = BlockRow { step: row.step, ..BlockRow::EMPTY };
+        }
+        let slack = Slack::new(self.task.relaxation);
+        Assembly {
+            next,
+            time: S::ZERO,
+            slack,
+            before: Before { relaxation: before, others: S::ZERO },
+        }
     }
 
     /// Gradient and second derivatives of the next cells into the blocks, of at most [`CELLS_AT_ONCE`]. Whether those of all
@@ -309,10 +341,11 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
     ) -> Option<bool> {
         let Weights { mu, mu_curvature, damping } = weights;
         let Range { end, .. } = self.cells();
-        let Assembly { next: start, time, slack } = assembly;
+        let Assembly { next: start, time, slack, before } = assembly;
         let part = *start..end.min(*start + CELLS_AT_ONCE);
         let timed = self.is_timed();
-        let mut model = Model { mu, mu_curvature, sums: Sums::ZERO, slack: *slack };
+        let mut model =
+            Model { mu, mu_curvature, sums: Sums::ZERO, slack: *slack, before: *before };
         for i in part.clone() {
             let (station, after) = self.window.pair(i)?;
             let free = [self.frees(i, station), self.frees(i + 1, after)];
@@ -356,7 +389,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
             ahead.gradient[0] += g[2];
             ahead.gradient[1] += g[3];
         }
-        (*start, *slack) = (part.end, model.slack);
+        (*start, *slack, *before) = (part.end, model.slack, model.before);
         let complete = part.end == end;
         if complete {
             self.fix_rows();

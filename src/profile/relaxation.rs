@@ -80,6 +80,21 @@ impl<S: Scalar> Relaxation<S> {
         if self.is_relaxed() { Self::new(self.delta * factor) } else { self }
     }
 
+    /// The barrier of a limit on one side, of which so much is left that it is near.
+    pub fn of_one(&self, left: S) -> S {
+        if left < self.delta {
+            self.one_sided.value(self.delta - left)
+        } else {
+            let u = left * S::of(1.0 / NEAR);
+            u - S::ONE - u.ln()
+        }
+    }
+
+    /// The barrier of a limit on both sides whose row is `r`, and of which 1 - r^2 is `left`.
+    pub fn of_two(&self, r: S, left: S) -> S {
+        if left < self.delta { self.two_sided.value(r.abs() - self.used) } else { -left.ln() }
+    }
+
     /// Whether limits may be exceeded.
     #[inline]
     pub fn is_relaxed(&self) -> bool {

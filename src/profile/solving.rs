@@ -82,7 +82,13 @@ impl<S: Scalar> Solving<S> {
         }
         if self.problems != solver.problems {
             self.problems = solver.problems;
-            self.descent.begin_again();
+            if self.descent.begin_again() {
+                self.left -= 1;
+                *steps += 1;
+                if self.left == 0 {
+                    return false;
+                }
+            }
         }
         let mut problem = solver.take_up(window, limits, self.task);
         let went = self.descent.go_on(&mut problem);

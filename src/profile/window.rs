@@ -1,7 +1,7 @@
 //! The stretch of path that is being planned.
 
 use super::bounds::{Bounds, Pace};
-use super::law::{Law, PathState};
+use super::law::{Law, PathState, crossing};
 use super::rows::View;
 use crate::machine::{LimitSets, SetNumber};
 use crate::number::serial::NodeSerial;
@@ -9,6 +9,7 @@ use crate::number::vector::dot;
 use crate::number::{ArcLength, Coord, Scalar};
 use crate::path::node::{Cell, Event, Node, Programmed};
 use core::array::from_fn;
+use core::ops::Range;
 use heapless::Deque;
 
 /// A node of the window, its speed and acceleration, and the cell that leaves it.
@@ -230,10 +231,33 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
         }
     }
 
-    /// Motion over the cell that leaves a station, in the plan that is being executed.
-    pub fn agreed_law(&self, index: usize) -> Option<Law<S>> {
+    /// Whether cells take less than `limit`, s, in the plan that is being executed. Looks no further than it must: it is
+    /// asked between any two steps of planning.
+    pub fn takes_less(&self, cells: Range<usize>, limit: S) -> bool {
+        let mut stations = self.stations.iter().skip(cells.start).take(cells.len() + 1);
+        let Some(mut from) = stations.next() else { return true };
+        let (mut time, mut speed) = (S::ZERO, from.agreed.b.sqrt());
+        for to in stations {
+            let faster = to.agreed.b.sqrt();
+            let Cell { length, dwell, .. } = from.cell;
+            let fall = from.agreed.a - to.agreed.a;
+            time += if length > S::ZERO {
+                crossing(length, [speed, faster], fall).map_or(S::ZERO, |[time, _]| time)
+            } else {
+                dwell
+            };
+            if time >= limit {
+                return false;
+            }
+            (from, speed) = (to, faster);
+        }
+        true
+    }
+
+    /// What the cell that leaves a station takes in the plan that is being executed, s.
+    pub fn agreed_time(&self, index: usize) -> Option<S> {
         let (from, to) = self.pair(index)?;
-        Law::new(from.cell.length, from.agreed, to.agreed)
+        Law::time(from.cell.length, from.agreed, to.agreed)
     }
 }
 

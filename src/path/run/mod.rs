@@ -275,7 +275,12 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             let spans = self.spline.spans.len() - self.handed;
             let from_rest = self.start == Tie::Rest && self.spline.frozen < 3;
             let least = if from_rest { LEAST_BEGUN } else { 1 };
-            let waits = self.spline.has_room() && !(self.hurried && spans >= HELD_BACK + least);
+            let has_room = self.spline.has_room();
+            if !has_room {
+                // Enough is known: the path comes fast enough.
+                (self.hurried, self.brief) = (false, false);
+            }
+            let waits = has_room && !(self.hurried && spans >= HELD_BACK + least);
             if !tied && (self.knots == KnotState::New || waits) {
                 return Cut::Nothing;
             }
@@ -306,12 +311,12 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     #[inline(never)]
     fn make_ready(&mut self) {
         let spans = self.spline.spans.len();
-        let has_room = self.spline.has_room();
-        self.brief &= has_room;
-        self.ready = match self.hurried && !self.is_tied() && has_room {
-            true => spans.saturating_sub(HELD_BACK).max(1),
-            false if self.is_tied() => spans.min(BATCH),
-            false => BATCH.min(spans - 1),
+        self.ready = if self.is_tied() {
+            spans.min(BATCH)
+        } else if self.hurried {
+            spans.saturating_sub(HELD_BACK).max(1)
+        } else {
+            BATCH.min(spans - 1)
         };
         self.spline.frozen = self.ready + 3;
         self.hurried = false;

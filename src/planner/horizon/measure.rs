@@ -27,7 +27,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     pub fn agreed_time(&self, i: usize) -> S {
         match self.window.get(i) {
             Some(station) if !(station.cell.length > S::ZERO) => station.cell.dwell,
-            Some(_) => self.window.agreed_law(i).map_or(S::ZERO, |law| law.time),
+            Some(_) => self.window.agreed_time(i).unwrap_or(S::ZERO),
             None => S::ZERO,
         }
     }
@@ -80,14 +80,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// Whether the agreed plan takes less than this time, s, from the end of the piece under way to a node. Looks no
     /// further than it must.
     pub fn reaches_within(&self, limit: S, at: NodeSerial, node: NodeSerial) -> bool {
-        let mut time = S::ZERO;
-        for i in self.window.clamped_index(at) + 1..self.window.clamped_index(node) {
-            time += self.agreed_time(i);
-            if time >= limit {
-                return false;
-            }
-        }
-        true
+        let cells = self.window.clamped_index(at) + 1..self.window.clamped_index(node);
+        self.window.takes_less(cells, limit)
     }
 
     /// The stretch from a branch to the end of the plan, or to the first rest in it.
