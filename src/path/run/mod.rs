@@ -68,7 +68,8 @@ pub struct Run<S, const N: usize> {
     spline: SlidingSpline<S, N>,
     /// Whether the next spans are handed on before the stretch is full.
     hurried: bool,
-    /// Whether spans are short, because more of the path comes slowly: what is held back of the stretch is.
+    /// Whether spans are short, because more of the path comes slowly: what is held back of the stretch is. Once they are they stay so to
+    /// the end of the run, unless its first stretch has been filled: with long ones again the next blocks would be waited for again.
     brief: bool,
     /// How far the spline has been smoothed, if it is being.
     smoothing: Optional<Smoothing<S>>,
@@ -275,12 +276,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             let spans = self.spline.spans.len() - self.handed;
             let from_rest = self.start == Tie::Rest && self.spline.frozen < 3;
             let least = if from_rest { LEAST_BEGUN } else { 1 };
-            let has_room = self.spline.has_room();
-            if !has_room {
-                // Enough is known: the path comes fast enough.
-                (self.hurried, self.brief) = (false, false);
-            }
-            let waits = has_room && !(self.hurried && spans >= HELD_BACK + least);
+            let waits = self.spline.has_room() && !(self.hurried && spans >= HELD_BACK + least);
             if !tied && (self.knots == KnotState::New || waits) {
                 return Cut::Nothing;
             }
@@ -311,9 +307,12 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     #[inline(never)]
     fn make_ready(&mut self) {
         let spans = self.spline.spans.len();
+        // What has been handed on has left: only the first stretch of a run can be full here.
+        let has_room = self.spline.has_room();
+        self.brief &= has_room;
         self.ready = if self.is_tied() {
             spans.min(BATCH)
-        } else if self.hurried {
+        } else if self.hurried && has_room {
             spans.saturating_sub(HELD_BACK).max(1)
         } else {
             BATCH.min(spans - 1)
