@@ -24,6 +24,16 @@ enum Sender {
     Bursts(usize),
 }
 
+/// Who gives commands meanwhile.
+#[derive(Clone, Copy, Debug)]
+enum Operator {
+    Nobody,
+    /// Holds, overrides, single block mode at any time.
+    AnyTime,
+    /// Block by block, with a hold every so many cycles, and on as soon as the machine rests.
+    Holds(usize),
+}
+
 /// What a run came to.
 #[derive(Default)]
 struct Outcome {
@@ -43,8 +53,7 @@ struct Rig<'a, S: Scalar> {
     lines: &'a [[f64; 3]],
     feed: f64,
     sent: usize,
-    /// Whether an operator gives commands: holds, overrides, single block mode.
-    operated: bool,
+    operator: Operator,
 }
 
 impl<S: Scalar> Rig<'_, S> {
@@ -96,14 +105,22 @@ impl<S: Scalar> Rig<'_, S> {
                 }
                 _ => pause = pause.saturating_sub(1),
             }
-            // It ends some time: then the machine goes on.
-            if self.operated && draw.chance(0.01) {
-                if n < 100_000 {
-                    self.operate(draw);
-                } else {
-                    self.planner.controls().single_block(false);
+            match self.operator {
+                Operator::AnyTime if draw.chance(0.01) => {
+                    // It ends some time: then the machine goes on.
+                    if n < 100_000 {
+                        self.operate(draw);
+                    } else {
+                        self.planner.controls().single_block(false);
+                        self.planner.controls().resume();
+                    }
+                }
+                Operator::Holds(every) if n % every == every - 1 => self.planner.controls().hold(),
+                Operator::Holds(_) if last.activity == Activity::Idle => {
+                    self.planner.controls().single_block(true);
                     self.planner.controls().resume();
                 }
+                _ => {}
             }
             let mut progress = self.planner.poll();
             for _ in 0..draw.scale(1.0, 1000.0) as usize {
@@ -179,12 +196,12 @@ fn run<S: Scalar>(
     config: Config<S, 3>,
     lines: &[[f64; 3]],
     feed: f64,
-    (sender, operated): (Sender, bool),
+    (sender, operator): (Sender, Operator),
     draw: &mut Draw,
 ) -> Outcome {
     let mut link = Box::new(Link::<S, 3, BLOCKS, NODES>::new());
     let (planner, interpolator) = link.split(config, lines[0].map(at)).unwrap();
-    Rig { planner, interpolator, config, lines, feed, sent: 0, operated }.run(sender, draw)
+    Rig { planner, interpolator, config, lines, feed, sent: 0, operator }.run(sender, draw)
 }
 
 /// A path in pieces, rounded as a program rounds them.
@@ -228,15 +245,21 @@ fn is_not_kept_waiting<S: Scalar>() {
             let lines = pieces(&path, piece, rounded);
             for feed in [5.0, 20.0, 60.0] {
                 let mut draw = Draw(1);
-                let full = run(axes::<S>(), &lines, feed, (Sender::Full, false), &mut draw);
+                let full =
+                    run(axes::<S>(), &lines, feed, (Sender::Full, Operator::Nobody), &mut draw);
                 for pace in 1..=3 {
                     // At least half as fast again as the motion.
                     let ahead = 1000.0 * piece / (feed * pace as f64);
                     if ahead < 1.5 {
                         continue;
                     }
-                    let paced =
-                        run(axes::<S>(), &lines, feed, (Sender::Paced(pace), false), &mut draw);
+                    let paced = run(
+                        axes::<S>(),
+                        &lines,
+                        feed,
+                        (Sender::Paced(pace), Operator::Nobody),
+                        &mut draw,
+                    );
                     let case = format!(
                         "{name}, {piece} mm rounded to {rounded}, {feed} mm/s, one in {pace}"
                     );
@@ -306,9 +329,9 @@ fn any_sender<S: Scalar>(seed: u64) {
         } else {
             Sender::Bursts(draw.scale(2.0, 300.0) as usize)
         };
-        let operated = draw.chance(0.5);
-        println!("case {case}: {} lines, {feed} mm/s, {sender:?}, {operated}", lines.len());
-        run(config, &lines, feed, (sender, operated), &mut draw);
+        let operator = if draw.chance(0.5) { Operator::AnyTime } else { Operator::Nobody };
+        println!("case {case}: {} lines, {feed} mm/s, {sender:?}, {operator:?}", lines.len());
+        run(config, &lines, feed, (sender, operator), &mut draw);
     }
 }
 
@@ -320,4 +343,32 @@ fn any_sender_of_any_path() {
 #[test]
 fn any_sender_of_any_path_in_f32() {
     any_sender::<f32>(12);
+}
+
+/// A machine that hardly gets going before it is held again, on a curve and with one slow axis: it comes to rest in the midst of
+/// starts and ends, where the motion's own shape says nothing of the path's. The band is kept, and the end is reached.
+fn is_held_again_and_again<S: Scalar>() {
+    let slow = AxisLimits::linear(S::of(1.28), S::of(7.9), S::of(55.0));
+    let fast = AxisLimits::linear(S::of(800.0), S::of(3000.0), S::of(5.0e5));
+    let mut config = Config::new(Limits::new([slow, fast, fast]).unwrap());
+    config.tolerance = S::of(0.048);
+    let arc = |k: usize| {
+        let angle = k as f64 * 0.0645;
+        [4.9 * angle.cos() - 4.9, 4.9 * angle.sin(), 0.0]
+    };
+    let lines: Vec<_> = (0..12).map(arc).collect();
+    for every in (60..400).step_by(7) {
+        println!("a hold every {every} cycles");
+        run(config.clone(), &lines, 2.8, (Sender::Full, Operator::Holds(every)), &mut Draw(1));
+    }
+}
+
+#[test]
+fn a_machine_that_is_held_again_and_again_keeps_the_band() {
+    is_held_again_and_again::<f64>();
+}
+
+#[test]
+fn a_machine_that_is_held_again_and_again_keeps_the_band_in_f32() {
+    is_held_again_and_again::<f32>();
 }

@@ -235,7 +235,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     fn put_rest_at(&mut self, place: Place<S>) -> Option<usize> {
         let station = self.window.get(place.cell)?;
         let (whole, apart) = (station.cell.length, self.apart(station.bounds.jerk));
-        if !self.cut_agreed(place.cell, place.shown) {
+        if !self.cut_at_rest(place.cell, place.shown) {
             return None;
         }
         let length = self.window.get(place.cell)?.cell.length;

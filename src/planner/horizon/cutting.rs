@@ -29,6 +29,9 @@ const LEAP: f64 = 2.5e-4;
 const SLOW: f64 = 0.05;
 /// Share of a crawl below which a motion is not cut: it comes to rest or gets going in a moment.
 const LEAST_SPEED: f64 = 1.0e-3;
+/// A path turns by less than this over a cell, rad (more than half a right angle is none): more is the curvature of a motion that
+/// hardly moved.
+const MOST_TURN: f64 = 1.0;
 /// Share of a servo cycle that is left of a dwell when it is suspended: then it is over in the cycle that
 /// takes it up.
 const DWELL_END: f64 = 0.5;
@@ -129,6 +132,35 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         if let Some(station) = self.window.get_mut(i) {
             station.lead_to(&cut.node.at, cut.agreed, t);
         }
+        self.bound_halves(i);
+        true
+    }
+
+    /// The same where the motion will come to rest. From there the path goes on by its own shape, not by that of the motion
+    /// as agreed: near a start or an end that has next to none, and what follows a rest is a new motion along the path.
+    pub fn cut_at_rest(&mut self, i: usize, t: S) -> bool {
+        let Some((station, after)) = self.window.pair(i) else { return false };
+        let (mut start, cell, end) = (station.node, station.cell, station.arrival(after));
+        if norm(&start.curvature) * cell.length > S::of(MOST_TURN) {
+            // A motion has been cut there, too.
+            let along = dot(&end.curvature, &start.tangent);
+            start.curvature = from_fn(|k| end.curvature[k] - start.tangent[k] * along);
+        }
+        if !self.cut_agreed(i, t) {
+            return false;
+        }
+        if cell.straight {
+            return true;
+        }
+        let Some(passed) = self.window.get(i).map(|station| station.cell.length) else {
+            return false;
+        };
+        let Some(rest) = self.window.get_mut(i + 1) else { return false };
+        let share = passed / cell.length;
+        let curve = Hermite::of_cell(&start, &cell, &end);
+        rest.node = Node { at: rest.node.at, ..curve.node(&start, share) };
+        rest.cell.length = curve.arc_length(share, S::ONE);
+        rest.cell.tangent_offset = rest.node.tangent_offset_to(&end.at, rest.cell.length);
         self.bound_halves(i);
         true
     }
