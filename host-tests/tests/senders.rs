@@ -359,7 +359,7 @@ fn is_held_again_and_again<S: Scalar>() {
     let lines: Vec<_> = (0..12).map(arc).collect();
     for every in (60..400).step_by(7) {
         println!("a hold every {every} cycles");
-        run(config.clone(), &lines, 2.8, (Sender::Full, Operator::Holds(every)), &mut Draw(1));
+        run(config, &lines, 2.8, (Sender::Full, Operator::Holds(every)), &mut Draw(1));
     }
 }
 
