@@ -13,6 +13,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -131,6 +132,15 @@ def environment(scratch):
     return {**os.environ, "PATH": path, "TMPDIR": scratch, "DEFMT_LOG": "info"}
 
 
+def comes(file):
+    """Whether a file is there soon: who opens a page does not wait for it."""
+    for _ in range(200):
+        if file.exists():
+            return True
+        time.sleep(0.1)
+    return False
+
+
 def forever(command, sign, env):
     """Runs a command until it has said a word."""
     process = subprocess.Popen(
@@ -194,7 +204,7 @@ def main():
         fine, said = run(command, env, scratch)
         if not fine:
             fail(f"{place}: this did not work: {command}\n{said[-4000:]}")
-        if "--open" in command and not Path(scratch, "opened").exists():
+        if "--open" in command and not comes(Path(scratch, "opened")):
             fail(f"{place}: {command}: nothing was opened\n{said}")
         ran += 1
     shutil.rmtree(scratch, ignore_errors=True)
