@@ -404,7 +404,7 @@ fn a_path_keeps_its_shape_where_a_start_comes_to_rest() {
                 // What was agreed is no part of a draft.
                 for (i, agreed) in [3, 4].into_iter().zip(agreed) {
                     if let Some((station, agreed)) = horizon.window.get_mut(i).zip(agreed) {
-                        station.agreed = agreed;
+                        (station.agreed, station.state) = (agreed, agreed);
                     }
                 }
             }
