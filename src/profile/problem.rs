@@ -91,14 +91,18 @@ pub(super) struct Assembly<S> {
 impl<S: Scalar> Assembly<S> {
     /// What was minimised before, over the cells so far, under the barrier before; `None` if it is no number.
     pub(super) fn value_before(&self, mu: S) -> Option<S> {
-        let barrier = self.slack.logs.value() + self.before.others;
-        let value = self.time + self.slack.penalty + mu * barrier;
-        value.is_finite().then_some(value)
+        self.with_others(mu, self.before.others)
     }
 
     /// What is minimised, over the cells so far; `None` if it is no number.
     pub(super) fn value(&self, mu: S) -> Option<S> {
-        let value = self.time + self.slack.penalty + mu * self.slack.barrier();
+        self.with_others(mu, self.slack.others)
+    }
+
+    /// The same with this barrier of the rows that are no logarithm under both.
+    fn with_others(&self, mu: S, others: S) -> Option<S> {
+        let barrier = self.slack.logs.value() + others;
+        let value = self.time + self.slack.penalty + mu * barrier;
         value.is_finite().then_some(value)
     }
 }

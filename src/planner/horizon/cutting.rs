@@ -29,8 +29,8 @@ const LEAP: f64 = 2.5e-4;
 const SLOW: f64 = 0.05;
 /// Share of a crawl below which a motion is not cut: it comes to rest or gets going in a moment.
 const LEAST_SPEED: f64 = 1.0e-3;
-/// A path turns by less than this over a cell, rad (more than half a right angle is none): more is the curvature of a motion that
-/// hardly moved.
+/// Start curvature times length from which on it is not the path's, rad: no cell of a path turns so far. It is that of a motion
+/// which hardly moved.
 const MOST_TURN: f64 = 1.0;
 /// Share of a servo cycle that is left of a dwell when it is suspended: then it is over in the cycle that
 /// takes it up.
