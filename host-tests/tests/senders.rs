@@ -314,25 +314,39 @@ fn random_path(draw: &mut Draw) -> Vec<[f64; 3]> {
 /// Any machine, path, sender and pace of planning: limits, band, end and order of the tags, checked by the rig.
 fn any_sender<S: Scalar>(seed: u64) {
     for case in 0..60 * u64::from(soak()) {
-        let mut draw = Draw((seed + case).wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
-        let mut config = machine::<S>(&mut draw);
-        config.stop_limits = None;
-        config.tolerance = S::of(draw.scale(2.0e-3, 0.5));
-        if draw.chance(0.1) {
-            config.tolerance = S::ZERO;
-        }
-        config.start_delay = S::of(draw.between(0.0, 0.1));
-        let lines = random_path(&mut draw);
-        let feed = draw.scale(1.0, 300.0);
-        let sender = if draw.chance(0.5) {
-            Sender::Paced(draw.scale(1.0, 60.0) as usize)
-        } else {
-            Sender::Bursts(draw.scale(2.0, 300.0) as usize)
-        };
-        let operator = if draw.chance(0.5) { Operator::AnyTime } else { Operator::Nobody };
-        println!("case {case}: {} lines, {feed} mm/s, {sender:?}, {operator:?}", lines.len());
-        run(config, &lines, feed, (sender, operator), &mut draw);
+        println!("case {case}");
+        sends::<S>(seed + case, None);
     }
+}
+
+/// A path, a machine and a sender that are drawn, and an operator who may be.
+fn sends<S: Scalar>(seed: u64, operator: Option<Operator>) {
+    let mut draw = Draw(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
+    let mut config = machine::<S>(&mut draw);
+    config.stop_limits = None;
+    config.tolerance = S::of(draw.scale(2.0e-3, 0.5));
+    if draw.chance(0.1) {
+        config.tolerance = S::ZERO;
+    }
+    config.start_delay = S::of(draw.between(0.0, 0.1));
+    let lines = random_path(&mut draw);
+    let feed = draw.scale(1.0, 300.0);
+    let sender = if draw.chance(0.5) {
+        Sender::Paced(draw.scale(1.0, 60.0) as usize)
+    } else {
+        Sender::Bursts(draw.scale(2.0, 300.0) as usize)
+    };
+    let drawn = if draw.chance(0.5) { Operator::AnyTime } else { Operator::Nobody };
+    let operator = operator.unwrap_or(drawn);
+    println!("{} lines, {feed} mm/s, {sender:?}, {operator:?}", lines.len());
+    run(config, &lines, feed, (sender, operator), &mut draw);
+}
+
+/// The feed is lowered again and again, while the speed is what an axis allows: a speed bound was let go by what a cell
+/// does between an end with a new state and one without, to 1 % over the velocity of the axis.
+#[test]
+fn an_override_that_is_lowered_again_and_again_keeps_velocities_in_f32() {
+    sends::<f32>(422, Some(Operator::AnyTime));
 }
 
 #[test]

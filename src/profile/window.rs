@@ -212,11 +212,16 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
 
     /// Bounds of the cell that leaves a station, anew.
     pub fn bound(&mut self, index: usize, pace: &Pace<'_, S, N>) {
-        let Some((from, to)) = self.pair(index) else { return };
-        let bounds = Bounds::new(&from.node, &from.cell, &to.node, pace);
+        let Some(bounds) = self.bounds(index, pace) else { return };
         if let Some(station) = self.stations.get_mut(index) {
             station.bounds = bounds;
         }
+    }
+
+    /// What they are.
+    pub fn bounds(&self, index: usize, pace: &Pace<'_, S, N>) -> Option<Bounds<S>> {
+        let (from, to) = self.pair(index)?;
+        Some(Bounds::new(&from.node, &from.cell, &to.node, pace))
     }
 
     /// Forgets the stations before the one with this running number.

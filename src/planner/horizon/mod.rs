@@ -20,7 +20,7 @@ pub use self::draft::ADDED;
 use self::draft::Draft;
 
 use super::phase::Halt;
-use crate::machine::{Config, LimitSets, OlderLimits};
+use crate::machine::{Config, LimitSets, OlderLimits, UNLIMITED};
 #[cfg(feature = "limits")]
 use crate::machine::{Limits, SetNumber};
 use crate::number::Scalar;
@@ -169,6 +169,13 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         for i in first..self.window.len() {
             self.window.bound(i, &pace);
         }
+    }
+
+    /// The greatest path speed, mm/s, that the axes allow over a cell at any feed.
+    fn speed_of_axes(&self, i: usize) -> S {
+        let any = S::of(UNLIMITED);
+        let pace = pace(&self.config, &self.older, self.overrides);
+        self.window.bounds(i, &Pace { feed: any, rapid: any, ..pace }).map_or(any, |of| of.speed)
     }
 
     /// Pieces of a proposal, over some of its cells, in order. When the last is made, every station behind its end

@@ -3,7 +3,7 @@
 use super::Horizon;
 use crate::machine::LimitSets;
 use crate::number::Scalar;
-use crate::profile::law::Law;
+use crate::profile::law::{Law, PathState};
 use crate::profile::seeding::Seeding;
 use crate::profile::solver::{Aim, Stretch};
 use crate::profile::solving::Solving;
@@ -107,18 +107,32 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
 
     /// Lets the speed bounds of planned cells be no less than the speeds of the plan: an override
     /// may have been lowered since.
+    ///
+    /// Where only one end of a cell has a new state, what lies between is neither the agreed motion nor a new one, and may
+    /// be faster than both: nothing is let go beyond what the axes allow, but for a motion that is agreed.
     pub fn loosen(&mut self, first: usize, last: usize) {
         for i in first..last {
             let Some((station, after)) = self.window.pair(i) else { return };
-            let Some(law) = Law::new(station.cell.length, station.state, after.state) else {
-                continue;
+            let length = station.cell.length;
+            let Some(most) = most_speed(length, station.state, after.state) else { continue };
+            let goal = station.bounds.goal;
+            let speed = if most < goal {
+                goal
+            } else {
+                let agreed = most_speed(length, station.agreed, after.agreed).unwrap_or(S::ZERO);
+                let allowed = self.speed_of_axes(i);
+                (most * S::of(EXCESS)).least(allowed.greatest(agreed * S::of(EXCESS)))
             };
-            let [early, late] = law.inner_speeds();
-            let most = law.v0.greatest(law.v1).greatest(early.greatest(late));
             if let Some(station) = self.window.get_mut(i) {
-                let goal = station.bounds.goal;
-                station.bounds.speed = if most < goal { goal } else { most * S::of(EXCESS) };
+                station.bounds.speed = speed.greatest(goal);
             }
         }
     }
+}
+
+/// The greatest of the Bernstein coefficients of the speed over a cell, mm/s.
+fn most_speed<S: Scalar>(length: S, from: PathState<S>, to: PathState<S>) -> Option<S> {
+    let law = Law::new(length, from, to)?;
+    let [early, late] = law.inner_speeds();
+    Some(law.v0.greatest(law.v1).greatest(early.greatest(late)))
 }
