@@ -43,7 +43,12 @@ struct Outcome {
     /// How often the motion came to rest.
     rests: usize,
     starved: u32,
+    /// Most servo cycles in a row of a motion that hardly moves.
+    crawled: usize,
 }
+
+/// A motion slower than this, mm/s, hardly moves.
+const CRAWL: f64 = 1.0e-3;
 
 /// A machine with a sender of lines.
 struct Rig<'a, S: Scalar> {
@@ -93,6 +98,7 @@ impl<S: Scalar> Rig<'_, S> {
     fn run(&mut self, sender: Sender, draw: &mut Draw) -> Outcome {
         let mut outcome = Outcome::default();
         let (mut last, mut pause, mut near) = (self.interpolator.tick(), 0, 0);
+        let mut slow = 0;
         let cycle = self.config.cycle.to_f64();
         let most = self.config.tolerance.to_f64() * 1.001 + 1.0e-6;
         for n in 0..20_000_000 {
@@ -149,6 +155,9 @@ impl<S: Scalar> Rig<'_, S> {
                 (true, false) => outcome.rests += 1,
                 _ => {}
             }
+            let crawls = now.velocity.iter().all(|v| v.to_f64().abs() < CRAWL);
+            slow = if crawls && now.activity == Activity::Running { slow + 1 } else { 0 };
+            outcome.crawled = outcome.crawled.max(slow);
             last = now;
             if progress == Progress::Done && now.activity == Activity::Idle {
                 outcome.cycles = n;
@@ -385,4 +394,34 @@ fn a_machine_that_is_held_again_and_again_keeps_the_band() {
 #[test]
 fn a_machine_that_is_held_again_and_again_keeps_the_band_in_f32() {
     is_held_again_and_again::<f32>();
+}
+
+/// A hold that comes to rest just before the end of a cell leaves next to nothing of it, in front of one that is a thousand times
+/// as long: to start from there took seconds for a few nanometres, again and again.
+fn starts_without_a_crawl<S: Scalar>() {
+    let slow = AxisLimits::linear(S::of(2.1), S::of(3.9), S::of(2200.0));
+    let fast = AxisLimits::linear(S::of(800.0), S::of(2500.0), S::of(8.0e4));
+    let mut config = Config::new(Limits::new([fast, slow, fast]).unwrap());
+    config.tolerance = S::of(0.26);
+    config.start_delay = S::ZERO;
+    let lines = pieces(&[[0.0; 3], [0.0, 6.0, 0.0], [1.0, 8.0, 0.5]], 0.89, 0.0);
+    for every in [101, 160] {
+        let sender = (Sender::Full, Operator::Holds(every));
+        let outcome = run(config, &lines, 3.5, sender, &mut Draw(1));
+        println!(
+            "a hold every {every} cycles: {} cycles crawled of {}",
+            outcome.crawled, outcome.cycles
+        );
+        assert!(outcome.crawled < 200, "{} cycles", outcome.crawled);
+    }
+}
+
+#[test]
+fn a_start_behind_a_hold_does_not_crawl() {
+    starts_without_a_crawl::<f64>();
+}
+
+#[test]
+fn a_start_behind_a_hold_does_not_crawl_in_f32() {
+    starts_without_a_crawl::<f32>();
 }

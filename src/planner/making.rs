@@ -20,7 +20,7 @@ use super::command::reaction::Reacting;
 use super::command::retune::Retuning;
 use super::command::slowing::Slowing;
 use super::horizon::{Horizon, Proposal};
-use super::phase::Phase;
+use super::phase::{Halt, Phase};
 use super::{Planner, Progress};
 use crate::number::Scalar;
 use crate::number::serial::{CycleSerial, NodeSerial};
@@ -91,8 +91,9 @@ impl<S> Stage<S> {
 /// Why there is no plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Failure {
-    /// The motion would crawl: it is better to rest first.
-    Crawl,
+    /// The motion would crawl through the cell of this station: it is better to rest first, or to start from cells that are
+    /// less unequal.
+    Crawl(usize),
     /// No motion within the limits was found.
     Stuck,
     /// A command has not been answered by it.
@@ -135,8 +136,10 @@ impl<S: Scalar> Making<S> {
             Stage::Checking { guessed } => {
                 if horizon.holds(stretch) {
                     let goes_on = self.proposal.branch != Branch::Node(horizon.end());
-                    if goes_on && horizon.crawl_in(stretch).is_some() {
-                        return ControlFlow::Break(Failure::Crawl);
+                    if let Some(crawl) = horizon.crawl_in(stretch)
+                        && (goes_on || horizon.eases_crawl(stretch, crawl))
+                    {
+                        return ControlFlow::Break(Failure::Crawl(crawl));
                     }
                     Stage::publishing(&self.proposal)
                 } else if let Some(new) = *guessed {
@@ -197,7 +200,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         match step {
             ControlFlow::Continue(()) => Progress::Planning,
             ControlFlow::Break(failure) => {
-                let (purpose, branch, at) = (making.purpose, making.proposal.branch, making.at);
+                let (purpose, proposal, at) = (making.purpose, making.proposal, making.at);
                 self.abandon();
                 if failure == Failure::Unanswered {
                     if purpose == Purpose::Hold {
@@ -205,7 +208,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                     }
                     return Progress::Planning;
                 }
-                self.failed(failure, branch, at)
+                self.failed(failure, proposal, at)
             }
         }
     }
@@ -232,11 +235,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// A plan ahead came to nothing.
-    fn failed(&mut self, failure: Failure, branch: Branch, at: NodeSerial) -> Progress {
+    fn failed(&mut self, failure: Failure, proposal: Proposal, at: NodeSerial) -> Progress {
         let end = self.horizon.end();
-        if failure == Failure::Crawl && branch != Branch::Node(end) {
-            // The rest that is agreed comes first.
-            return self.plan(end, at, false);
+        if let Failure::Crawl(crawl) = failure {
+            if proposal.branch != Branch::Node(end) {
+                // The rest that is agreed comes first.
+                return self.plan(end, at, false);
+            }
+            self.horizon.ease_crawl(proposal.stretch, crawl);
+            return self.plan(end, at, proposal.halt == Some(Halt::Block));
         }
         self.vain = Some(Vain { at, last: self.last_node() });
         if failure == Failure::Stuck {

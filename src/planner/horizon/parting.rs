@@ -15,6 +15,12 @@ use crate::profile::window::Station;
 const RAMP: [f64; 3] = [0.75, 0.125, 0.02];
 /// A cell at a rest is cut only if the part there is at most this share of it.
 const MOST_PART: f64 = 0.4;
+/// A neighbour of a crawl is cut where it has gone on for so many times the length of the crawl, and again so many times farther.
+const GROWTH: f64 = 4.0;
+/// So often at a time.
+const EASINGS: usize = 3;
+/// Stations for which there must be room before that: fewer than a draft adds, but no draft should want for them.
+const EASING_ROOM: usize = ADDED - 4;
 
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// Puts a station behind the one at `i`, as a part of the draft; whether there was room.
@@ -140,6 +146,55 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             }
             i += 1;
         }
+    }
+
+    /// Whether the crawl through the cell of station `crawl` of a stretch that starts from rest can be eased: a neighbour is much
+    /// longer than it, and there is room to cut that.
+    ///
+    /// Where a hold has come to rest just before the end of a cell, what is left of it may be a thousandth of the next. A guess leads to
+    /// no motion there, and slow states are hardly improved: they gather no speed over the first, and the next takes all of the speed
+    /// to its end.
+    pub fn eases_crawl(&self, stretch: Stretch, crawl: usize) -> bool {
+        self.easing(stretch, crawl).is_some()
+    }
+
+    /// Cuts the longer neighbour of a crawl, in lengths that grow away from it. They are cut for good, and every cut takes room that
+    /// only motion gives back: it is not done for ever.
+    pub fn ease_crawl(&mut self, stretch: Stretch, crawl: usize) {
+        let Some((mut i, behind)) = self.easing(stretch, crawl) else { return };
+        let Some(mut part) = self.window.get(crawl).map(|station| station.cell.length) else {
+            return;
+        };
+        for _ in 0..EASINGS {
+            let Some(length) = self.window.get(i).map(|station| station.cell.length) else {
+                return;
+            };
+            part = part * S::of(GROWTH);
+            let share = part / length;
+            let place = if behind { share } else { S::ONE - share };
+            if share > S::of(MOST_PART)
+                || self.window.room() <= EASING_ROOM
+                || !self.split_cell(i, place)
+            {
+                return;
+            }
+            i += usize::from(behind);
+        }
+    }
+
+    /// The cell beside a crawl that is to be cut, and whether it lies behind it.
+    fn easing(&self, stretch: Stretch, crawl: usize) -> Option<(usize, bool)> {
+        let length = |i: usize| self.window.get(i).map_or(S::ZERO, |station| station.cell.length);
+        let least = length(crawl) * S::of(GROWTH / MOST_PART);
+        let before = crawl.checked_sub(1).filter(|i| *i >= stretch.first && length(*i) > least);
+        let behind = (crawl + 1 < stretch.last && length(crawl + 1) > least).then_some(crawl + 1);
+        let (i, is_behind) = match (before, behind) {
+            (Some(before), Some(behind)) if length(before) > length(behind) => (before, false),
+            (_, Some(behind)) => (behind, true),
+            (Some(before), None) => (before, false),
+            (None, None) => return None,
+        };
+        (self.window.room() > EASING_ROOM).then_some((i, is_behind))
     }
 
     /// Whether the last cell starts at rest and ends where the window does: from rest to rest in a
