@@ -133,20 +133,21 @@ pub fn next_piece<S: Scalar>(done: S, left: S, ends: EndSizes<S>, longest: S) ->
     }
 }
 
-/// The node at which the next cell of a body ends, of which the interval is uncut, by its arc length along the segment.
+/// The node at which the next cell of a body ends, which begins at `begins` and of which the interval is uncut, by its arc length
+/// along the segment.
 pub fn next_cut<S: Scalar, const N: usize>(
     segment: &Segment<S, N>,
-    block: &QueuedBlock<S, N>,
+    (block, begins): (&QueuedBlock<S, N>, Length),
     Interval { from: s, to: until }: Interval,
     ends: EndSizes<S>,
 ) -> Length {
-    let done = (s - block.taken).to_mm::<S>();
+    let done = (s - begins).to_mm::<S>();
     let left = (until - s).to_mm::<S>();
     let longest =
         segment.longest_cell(block.tolerance).least(block.feed * S::of(LONGEST_CELL_TIME));
     match next_piece(done, left, ends, longest) {
         // From rest to rest there must be a node between.
-        NextPiece::Rest if !(s == block.taken && block.joint == Joint::Stop) => until,
+        NextPiece::Rest if !(s == begins && block.joint == Joint::Stop) => until,
         NextPiece::Rest | NextPiece::Half => s + (until - s + Length::UNIT) / 2,
         NextPiece::Length(step) => {
             // At least a thousandth of what is left of a line, so that the count of cells is bounded. On

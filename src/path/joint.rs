@@ -6,7 +6,7 @@ use super::corner::{Corner, Legs};
 use super::cut::rest_cell;
 use super::half::{End, Half};
 use super::node::{Frame, Node};
-use super::queued::{Joint, QueuedBlock};
+use super::queued::{Entrance, Joint, QueuedBlock};
 use super::segment::{Segment, Shape};
 use super::swing;
 use crate::machine::{Config, CornerMode, Ramp};
@@ -253,43 +253,42 @@ impl<S: Scalar> Taken<S> {
     pub const NONE: Self = Self { before: Length::ZERO, after: Length::ZERO, half: None };
 }
 
-/// What the joint behind a block takes of either segment. `last`: whether the motion rests at the end of the next.
+/// What the joint behind the front block takes of either segment. `last`: whether the motion rests at the end of the next.
 pub fn reach<S: Scalar, const N: usize>(
-    item: &QueuedBlock<S, N>,
-    segment: &Segment<S, N>,
+    (item, segment, entrance): (&QueuedBlock<S, N>, &Segment<S, N>, &Entrance<S>),
     (next, ahead, last): (&QueuedBlock<S, N>, &Segment<S, N>, bool),
     joint: Joint,
     config: &Config<S, N>,
 ) -> Taken<S> {
-    let mut left = segment.exact_length - item.taken;
+    let mut left = segment.exact_length - entrance.taken;
     let mode = corner_mode(item, next, config.corner);
     let paper = match (joint, mode) {
         (Joint::Corner, CornerMode::Paper { lambda }) => Some(lambda),
         _ => None,
     };
-    if paper.is_none() && item.entered == Joint::Stop && item.taken == Length::ZERO {
+    if paper.is_none() && entrance.is_rest() {
         // A transition from rest on gets going in cells as long as its shape asks for: where the feed is
         // reached in less, there must be a stretch before it that is cut for that.
         let ramp = Ramp::new(&config.limits, &segment.start_frame().tangent).length(item.feed);
         left -= Length::from_mm(ramp.least(segment.length * S::of(RAMP_SHARE)));
     }
-    if item.entered == Joint::Through {
+    if entrance.joint == Joint::Through {
         // A node that is passed is bent: the bend must end before the next transition begins.
         left -= segment.exact_length / BODY_SHARE;
     }
-    if item.entered == Joint::Run {
+    if entrance.joint == Joint::Run {
         left -= segment.exact_length / RUN_SHARE;
     }
     let corner = Corner::new(&segment.end_frame().tangent, &ahead.start_frame().tangent);
     let (tolerance, band) = (item.band_with(next), item.corner_band_with(next));
     if let Some(lambda) = paper {
         // There is a transition before this one from which to keep away: routine 1 has none.
-        let follows = matches!(item.entered, Joint::Corner | Joint::Blend);
+        let follows = matches!(entrance.joint, Joint::Corner | Joint::Blend);
         let gap = if follows { lambda } else { S::ZERO };
         let before = left.to_mm::<S>() * (S::ONE - gap);
         let last = last && !next.chord;
         let legs = Legs { before, after: ahead.length, last };
-        let starts = item.entered == Joint::Stop && item.taken == Length::ZERO;
+        let starts = entrance.is_rest();
         let rests = [
             starts.then(|| rest_cell(segment, item.feed, &config.limits)),
             last.then(|| rest_cell(ahead, next.feed, &config.limits)),
@@ -312,7 +311,7 @@ pub fn reach<S: Scalar, const N: usize>(
     }
     let shape = (joint == Joint::Corner).then(|| swing::half(&corner, band, length.to_mm()));
     let length = shape.map_or(length, |half| Length::from_mm(half.reach()).min(length));
-    let length = with_body(length, left, item.entered == Joint::Through);
+    let length = with_body(length, left, entrance.joint == Joint::Through);
     // Within rounding the band has room for more.
     let half = shape.map(|half| half.scaled(length.to_mm::<S>() / half.reach()));
     Taken { before: length, after: length, half }

@@ -67,12 +67,27 @@ pub struct QueuedBlock<S, const N: usize> {
     pub joint: Joint,
     /// Length the joint would like of either segment.
     pub want: Length,
-    /// Joint through which it was entered.
-    pub entered: Joint,
-    /// Length of the segment before that joint, mm.
+}
+
+/// How the front block is entered: of those behind it that is not known yet.
+#[derive(Clone, Copy, Debug)]
+pub struct Entrance<S> {
+    /// The joint.
+    pub joint: Joint,
+    /// Length of the segment before it, mm.
     pub length_before: S,
-    /// Length that joint has taken.
+    /// Length that it has taken of the front segment.
     pub taken: Length,
+}
+
+impl<S: Scalar> Entrance<S> {
+    /// From rest, at its start.
+    pub const REST: Self = Self { joint: Joint::Stop, length_before: S::ZERO, taken: Length::ZERO };
+
+    /// Whether it is that.
+    pub fn is_rest(&self) -> bool {
+        self.joint == Joint::Stop && self.taken == Length::ZERO
+    }
 }
 
 impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
@@ -166,9 +181,6 @@ impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
             error: S::ZERO,
             joint: Joint::Stop,
             want: Length::ZERO,
-            entered: Joint::Stop,
-            length_before: S::ZERO,
-            taken: Length::ZERO,
         };
         let segment = match block.motion {
             Motion::Dwell { seconds } => {

@@ -10,7 +10,7 @@ use crate::path::corner::Corner;
 use crate::path::cut::{Cut, Emitted, dwell_part, next_cut, standstill};
 use crate::path::joint::{BentLengths, mean_node};
 use crate::path::node::{Cell, Node};
-use crate::path::queued::{Joint, QueuedBlock};
+use crate::path::queued::{Entrance, Joint, QueuedBlock};
 use crate::path::transition::Transition;
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
@@ -41,7 +41,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                 return Some(Cut::Cell(self.stand(last, block, config)));
             };
             if block.dwell > S::ZERO {
-                if block.entered == Joint::Stop {
+                if self.entrance.joint == Joint::Stop {
                     let tag = self.tag_at(0, S::ZERO);
                     return Some(Cut::Cell(self.stand(last, QueuedBlock { tag, ..block }, config)));
                 }
@@ -49,7 +49,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                     front.dwell = S::ZERO;
                 }
             }
-            let front = Front { block, segment };
+            let front = Front { block, segment, entrance: self.entrance };
             match self.stage {
                 Stage::Waiting => {
                     if !self.front_is_ready(config) {
@@ -181,6 +181,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             Some(front) if front.segment.is_some() => front.dwell = S::ZERO,
             _ => {
                 let _ = self.queue.pop_front();
+                self.entrance = Entrance::REST;
                 #[cfg(feature = "outputs")]
                 self.meter.cut_stand();
             }
@@ -203,7 +204,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let goal = if body.next > body.s {
             body.next
         } else {
-            next_cut(&front.segment, &front.block, body.left(), body.ends)
+            next_cut(&front.segment, (&front.block, front.entrance.taken), body.left(), body.ends)
         };
         #[cfg(feature = "shaping")]
         let free = self.free(front, &body, config);
@@ -250,7 +251,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     #[inline(never)]
     fn body_cell(
         &self,
-        Front { block, segment }: &Front<S, N>,
+        Front { block, segment, .. }: &Front<S, N>,
         (from, entry): (&Node<S, N>, &Node<S, N>),
         piece: Interval,
         at_end: bool,
@@ -275,7 +276,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
 
     /// The body is done: on to the joint, or over it.
     #[inline(never)]
-    fn start_joint(&mut self, Front { block, segment }: &Front<S, N>, config: &Config<S, N>) {
+    fn start_joint(&mut self, Front { block, segment, .. }: &Front<S, N>, config: &Config<S, N>) {
         let ahead = self.queue.get(1).and_then(|next| next.segment);
         let Some(ahead) = ahead else {
             self.next_block(config);
@@ -320,11 +321,14 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             self.meter.pass(segment.exact_length);
         }
         self.marks.drop_front(done.as_ref().map_or(0, |done| usize::from(done.marks)));
-        if let (Some(done), Some(next)) = (done, self.queue.front_mut()) {
-            next.taken = self.given;
-            next.entered = done.joint;
-            next.length_before = done.segment.map_or(S::ZERO, |segment| segment.length);
-        }
+        self.entrance = match done {
+            Some(QueuedBlock { joint, segment, .. }) if !self.queue.is_empty() => Entrance {
+                joint,
+                length_before: segment.map_or(S::ZERO, |segment| segment.length),
+                taken: self.given,
+            },
+            _ => Entrance::REST,
+        };
         self.pass_marks(self.given);
         (self.kept, self.given) = (Length::ZERO, Length::ZERO);
         self.stage = Stage::Waiting;

@@ -53,7 +53,7 @@ impl Free {
     /// `v T + a T^2 / 2` at most, with `v` the speed at the bend and `a` the acceleration that can be borne.
     #[inline(never)]
     pub fn of<S: Scalar, const N: usize>(
-        Front { block, segment }: &Front<S, N>,
+        Front { block, segment, entrance }: &Front<S, N>,
         body: &Body<S>,
         speeds: [S; 2],
         config: &Config<S, N>,
@@ -76,9 +76,9 @@ impl Free {
         let margin = |joint: Joint, away: Length| {
             if joint == Joint::Through { away + away } else { away }
         };
-        let from = block.taken + margin(block.entered, away[0]);
+        let from = entrance.taken + margin(entrance.joint, away[0]);
         let to = body.until - margin(block.joint, away[1]);
-        let bends = [block.taken + away[0], body.until - away[1]];
+        let bends = [entrance.taken + away[0], body.until - away[1]];
         // A part that is not longer than what lies beside it is no gain.
         (to - from > (away[0] + away[1]) / 2).then_some(Self { from, to, bends })
     }

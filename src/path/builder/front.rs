@@ -38,7 +38,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     }
 
     /// Decides the joint behind the front block: how it is, and what it takes of the segment.
-    fn decide(&mut self, Front { block, segment }: &Front<S, N>, config: &Config<S, N>) -> Joint {
+    fn decide(&mut self, front: &Front<S, N>, config: &Config<S, N>) -> Joint {
+        let Front { block, segment, entrance } = front;
         let next = self.queue.get(1).copied();
         let mut joint = block.joint;
         let ahead = next.as_ref().and_then(|next| next.segment.as_ref());
@@ -51,7 +52,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                 let last = next.stop_after
                     || next.joint == Joint::Stop
                     || self.queue.get(2).is_none_or(|third| third.segment.is_none());
-                reach(block, segment, (next, ahead, last), joint, config)
+                reach((block, segment, entrance), (next, ahead, last), joint, config)
             }
             _ => Taken::NONE,
         };
@@ -70,15 +71,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     #[inline(never)]
     pub(super) fn start_front(&mut self, front: &Front<S, N>, config: &Config<S, N>) {
         let joint = self.decide(front, config);
-        let Front { block, segment } = front;
+        let Front { block, segment, entrance } = front;
         if joint == Joint::Run {
-            let mut until = block.taken;
-            if block.entered == Joint::Through {
+            let mut until = entrance.taken;
+            if entrance.joint == Joint::Through {
                 until += segment.exact_length / PASSED_SHARE;
             }
-            let first = (until - block.taken).to_mm();
+            let first = (until - entrance.taken).to_mm();
             self.stage =
-                Stage::Body(Body::new(block.taken, until, EndSizes { first, last: first }));
+                Stage::Body(Body::new(entrance.taken, until, EndSizes { first, last: first }));
             return;
         }
         let until = segment.exact_length - self.kept;
@@ -88,22 +89,22 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             Joint::Through => BentLengths::new(segment.length, neighbour).before,
             Joint::Corner | Joint::Blend => kept.to_mm::<S>() * S::of(0.5),
         };
-        let first = size(block.entered, block.taken, block.length_before);
+        let first = size(entrance.joint, entrance.taken, entrance.length_before);
         let last = size(joint, self.kept, ahead.map_or(S::ZERO, |ahead| ahead.length));
-        self.stage = Stage::Body(Body::new(block.taken, until, EndSizes { first, last }));
+        self.stage = Stage::Body(Body::new(entrance.taken, until, EndSizes { first, last }));
     }
 
     /// Starts a run `s` along the front segment.
     #[inline(never)]
     pub(super) fn start_run(
         &mut self,
-        Front { block, segment }: &Front<S, N>,
+        Front { block, segment, entrance }: &Front<S, N>,
         s: Length,
         config: &Config<S, N>,
     ) {
         let tie = if self.rested { Tie::Rest } else { Tie::Smooth };
         let ramp = Ramp::new(&config.limits, &segment.start_frame().tangent);
-        let beside = beside(block.entered, block.taken, segment);
+        let beside = beside(entrance.joint, entrance.taken, segment);
         self.run.begin(Start { at: segment.node(s).at, tie, ramp, beside }, block.leg());
         self.run_from = s;
         #[cfg(feature = "outputs")]
@@ -118,7 +119,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             return false;
         }
         let joint = self.decide(front, config);
-        let Front { block, segment } = front;
+        let Front { block, segment, .. } = front;
         let taken = Interval { from: self.run_from, to: segment.exact_length - self.kept };
         self.mark_run(taken);
         if joint == Joint::Run {
@@ -148,9 +149,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// The run is done: on with the rest of its last line.
     #[inline(never)]
     pub(super) fn leave_run(&mut self, segment: &Segment<S, N>, s: Length) {
-        if let Some(front) = self.queue.front_mut() {
-            front.taken = s;
-        }
+        self.entrance.taken = s;
         self.pass_marks(s);
         let until = segment.exact_length - self.kept;
         let size = (until - s).to_mm();

@@ -155,10 +155,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     fn last_is_open(&self, exact: bool) -> bool {
         let Some(front) = self.queue.front() else { return false };
         match (self.queue.len(), self.stage) {
-            (1, Stage::Waiting) => {
-                exact || (front.taken == Length::ZERO && front.entered == Joint::Stop)
-            }
-            (1, Stage::Run { until: None }) => exact || front.taken == Length::ZERO,
+            (1, Stage::Waiting) => exact || self.entrance.is_rest(),
+            (1, Stage::Run { until: None }) => exact || self.entrance.taken == Length::ZERO,
             (1, _) => false,
             // What the joint behind the front block takes of the last has been decided.
             (2, _) if !self.waits() => match front.joint {
@@ -201,7 +199,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     fn last_is_capped(&self) -> bool {
         let Some(front) = self.queue.front() else { return false };
         match (self.queue.len(), self.stage) {
-            (1, Stage::Waiting) => self.capped || front.entered == Joint::Through,
+            (1, Stage::Waiting) => self.capped || self.entrance.joint == Joint::Through,
             (1, Stage::Run { until: None }) => self.capped,
             (1, _) => false,
             (2, _) if !self.waits() => self.capped || front.goes_on,

@@ -22,7 +22,7 @@ use super::chords::Chords;
 use super::cut::EndSizes;
 use super::half::Half;
 use super::joint;
-use super::queued::QueuedBlock;
+use super::queued::{Entrance, QueuedBlock};
 use super::run::Run;
 use super::segment::Segment;
 use super::straight::{Marks, Sleeve};
@@ -81,6 +81,7 @@ impl<S> Body<S> {
 struct Front<S, const N: usize> {
     block: QueuedBlock<S, N>,
     segment: Segment<S, N>,
+    entrance: Entrance<S>,
 }
 
 /// The look-ahead buffer over blocks.
@@ -105,6 +106,8 @@ pub struct Builder<S, const N: usize, const BLOCKS: usize> {
     #[cfg(feature = "limits")]
     limits_used: bool,
     stage: Stage<S, N>,
+    /// How the front block is entered.
+    entrance: Entrance<S>,
     /// Length kept free of the front segment's end by its joint to the next.
     kept: Length,
     /// Length that this joint takes of the next segment.
@@ -148,6 +151,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         #[cfg(feature = "limits")]
         limits_used: false,
         stage: Stage::Waiting,
+        entrance: Entrance::REST,
         kept: Length::ZERO,
         given: Length::ZERO,
         half: None,
@@ -177,6 +181,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         self.closed = false;
         self.capped = false;
         self.stage = Stage::Waiting;
+        self.entrance = Entrance::REST;
         self.kept = Length::ZERO;
         self.given = Length::ZERO;
         self.half = None;

@@ -38,7 +38,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// what pieces end between: at the end of a piece if that is near, else at one before.
     pub(super) fn to_mark(
         &self,
-        Front { block, segment }: &Front<S, N>,
+        Front { block, segment, .. }: &Front<S, N>,
         Interval { from: s, to: until }: Interval,
         next: Length,
         config: &Config<S, N>,
