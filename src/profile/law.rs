@@ -98,13 +98,6 @@ impl<S: Scalar> Law<S> {
         inner_speeds((self.v0, self.a0), (self.v1, self.a1), self.time)
     }
 
-    /// The duration alone, s.
-    #[inline]
-    pub fn time(length: S, from: PathState<S>, to: PathState<S>) -> Option<S> {
-        let [time, _] = crossing(length, [from.b.sqrt(), to.b.sqrt()], from.a - to.a)?;
-        Some(time)
-    }
-
     /// Length, mm, of the motion that takes `time` from one state to another.
     pub fn length(from: PathState<S>, to: PathState<S>, time: S) -> S {
         time * (from.b.sqrt() + to.b.sqrt()) * S::of(0.5)

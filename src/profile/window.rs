@@ -244,25 +244,13 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
         let (mut time, mut speed) = (S::ZERO, from.agreed.b.sqrt());
         for to in stations {
             let faster = to.agreed.b.sqrt();
-            let Cell { length, dwell, .. } = from.cell;
-            let fall = from.agreed.a - to.agreed.a;
-            time += if length > S::ZERO {
-                crossing(length, [speed, faster], fall).map_or(S::ZERO, |[time, _]| time)
-            } else {
-                dwell
-            };
+            time += from.agreed_time_between(to, [speed, faster]);
             if time >= limit {
                 return false;
             }
             (from, speed) = (to, faster);
         }
         true
-    }
-
-    /// What the cell that leaves a station takes in the plan that is being executed, s.
-    pub fn agreed_time(&self, index: usize) -> Option<S> {
-        let (from, to) = self.pair(index)?;
-        Law::time(from.cell.length, from.agreed, to.agreed)
     }
 }
 
@@ -281,6 +269,26 @@ impl<S: Scalar, const N: usize> Station<S, N> {
             penalty: S::ZERO,
         }
     }
+
+    /// What the cell from this station to the next one takes in the plan that is being executed, s; 0 if there is no motion
+    /// over it.
+    #[inline]
+    pub fn agreed_time(&self, next: &Self) -> S {
+        self.agreed_time_between(next, [self.agreed.b.sqrt(), next.agreed.b.sqrt()])
+    }
+
+    /// The same where the speeds at the two are known.
+    #[inline]
+    fn agreed_time_between(&self, next: &Self, speeds: [S; 2]) -> S {
+        let Cell { length, dwell, .. } = self.cell;
+        if length > S::ZERO {
+            let fall = self.agreed.a - next.agreed.a;
+            crossing(length, speeds, fall).map_or(S::ZERO, |[time, _]| time)
+        } else {
+            dwell
+        }
+    }
+
     /// Makes the cell end at a place where the agreed motion arrives after `time` seconds.
     pub fn lead_to(&mut self, end: &[Coord; N], arriving: PathState<S>, time: S) {
         if self.cell.straight {

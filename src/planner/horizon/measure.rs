@@ -25,11 +25,7 @@ const APART_CYCLES: f64 = 2.0;
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// How long the agreed plan takes for the cell of station `i`, s; 0 if there is none.
     pub fn agreed_time(&self, i: usize) -> S {
-        match self.window.get(i) {
-            Some(station) if !(station.cell.length > S::ZERO) => station.cell.dwell,
-            Some(_) => self.window.agreed_time(i).unwrap_or(S::ZERO),
-            None => S::ZERO,
-        }
+        self.window.pair(i).map_or(S::ZERO, |(station, next)| station.agreed_time(next))
     }
 
     /// The node from which a new plan can branch off: a lead ahead of the motion, or half of what is left
