@@ -124,7 +124,7 @@
 //! # Memory
 //!
 //! Nothing is allocated: a `Link<S, N, BLOCKS, NODES>` holds 2 x `NODES` pieces, `BLOCKS` blocks, a stretch of spline of
-//! fixed size, and `NODES` nodes with the solver's workspace; what is made of it are handles. A dense run takes few nodes for many lines, so `BLOCKS` may be small.
+//! fixed size, and `NODES` nodes; a plan is looked for in the memory that its pieces will take. What is made of it are handles. A dense run takes few nodes for many lines, so `BLOCKS` may be small.
 //! `size_of` tells the bytes; `docs/figures.md` has a table.
 #![no_std]
 #![deny(unsafe_code)]

@@ -504,12 +504,12 @@ const MOTORS: usize = 6 * (8 * 48 + 8);
 /// What input shaping adds: other limits in each of five sets, and what follows the setpoints.
 const SHAPING: usize = 5 * size_of::<Limits<f32, 6>>() + 128;
 const MORE: usize = OUTPUTS + MOTORS + SHAPING;
-const _: () = assert!(SMALL <= 48 * 1024 + MORE && SMALL_SIX <= 71 * 1024 + MORE);
+const _: () = assert!(SMALL <= 45 * 1024 + MORE && SMALL_SIX <= 68 * 1024 + MORE);
 
 /// Bytes that one more block, and one more node, of the look-ahead take; limits of travel are in it.
 const PER_BLOCK: usize = (bytes::<f32, 3, 16, 56>() - SMALL) / 8;
 const PER_NODE: usize = (bytes::<f32, 3, 8, 64>() - SMALL) / 8;
-const _: () = assert!(PER_BLOCK <= 200 && PER_NODE <= 424);
+const _: () = assert!(PER_BLOCK <= 192 && PER_NODE <= 376);
 
 /// How many lines the small core holds before it starts: a circle in chords of 0.1 mm.
 #[test]

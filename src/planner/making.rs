@@ -28,7 +28,7 @@ use crate::profile::seeding::Seeding;
 use crate::profile::solver::Aim;
 use crate::profile::solving::Solving;
 use crate::servo::control::{Overrides, Wish};
-use crate::servo::link::Branch;
+use crate::servo::link::{Branch, Room};
 use core::ops::ControlFlow;
 
 /// Pieces that are handed over in one slice.
@@ -101,16 +101,19 @@ enum Failure {
 }
 
 impl<S: Scalar> Making<S> {
-    /// A slice of looking for states; `Publishing` is the planner's.
+    /// A slice of looking for states, in the room for the plan; `Publishing` is the planner's.
+    // By itself: what it needs of the stack is not added to what a stop needs that is handed over piece by piece.
+    #[inline(never)]
     fn step<const N: usize, const NODES: usize>(
         &mut self,
         horizon: &mut Horizon<S, N, NODES>,
+        room: Room<'_, S, N>,
     ) -> ControlFlow<Failure> {
         let flow = match &mut self.stage {
-            Stage::Ending(ending) => horizon.go_on_ending(ending, &mut self.proposal),
-            Stage::Reacting(reacting) => horizon.go_on_reacting(reacting, self.proposal),
-            Stage::Retuning(retuning) => horizon.go_on_retuning(retuning, self.proposal),
-            _ => return self.step_ahead(horizon),
+            Stage::Ending(ending) => horizon.go_on_ending(ending, &mut self.proposal, room),
+            Stage::Reacting(reacting) => horizon.go_on_reacting(reacting, self.proposal, room),
+            Stage::Retuning(retuning) => horizon.go_on_retuning(retuning, self.proposal, room),
+            _ => return self.step_ahead(horizon, room),
         };
         match flow {
             Flow::Working => {}
@@ -124,11 +127,12 @@ impl<S: Scalar> Making<S> {
     fn step_ahead<const N: usize, const NODES: usize>(
         &mut self,
         horizon: &mut Horizon<S, N, NODES>,
+        room: Room<'_, S, N>,
     ) -> ControlFlow<Failure> {
         let stretch = self.proposal.stretch;
         self.stage = match &mut self.stage {
             Stage::Solving { solving, guessed } => {
-                if horizon.go_on(solving) {
+                if horizon.go_on(solving, room) {
                     return ControlFlow::Continue(());
                 }
                 Stage::Checking { guessed: *guessed }
@@ -195,7 +199,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 Flow::Nothing => ControlFlow::Break(Failure::Unanswered),
             }
         } else {
-            making.step(&mut *self.horizon)
+            making.step(&mut *self.horizon, self.side.room())
         };
         match step {
             ControlFlow::Continue(()) => Progress::Planning,

@@ -35,7 +35,6 @@
 
 use super::problem::{Assembly, Probe, Problem, Weights};
 use super::relaxation::Relaxation;
-use super::tridiagonal::solve;
 use crate::machine::UNLIMITED;
 use crate::number::Scalar;
 
@@ -233,16 +232,13 @@ impl<S: Scalar> Descent<S> {
         let Some(here) = complete.and_then(|_| assembly.value(self.weights.mu)) else {
             return Went::Lost;
         };
-        let cells = problem.cells();
-        let decrement = solve(problem.rows(cells.clone()));
+        // At the end of the stretch nothing is free.
+        let decrement = problem.rows.solve(problem.cells());
         if !decrement.is_finite() {
             // Rounding has made the system singular: take it from further inside.
             self.weights.damping = (self.weights.damping * S::of(16.0)).greatest(S::ONE);
             self.stage = Stage::Begin;
             return Went::Step;
-        }
-        for row in problem.rows(cells) {
-            row.step = row.gradient;
         }
         let share = problem.longest_share();
         let trial = Trial { here, decrement, share, blocked: false, tries: 0 };
@@ -389,10 +385,10 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
     fn longest_share(&self) -> S {
         let mut share = S::ONE;
         for i in self.cells() {
-            if let (Some(station), Some(row)) = (self.window.get(i), self.rows.get(i))
+            if let Some(station) = self.window.get(i)
                 && self.frees(i, station)
             {
-                let (b, step) = (station.state.b * S::of(MOST_LOSS), row.step[0]);
+                let (b, [step, _]) = (station.state.b * S::of(MOST_LOSS), self.rows.step(i));
                 if share * step > b {
                     share = b / step;
                 }

@@ -19,6 +19,7 @@ use super::problem::Problem;
 use super::problem::Stretch;
 use super::rows::{Axis, View};
 use crate::machine::AxisLimits;
+use crate::number::list::some_mut;
 use crate::number::{Scalar, cube_root};
 use core::ops::Range;
 
@@ -95,18 +96,18 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
         let braking = (first + 1..new.min(last)).rev().take_while(brakes).count();
         let start = new.min(last).saturating_sub(1 + braking).max(first);
         self.task.stretch.first = self.settled_before(start);
-        self.steady(start..last);
+        let mut y = [S::of(NO_CUBE_LIMIT); NODES];
+        self.steady(start..last, &mut y);
         for i in start..last {
-            self.rise(i, (i, i + 1));
+            self.rise(i, (i, i + 1), &mut y);
         }
         for i in (start + 1..last).rev() {
-            self.rise(i, (i + 1, i));
+            self.rise(i, (i + 1, i), &mut y);
         }
         for i in start + 1..last {
             if self.is_free(i)
-                && let Some(row) = self.rows.get(i)
+                && let Some(&y) = y.get(i)
             {
-                let y = row.step[0];
                 self.window.set_state(i, PathState { b: y * cube_root(y), a: S::ZERO });
             }
         }
@@ -182,50 +183,44 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
     }
 
     /// Lowers y = v^1.5 of one end of cell `i` to what can be reached from its other end.
-    pub(super) fn rise(&mut self, i: usize, (from, to): (usize, usize)) {
-        let (Some(station), Some(row)) = (self.window.get(i), self.rows.get(from)) else { return };
-        let y = row.step[0];
+    fn rise(&self, i: usize, (from, to): (usize, usize), all: &mut [S; NODES]) {
+        let (Some(station), Some(&y)) = (self.window.get(i), all.get(from)) else { return };
         // The root of the speed is the cube root of y.
         let root = cube_root(y).greatest(S::of(1.0e-3));
         let by_acceleration = S::of(ACCELERATION) * station.bounds.acceleration / root;
         let slope = station.bounds.jerk.sqrt().least(by_acceleration);
         let most = y + S::of(1.5) * slope * station.cell.length;
-        if let Some(row) = self.rows.get_mut(to) {
-            row.step[0] = row.step[0].least(most);
+        if let Some(y) = all.get_mut(to) {
+            *y = y.least(most);
         }
     }
 
-    /// v^1.5 of the stations of a range into the workspace: that of the first as it is, 0 at rests,
+    /// v^1.5 of the stations of a range, of which nothing is known: that of the first as it is, 0 at rests,
     /// elsewhere what constant speed over the cells on both sides allows.
-    fn steady(&mut self, cells: Range<usize>) {
+    fn steady(&self, cells: Range<usize>, y: &mut [S; NODES]) {
         let Range { start, end: last } = cells.clone();
-        for row in self.rows(cells.clone()) {
-            row.step = [S::of(NO_CUBE_LIMIT); 2];
-        }
-        for i in cells.clone() {
+        for i in cells {
             let Some((station, after)) = self.window.pair(i) else { return };
             if station.cell.length > S::ZERO {
                 // A rest has the direction in which the motion goes on from there: the shape of a cell that
                 // ends in one is not that of a motion which does not stop.
                 let end = station.arrival(after);
                 let cubes = steady_cubes(&View { to: &end, ..station.view(after, self.limits) });
-                for (row, cube) in self.two_rows(i).into_iter().flatten().zip(cubes) {
-                    row.step[0] = row.step[0].least(cube);
+                for (y, cube) in some_mut::<_, 2>(y, i).into_iter().flatten().zip(cubes) {
+                    *y = y.least(cube);
                 }
             }
         }
         for i in start..=last {
-            let (Some(station), Some(row)) = (self.window.get(i), self.rows.get_mut(i)) else {
-                return;
-            };
+            let (Some(station), Some(y)) = (self.window.get(i), y.get_mut(i)) else { return };
             let cube = if i == start {
                 station.state.b * station.state.b.sqrt()
             } else if station.rest || i == last {
                 S::ZERO
             } else {
-                row.step[0]
+                *y
             };
-            row.step[0] = cube.sqrt();
+            *y = cube.sqrt();
         }
     }
 }

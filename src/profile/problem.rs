@@ -10,11 +10,10 @@ use super::law::{Law, PathState};
 use super::model::{Before, CellEnds, Model, Sums, add_damping, add_time_curvature, by_square};
 use super::relaxation::Relaxation;
 use super::rows::{View, rows, time_gradient};
-use super::tridiagonal::BlockRow;
+use super::tridiagonal::{Diagonal, Rows};
 use super::window::{Station, Window};
 use crate::machine::{LimitSets, UNLIMITED};
 use crate::number::Scalar;
-use crate::number::list::{part_mut, some_mut};
 use core::ops::Range;
 
 /// Share of acceleration and jerk that the last cell before an open end may use.
@@ -58,8 +57,9 @@ pub struct Task<S> {
 }
 
 /// A task with all that it works on.
-pub struct Problem<'a, S, const N: usize, const NODES: usize> {
-    pub(super) rows: &'a mut [BlockRow<S>; NODES],
+pub struct Problem<'a, S: Scalar, const N: usize, const NODES: usize> {
+    /// The Newton system, where there is one.
+    pub(super) rows: Rows<'a, S, N>,
     pub(super) window: &'a mut Window<S, N, NODES>,
     pub(super) limits: LimitSets<'a, S, N>,
     pub(super) task: Task<S>,
@@ -129,16 +129,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
         self
     }
 
-    /// The rows of the stations of a range, and of the one behind it.
-    pub(super) fn rows(&mut self, cells: Range<usize>) -> &mut [BlockRow<S>] {
-        part_mut(self.rows, cells.start..cells.end + 1)
-    }
-
-    /// The rows of a station and the next.
-    pub(super) fn two_rows(&mut self, i: usize) -> Option<&mut [BlockRow<S>; 2]> {
-        some_mut(self.rows, i)
-    }
-
     /// The cells of the stretch.
     pub(super) fn cells(&self) -> Range<usize> {
         self.task.stretch.first..self.task.until
@@ -192,7 +182,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
         if !self.frees(i, station) {
             return station.state;
         }
-        let step = self.rows.get(i).map_or([S::ZERO; 2], |row| row.step);
+        let step = self.rows.step(i);
         PathState { b: station.state.b - share * step[0], a: station.state.a - share * step[1] }
     }
 
@@ -202,9 +192,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
             if let Some(station) = self.window.get(i) {
                 let (before, after) = (station.state, self.moved(i, station, share));
                 self.window.set_state(i, after);
-                if let Some(row) = self.rows.get_mut(i) {
-                    row.step = [before.b, before.a];
-                }
+                self.rows.set_step(i, [before.b, before.a]);
             }
         }
     }
@@ -212,9 +200,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
     /// Moves the states back to what they were before whole steps, and these are steps again.
     pub(super) fn take_back(&mut self) {
         for i in self.task.stretch.first..=self.task.until {
-            if let (Some(station), Some(row)) = (self.window.get(i), self.rows.get_mut(i)) {
-                let (after, [b, a]) = (station.state, row.step);
-                row.step = [b - after.b, a - after.a];
+            if let Some(station) = self.window.get(i) {
+                let (after, [b, a]) = (station.state, self.rows.step(i));
+                self.rows.set_step(i, [b - after.b, a - after.a]);
                 self.window.set_state(i, PathState { b, a });
             }
         }
@@ -294,14 +282,13 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
     // Once in the image, however often it is called.
     #[inline(never)]
     pub(super) fn holds_over(&mut self, cells: Range<usize>) -> bool {
-        for row in self.rows(cells.clone()) {
-            row.step = [S::ZERO; 2];
-        }
-        let task = self.task;
+        let (task, rows) = (self.task, self.rows);
         self.task.relaxation = Relaxation::STRICT;
+        // Without a step.
+        self.rows = Rows::NONE;
         let everywhere = Probe { mu: S::ZERO, share: S::ZERO, most: S::of(UNLIMITED) };
         let holds = self.value(everywhere, cells).is_some();
-        self.task = task;
+        (self.task, self.rows) = (task, rows);
         holds
     }
 
@@ -321,15 +308,10 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
 
     /// An assembly of which nothing has been done, and which also finds what the states are worth under the barrier `before`,
     /// that was relaxed no less.
-    pub(super) fn begin_assembly(&mut self, before: Relaxation<S>) -> Assembly<S> {
-        let cells = self.cells();
-        let next = cells.start;
-        for row in self.rows(cells) {
-            *row = BlockRow { step: row.step, ..BlockRow::EMPTY };
-        }
+    pub(super) fn begin_assembly(&self, before: Relaxation<S>) -> Assembly<S> {
         let slack = Slack::new(self.task.relaxation);
         Assembly {
-            next,
+            next: self.cells().start,
             time: S::ZERO,
             slack,
             before: Before { relaxation: before, others: S::ZERO },
@@ -344,12 +326,18 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
         assembly: &mut Assembly<S>,
     ) -> Option<bool> {
         let Weights { mu, mu_curvature, damping } = weights;
-        let Range { end, .. } = self.cells();
+        let Range { start: first, end } = self.cells();
         let Assembly { next: start, time, slack, before } = assembly;
         let part = *start..end.min(*start + CELLS_AT_ONCE);
         let timed = self.is_timed();
         let mut model =
             Model { mu, mu_curvature, sums: Sums::ZERO, slack: *slack, before: *before };
+        // What the cell before has left in the rows of the station, and what the station before takes of them.
+        let [mut here, mut taken] = [Diagonal::EMPTY; 2];
+        if part.start > first {
+            here = self.rows.diagonal(part.start)?;
+            taken = self.rows.taken(part.start - 1)?;
+        }
         for i in part.clone() {
             let (station, after) = self.window.pair(i)?;
             let free = [self.frees(i, station), self.frees(i + 1, after)];
@@ -357,59 +345,58 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
             *time += cost * after.state.b;
             let (length, from) = (station.cell.length, station.state);
             let to = if i + 1 == self.task.stretch.last { PathState::REST } else { after.state };
-            let [_, ahead] = some_mut(self.rows, i)?;
-            ahead.gradient[0] += cost;
-            if !(length > S::ZERO) {
-                continue;
+            let mut next = Diagonal { gradient: [cost, S::ZERO], ..Diagonal::EMPTY };
+            let mut coupling = [S::ZERO; 4];
+            if length > S::ZERO {
+                let ends = CellEnds { length, from, to, free };
+                let law = Law::new(length, from, to)?;
+                model.sums = Sums::ZERO;
+                if timed {
+                    *time += law.time;
+                    model.sums.gradient = time_gradient(&law);
+                }
+                rows(&self.view(i, station, after), &law, &mut model);
+                if model.slack.is_broken() {
+                    return None;
+                }
+                let Sums { gradient: g, hessian: mut h } = by_square(&model.sums, &law, free);
+                if damping > S::ZERO {
+                    add_damping(&mut h, damping * law.time, &ends);
+                }
+                if timed {
+                    add_time_curvature(&mut h, &ends);
+                }
+                let ([bb, ba, aa], [b, a]) = (here.block, here.gradient);
+                here = Diagonal {
+                    block: [bb + h[0], ba + h[1], aa + h[4]],
+                    gradient: [b + g[0], a + g[1]],
+                };
+                coupling = [h[2], h[3], h[5], h[6]];
+                next = Diagonal { block: [h[7], h[8], h[9]], gradient: [cost + g[2], g[3]] };
             }
-            let ends = CellEnds { length, from, to, free };
-            let law = Law::new(length, from, to)?;
-            model.sums = Sums::ZERO;
-            if timed {
-                *time += law.time;
-                model.sums.gradient = time_gradient(&law);
-            }
-            rows(&self.view(i, station, after), &law, &mut model);
-            if model.slack.is_broken() {
-                return None;
-            }
-            let Sums { gradient: g, hessian: mut h } = by_square(&model.sums, &law, free);
-            if damping > S::ZERO {
-                add_damping(&mut h, damping * law.time, &ends);
-            }
-            if timed {
-                add_time_curvature(&mut h, &ends);
-            }
-            let [here, ahead] = some_mut(self.rows, i)?;
-            for (sum, part) in here.block.iter_mut().zip([h[0], h[1], h[4]]) {
-                *sum += part;
-            }
-            here.gradient[0] += g[0];
-            here.gradient[1] += g[1];
-            here.coupling = [h[2], h[3], h[5], h[6]];
-            for (sum, part) in ahead.block.iter_mut().zip([h[7], h[8], h[9]]) {
-                *sum += part;
-            }
-            ahead.gradient[0] += g[2];
-            ahead.gradient[1] += g[3];
+            taken = self.eliminate(i, free[0], here, coupling, taken);
+            here = next;
         }
         (*start, *slack, *before) = (part.end, model.slack, model.before);
         let complete = part.end == end;
-        if complete {
-            self.fix_rows();
+        // Of the last station, which is not free, nothing is needed.
+        if !complete {
+            self.rows.keep(part.end, here);
         }
         Some(complete)
     }
 
-    /// Rows of the stations that are not free: their step is 0.
-    fn fix_rows(&mut self) {
-        for i in self.task.stretch.first..=self.task.until {
-            if !self.is_free(i)
-                && let Some(row) = self.rows.get_mut(i)
-            {
-                row.block = [S::ONE, S::ZERO, S::ONE];
-                row.gradient = [S::ZERO; 2];
-            }
-        }
+    /// Puts the rows of a station into the system, of which the station before has `taken` its part.
+    #[inline]
+    fn eliminate(
+        &self,
+        i: usize,
+        free: bool,
+        diagonal: Diagonal<S>,
+        coupling: [S; 4],
+        taken: Diagonal<S>,
+    ) -> Diagonal<S> {
+        let diagonal = if free { diagonal } else { Diagonal::FIXED };
+        self.rows.eliminate(i, diagonal, coupling, taken)
     }
 }

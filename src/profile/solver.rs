@@ -1,18 +1,20 @@
-//! Who finds the states of a stretch: a workspace, and the problem it is put to.
+//! Who finds the states of a stretch: the problem that is put to it, and where it is worked on.
 //!
-//! [`Solver`] is memory, nothing else. What is to be solved, with all that it takes, is one value: a [`Problem`], made by
+//! What is to be solved, with all that it takes, is one value: a [`Problem`], made by
 //! [`Solver::on`] of a stretch of a window and the limits. It is asked for first states
 //! ([`Problem::guess`], [`Problem::seed`]), for the states of least time ([`Problem::find`]), for better ones
 //! ([`Problem::improve`]), and whether those at hand keep the limits ([`Problem::holds`]). What is looked for step by
-//! step is a [`Solving`](super::solving::Solving) meanwhile.
+//! step is a [`Solving`](super::solving::Solving) meanwhile: it takes a workspace, the [`Rows`] of the Newton system, for which
+//! there is room where the plan will be written.
 
 pub use super::problem::Stretch;
 use super::problem::{Objective, Problem, Task};
 use super::relaxation::Relaxation;
-use super::tridiagonal::BlockRow;
+use super::tridiagonal::Rows;
 use super::window::Window;
 use crate::machine::LimitSets;
 use crate::number::Scalar;
+use crate::servo::link::Room;
 
 /// What states are wanted for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,21 +29,22 @@ pub enum Aim {
     Halt,
 }
 
-/// Workspace of the method: the Newton system of a whole window.
-pub struct Solver<S, const NODES: usize> {
-    rows: [BlockRow<S>; NODES],
-    /// How many problems it has been put to.
+/// What has been put to the method, and where: whether a workspace is as it was left can be told by it.
+pub struct Solver {
+    /// How many problems.
     pub(super) problems: u32,
+    /// Number of the room that was worked in last.
+    room: u32,
 }
 
-impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
+impl Solver {
     pub const fn new() -> Self {
-        Self { rows: [BlockRow::EMPTY; NODES], problems: 0 }
+        Self { problems: 0, room: 0 }
     }
 
     /// The states of a stretch as a problem: for least time within all limits, until it is told otherwise.
-    pub fn on<'a, const N: usize>(
-        &'a mut self,
+    pub fn on<'a, S: Scalar, const N: usize, const NODES: usize>(
+        &mut self,
         window: &'a mut Window<S, N, NODES>,
         limits: LimitSets<'a, S, N>,
         stretch: Stretch,
@@ -54,16 +57,24 @@ impl<S: Scalar, const NODES: usize> Solver<S, NODES> {
             relaxation: Relaxation::STRICT,
         };
         self.problems = self.problems.wrapping_add(1);
-        self.take_up(window, limits, task)
+        Problem { rows: Rows::NONE, window, limits, task }
     }
 
-    /// A task that has been laid aside.
-    pub(super) fn take_up<'a, const N: usize>(
-        &'a mut self,
-        window: &'a mut Window<S, N, NODES>,
-        limits: LimitSets<'a, S, N>,
-        task: Task<S>,
-    ) -> Problem<'a, S, N, NODES> {
-        Problem { rows: &mut self.rows, window, limits, task }
+    /// How many problems.
+    #[cfg(test)]
+    pub fn problems(&self) -> u32 {
+        self.problems
+    }
+
+    /// The workspace in a room. If that is another than before, all that was worked on begins again.
+    pub(super) fn rows<'a, S: Scalar, const N: usize>(
+        &mut self,
+        room: Room<'a, S, N>,
+    ) -> Rows<'a, S, N> {
+        if self.room != room.number {
+            self.room = room.number;
+            self.problems = self.problems.wrapping_add(1);
+        }
+        Rows::new(room.slots)
     }
 }

@@ -7,6 +7,7 @@ use super::solver::{Aim, Solver};
 use super::window::Window;
 use crate::machine::LimitSets;
 use crate::number::Scalar;
+use crate::servo::link::Room;
 
 /// mu at the end of a halt, as a share of the first: by then the creep that the barrier leaves is
 /// a few per cent of the speed at its start.
@@ -65,14 +66,14 @@ impl<S: Scalar> Solving<S> {
         self.task.stretch.first
     }
 
-    /// A part of a Newton step, if one is left. Whether there is more to do. If the solver has been put to another problem
-    /// since the last call, the step begins again.
+    /// A part of a Newton step, if one is left, in a room. Whether there is more to do. If the solver has been put to another
+    /// problem since the last call, or the room is another, the step begins again.
     ///
     /// Cost: a pass with gradients over some cells of the stretch, or at most three without over all of it: at most 250,000
     /// instructions on the target, with three axes and 64 nodes.
     pub fn go_on<const N: usize, const NODES: usize>(
         &mut self,
-        solver: &mut Solver<S, NODES>,
+        (solver, room): (&mut Solver, Room<'_, S, N>),
         window: &mut Window<S, N, NODES>,
         limits: LimitSets<'_, S, N>,
         steps: &mut u32,
@@ -80,6 +81,7 @@ impl<S: Scalar> Solving<S> {
         if self.left == 0 {
             return false;
         }
+        let rows = solver.rows(room);
         if self.problems != solver.problems {
             self.problems = solver.problems;
             if self.descent.begin_again() {
@@ -90,7 +92,7 @@ impl<S: Scalar> Solving<S> {
                 }
             }
         }
-        let mut problem = solver.take_up(window, limits, self.task);
+        let mut problem = Problem { rows, window, limits, task: self.task };
         let went = self.descent.go_on(&mut problem);
         self.task = problem.task;
         match went {

@@ -7,11 +7,14 @@ use super::relaxation::Relaxation;
 use super::seeding::Seeding;
 use super::solver::{Aim, Solver, Stretch};
 use super::solving::Solving;
+use super::tridiagonal::Rows;
 use super::window::Window;
 use crate::machine::{AxisLimits, LimitSets, Limits};
 use crate::number::serial::NodeSerial;
 use crate::number::{Coord, Scalar};
 use crate::path::node::{Cell, Node, Programmed};
+use crate::servo::link::Room;
+use crate::servo::piece::Slot;
 use std::format;
 use std::vec::Vec;
 
@@ -128,23 +131,26 @@ fn a_short_straight_takes_hardly_longer_than_jerk_alone_asks_for() {
     assert!(time >= least && time < 1.03 * least, "{time} {least}");
 }
 
+/// Room for a system.
+fn slots<S: Scalar>() -> [Slot<S, 2>; NODES] {
+    [const { Slot::EMPTY }; NODES]
+}
+
 /// All steps; how many there were.
 fn solve(
-    solver: &mut Solver<f64, NODES>,
+    solver: &mut Solver,
     window: &mut Window<f64, 2, NODES>,
     mut solving: Solving<f64>,
 ) -> u32 {
     let mut steps = 0;
-    while solving.go_on(solver, window, LimitSets::only(&limits()), &mut steps) {}
+    let slots = slots();
+    let room = Room { slots: &slots, number: solver.problems() };
+    while solving.go_on((solver, room), window, LimitSets::only(&limits()), &mut steps) {}
     steps
 }
 
 /// Slow states from the first station on; whether there are any.
-fn seed(
-    solver: &mut Solver<f64, NODES>,
-    window: &mut Window<f64, 2, NODES>,
-    stretch: Stretch,
-) -> bool {
+fn seed(solver: &mut Solver, window: &mut Window<f64, 2, NODES>, stretch: Stretch) -> bool {
     let limits = limits();
     let mut seeding = Seeding::new(LimitSets::only(&limits), stretch, 1);
     loop {
@@ -215,17 +221,27 @@ fn a_halt_leaves_little_speed() {
 fn a_problem_that_is_interrupted_comes_out_the_same() {
     let lengths: Vec<_> = (0..40).map(|i| 0.2 + 0.05 * f64::from(i % 7)).collect();
     let stretch = Stretch { first: 0, last: lengths.len(), open: false };
-    let (limits, mut solver) = (limits::<f64>(), Solver::new());
+    let (limits, mut solver, slots) = (limits::<f64>(), Solver::new(), slots());
     let mut solved = |every: usize| {
         let mut window = straight(&lengths, NodeSerial::ZERO);
         solver.on(&mut window, LimitSets::only(&limits), stretch).guess(1);
         let mut solving = solver.on(&mut window, LimitSets::only(&limits), stretch).find(40);
         let (mut steps, mut parts) = (0, 0);
-        while solving.go_on(&mut solver, &mut window, LimitSets::only(&limits), &mut steps) {
+        let mut room = Room { slots: &slots, number: 0 };
+        while solving.go_on((&mut solver, room), &mut window, LimitSets::only(&limits), &mut steps)
+        {
             parts += 1;
             if parts % every == 0 {
-                // A use of the workspace that leaves the states alone.
-                solver.on(&mut window, LimitSets::only(&limits), stretch).holds();
+                // Another use of the workspace.
+                for slot in &slots {
+                    slot.keep_five([f64::NAN; 5]);
+                    slot.keep_two([f64::NAN; 2]);
+                }
+                if parts % 2 == 0 {
+                    solver.on(&mut window, LimitSets::only(&limits), stretch).holds();
+                } else {
+                    room.number += 1;
+                }
             }
         }
         let states: Vec<_> = (0..window.len()).map(|i| window.get(i).unwrap().state).collect();
@@ -249,23 +265,32 @@ fn the_model_has_the_slope_of_the_value() {
         let (mut window, stretch) = uneven();
         let mut solver = Solver::new();
         assert!(seed(&mut solver, &mut window, stretch));
+        let slots = slots();
         let mut problem = solver.on(&mut window, LimitSets::only(&limits), stretch);
+        problem.rows = Rows::new(&slots);
         problem.task.objective = objective;
         let mu = 1.0e-5;
         let weights = Weights { mu, mu_curvature: mu, damping: 0.0 };
         let mut assembly = problem.begin_assembly(problem.task.relaxation);
         while !problem.assemble(weights, &mut assembly).unwrap() {}
         let cells = problem.cells();
-        let gradients: Vec<_> =
-            problem.rows(cells.clone()).iter().map(|row| row.gradient).collect();
+        // Before what the station before has taken.
+        let gradients: Vec<_> = (0..cells.end)
+            .map(|i| {
+                let left = problem.rows.diagonal(i).unwrap().gradient;
+                let taken = i.checked_sub(1).and_then(|i| problem.rows.taken(i));
+                let taken = taken.map_or([0.0; 2], |taken| taken.gradient);
+                [left[0] + taken[0], left[1] + taken[1]]
+            })
+            .collect();
         for i in 1..cells.end {
             for k in 0..2 {
-                for row in problem.rows(cells.clone()) {
-                    row.step = [0.0; 2];
+                for slot in &slots {
+                    slot.keep_two([0.0; 2]);
                 }
                 let PathState { b, .. } = problem.window.get(i).unwrap().state;
                 // A step is taken away from the state.
-                problem.rows(cells.clone())[i].step[k] = -b;
+                problem.rows.set_step(i, if k == 0 { [-b, 0.0] } else { [0.0, -b] });
                 let step = if k == 0 { 1e-5 } else { 1e-4 };
                 let probe = |share: f64| Probe { mu, share, most: f64::MAX };
                 let value = |share: f64| problem.value(probe(share), cells.clone()).unwrap();
@@ -294,12 +319,15 @@ fn a_system_has_the_value_under_the_barrier_before() {
             let PathState { b, a } = window.get(i).unwrap().state;
             window.set_state(i, PathState { b: b * faster, a });
         }
+        let slots = slots();
         let mut problem = solver.on(&mut window, LimitSets::only(&limits), stretch);
         for [before, now] in [[0.3, 0.09], [0.3, 0.3], [1.0e-3, 1.0e-4]] {
             problem.task.relaxation = Relaxation::new(now);
             let weights = Weights { mu: 1.0e-5, mu_curvature: 1.0e-5, damping: 0.0 };
             let mut assembly = problem.begin_assembly(Relaxation::new(before));
+            problem.rows = Rows::new(&slots);
             while !problem.assemble(weights, &mut assembly).unwrap() {}
+            problem.rows = Rows::NONE;
             let mut value = |delta: f64, mu: f64| {
                 problem.task.relaxation = Relaxation::new(delta);
                 problem.value(Probe { mu, share: 0.0, most: f64::MAX }, problem.cells()).unwrap()
@@ -328,19 +356,20 @@ fn a_step_is_taken_back_to_the_bit() {
         (0..window.len()).map(|i| window.get(i).unwrap().state).collect()
     };
     let before = states(problem.window);
-    let cells = problem.cells();
-    for (i, row) in problem.rows(cells.clone()).iter_mut().enumerate() {
+    let (cells, slots) = (problem.cells(), slots());
+    problem.rows = Rows::new(&slots);
+    for i in 0..=cells.end {
         // Such as a system gives that is all but singular.
-        row.step = [-0.3 * before[i].b, 1.0e9 * (i as f32 - 2.5)];
+        problem.rows.set_step(i, [-0.3 * before[i].b, 1.0e9 * (i as f32 - 2.5)]);
     }
-    let steps: Vec<_> = problem.rows(cells.clone()).iter().map(|row| row.step).collect();
+    let steps: Vec<_> = (0..=cells.end).map(|i| problem.rows.step(i)).collect();
     problem.take_step(1.0);
     assert!(states(problem.window) != before);
     problem.take_back();
     assert!(states(problem.window) == before);
     for i in 1..cells.end {
         for k in 0..2 {
-            let (was, is) = (steps[i][k], problem.rows(cells.clone())[i].step[k]);
+            let (was, is) = (steps[i][k], problem.rows.step(i)[k]);
             let moved = was.abs().max(if k == 0 { before[i].b } else { before[i].a.abs() });
             assert!((was - is).abs() <= 2.0e-7 * moved, "{i} {k}: {was} {is}");
         }

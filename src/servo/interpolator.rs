@@ -290,6 +290,55 @@ mod tests {
         }
     }
 
+    /// Whoever works in the room for the next plan leaves the one under way alone, whatever has become of the last offer.
+    #[test]
+    fn what_is_kept_in_the_room_for_a_plan_is_never_run() {
+        let scribble = |plan: &PlanSide<'_, f64, 1>| {
+            for slot in plan.room().slots {
+                slot.keep_four([f64::NAN; 4]);
+                slot.keep_five([f64::NAN; 5]);
+                slot.keep_two([f64::NAN; 2]);
+            }
+        };
+        let mut link = Core::new();
+        let (mut plan, mut interpolator) = ends(&mut link, Origin::ZERO);
+        let node = NodeSerial::ZERO;
+        scribble(&plan);
+        plan.write(&piece(node, 1, 4.5, Sequel::Motion));
+        plan.write(&piece(node.next(), 2, 2.5, Sequel::Stop));
+        plan.offer(Branch::Node(node));
+        let mut run = |cycles: u32, tag: u32| {
+            for at in (0..cycles).map(|_| interpolator.tick()) {
+                assert_eq!((at.tag, at.velocity), (tag, [f64::from(tag)]));
+            }
+        };
+        run(1, 1);
+        assert_eq!(plan.verdict(), Some(true));
+        let number = plan.room().number;
+        scribble(&plan);
+        run(1, 1);
+        // Written and not offered.
+        plan.write(&piece(node.next(), 3, 1.0, Sequel::Stop));
+        plan.discard();
+        scribble(&plan);
+        run(1, 1);
+        // Withdrawn.
+        plan.write(&piece(node.next(), 3, 1.0, Sequel::Stop));
+        plan.offer(Branch::Node(node.next()));
+        plan.withdraw();
+        assert_eq!(plan.verdict(), Some(false));
+        assert_ne!(plan.room().number, number);
+        scribble(&plan);
+        run(1, 1);
+        // Taken: the room is where the first plan was.
+        plan.write(&piece(node.next(), 3, 2.5, Sequel::Stop));
+        plan.offer(Branch::Node(node.next()));
+        run(1, 3);
+        assert_eq!(plan.verdict(), Some(true));
+        scribble(&plan);
+        run(1, 3);
+    }
+
     #[test]
     fn a_plan_that_comes_too_late_is_refused_and_the_one_before_ends() {
         let mut link = Core::new();

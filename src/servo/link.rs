@@ -204,6 +204,15 @@ pub struct Timeline<S> {
     pub lag: S,
 }
 
+/// The slots of the plan buffer that is not being executed, while no plan is in it: a workspace of whoever looks for one.
+#[derive(Clone, Copy)]
+pub struct Room<'a, S: Scalar, const N: usize> {
+    /// One for every node of the window.
+    pub slots: &'a [Slot<S, N>],
+    /// Number of the last offer: where it is another, nothing is left of what was kept.
+    pub number: u32,
+}
+
 /// The planner's end.
 pub struct PlanSide<'a, S: Scalar, const N: usize> {
     plans: [&'a [Slot<S, N>]; 2],
@@ -287,9 +296,22 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
             self.flags().offer.compare_exchange(offer | OPEN, offer | REFUSED, Relaxed, Relaxed);
     }
 
+    /// Whether the buffer that is taken for the spare one is: nothing is undecided, and of what was taken the verdict has been heard.
+    fn has_spare(&self) -> bool {
+        self.taken == self.offered || self.shared.offer.load(Relaxed) & VERDICT == REFUSED
+    }
+
+    /// The room for a plan that has not been written: only when the last is decided, until the first piece of the next.
+    pub fn room(&self) -> Room<'_, S, N> {
+        debug_assert_eq!(self.written, 0, "a workspace in place of a plan");
+        debug_assert!(self.has_spare(), "a workspace in place of a plan that may be under way");
+        Room { slots: self.plans[self.spare & 1], number: self.offered }
+    }
+
     /// Adds a piece to the plan that will be offered next; only when the last is decided.
     pub fn write(&mut self, piece: &Piece<S, N>) {
         debug_assert!(piece.time > S::ZERO, "a piece of no duration");
+        debug_assert!(self.has_spare(), "a piece in place of a plan that may be under way");
         let slot = self.plans[self.spare & 1].get(self.written);
         debug_assert!(slot.is_some(), "more pieces than the window has nodes");
         if let Some(slot) = slot {

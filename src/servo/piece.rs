@@ -136,6 +136,64 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
         NodeSerial::from_raw(self.serial.load(Relaxed))
     }
 
+    /// Four numbers that are kept while it holds no piece.
+    #[inline]
+    pub fn four(&self) -> [S; 4] {
+        self.path.each_ref().map(Shared::load)
+    }
+
+    /// Keeps them.
+    #[inline]
+    pub fn keep_four(&self, values: [S; 4]) {
+        for (slot, value) in self.path.iter().zip(values) {
+            slot.store(value);
+        }
+    }
+
+    /// Five numbers more.
+    #[inline]
+    pub fn five(&self) -> [S; 5] {
+        self.axes.first().map_or([S::ZERO; 5], |axis| axis.each_ref().map(Shared::load))
+    }
+
+    /// Keeps them.
+    #[inline]
+    pub fn keep_five(&self, values: [S; 5]) {
+        for (slot, value) in self.axes.iter().flatten().zip(values) {
+            slot.store(value);
+        }
+    }
+
+    /// Two numbers more.
+    #[inline]
+    pub fn two(&self) -> [S; 2] {
+        match (self.axes.get(1), self.origin.first()) {
+            (Some([first, second, ..]), _) => [first.load(), second.load()],
+            // With one axis there is not room enough but in a place for a coordinate.
+            (None, Some(origin)) => {
+                let second: Coord = origin.load();
+                [self.time.load(), S::of(f64::from_bits(second.raw().cast_unsigned()))]
+            }
+            _ => [S::ZERO; 2],
+        }
+    }
+
+    /// Keeps them.
+    #[inline]
+    pub fn keep_two(&self, [first, second]: [S; 2]) {
+        match (self.axes.get(1), self.origin.first()) {
+            (Some([one, other, ..]), _) => {
+                one.store(first);
+                other.store(second);
+            }
+            (None, Some(origin)) => {
+                self.time.store(first);
+                origin.store(Coord::from_raw(second.to_f64().to_bits().cast_signed()));
+            }
+            _ => {}
+        }
+    }
+
     /// Duration, s.
     #[inline]
     pub fn time(&self) -> S {
@@ -353,6 +411,27 @@ mod tests {
         assert!(slot.starves() && !slot.has_event());
         slot.store(&Piece { sequel: Sequel::Motion, event: false, ..piece() });
         assert!(!slot.starves() && !slot.has_event());
+    }
+
+    /// What is kept in a slot that holds no piece, to the bit, with one axis and with more.
+    #[test]
+    fn a_slot_without_a_piece_keeps_numbers() {
+        fn bits<const M: usize>(values: [f32; M]) -> [u32; M] {
+            values.map(f32::to_bits)
+        }
+        fn keep<const N: usize>() {
+            let slot = Slot::<f32, N>::EMPTY;
+            let number = |k: u32| f32::from_bits(0x3f80_0001 + 77 * k);
+            slot.keep_four([0, 1, 2, 3].map(number));
+            slot.keep_five([4, 5, 6, 7, 8].map(number));
+            slot.keep_two([9, 10].map(|k| -number(k)));
+            assert_eq!(bits(slot.four()), bits([0, 1, 2, 3].map(number)));
+            assert_eq!(bits(slot.five()), bits([4, 5, 6, 7, 8].map(number)));
+            assert_eq!(bits(slot.two()), bits([9, 10].map(|k| -number(k))));
+        }
+        keep::<1>();
+        keep::<2>();
+        keep::<9>();
     }
 
     /// A path that stands still for a time: its arc length has no motion.

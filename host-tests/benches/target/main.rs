@@ -55,7 +55,7 @@ const STACKS: [(&str, u32); 10] = [
     ("", 1024),
 ];
 /// RAM of a core in three axes at most, bytes.
-const RAM: u64 = 48 * 1024 + 256;
+const RAM: u64 = 45 * 1024 + 256;
 
 /// Loops of a tick: attempts at a compare-and-swap, of which the first fails only if another context comes in; one may. All
 /// others are unrolled.

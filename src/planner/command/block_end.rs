@@ -11,6 +11,7 @@ use crate::planner::phase::Halt;
 use crate::profile::law::PathState;
 use crate::profile::solver::{Aim, Stretch};
 use crate::profile::solving::Solving;
+use crate::servo::link::Room;
 
 /// Nodes tried for a stop.
 const END_TRIES: u8 = 6;
@@ -63,11 +64,16 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// A slice of looking for a rest at the end of a block: a part of a Newton step, or one try.
-    pub fn go_on_ending(&mut self, ending: &mut Ending<S>, proposal: &mut Proposal) -> Flow {
+    pub fn go_on_ending(
+        &mut self,
+        ending: &mut Ending<S>,
+        proposal: &mut Proposal,
+        room: Room<'_, S, N>,
+    ) -> Flow {
         let stretch = proposal.stretch;
         *ending = match ending {
             Ending::Braking(solving) => {
-                if self.go_on(solving) {
+                if self.go_on(solving, room) {
                     return Flow::Working;
                 }
                 Ending::Trying { next: stretch.first + 1, tries: 0 }
@@ -87,7 +93,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
                 }
             }
             Ending::Improving(solving) => {
-                return if self.go_on(solving) { Flow::Working } else { Flow::Ready };
+                return if self.go_on(solving, room) { Flow::Working } else { Flow::Ready };
             }
         };
         Flow::Working

@@ -15,6 +15,7 @@ use crate::planner::phase::Halt;
 use crate::profile::solver::{Aim, Stretch};
 use crate::profile::solving::Solving;
 use crate::servo::control::Overrides;
+use crate::servo::link::Room;
 
 /// Newton steps of a first answer.
 const STEPS: u16 = 4;
@@ -147,8 +148,13 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// A slice of a first answer: one Newton step.
-    pub fn go_on_reacting(&mut self, reacting: &mut Reacting<S>, proposal: Proposal) -> Flow {
-        if self.go_on(&mut reacting.solving) {
+    pub fn go_on_reacting(
+        &mut self,
+        reacting: &mut Reacting<S>,
+        proposal: Proposal,
+        room: Room<'_, S, N>,
+    ) -> Flow {
+        if self.go_on(&mut reacting.solving, room) {
             return Flow::Working;
         }
         let stretch = proposal.stretch;

@@ -10,7 +10,7 @@ use crate::planner::phase::Halt;
 use crate::profile::solver::{Aim, Stretch};
 use crate::profile::solving::Solving;
 use crate::servo::control::Overrides;
-use crate::servo::link::Branch;
+use crate::servo::link::{Branch, Room};
 
 /// Leads within which a node is waited for where an override finds no answer at once.
 const NEAR_LEADS: f64 = 4.0;
@@ -144,11 +144,16 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// A slice of it: one Newton step.
-    pub fn go_on_retuning(&mut self, retuning: &mut Retuning<S>, proposal: Proposal) -> Flow {
+    pub fn go_on_retuning(
+        &mut self,
+        retuning: &mut Retuning<S>,
+        proposal: Proposal,
+        room: Room<'_, S, N>,
+    ) -> Flow {
         let (Retuning::Finding(solving)
         | Retuning::Slowing(solving)
         | Retuning::Improving(solving)) = retuning;
-        if self.go_on(solving) {
+        if self.go_on(solving, room) {
             return Flow::Working;
         }
         let stretch = proposal.stretch;

@@ -66,7 +66,7 @@ pub struct Horizon<S: Scalar, const N: usize, const NODES: usize> {
     /// The limits of blocks that were taken before those of `config` came into effect.
     pub older: OlderLimits<S, N>,
     pub window: Window<S, N, NODES>,
-    solver: Solver<S, NODES>,
+    solver: Solver,
     /// Node at which the agreed plan ends.
     end: NodeSerial,
     /// Node up to which it is run by a clock that slows down.

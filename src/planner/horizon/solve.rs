@@ -7,6 +7,9 @@ use crate::profile::law::{Law, PathState};
 use crate::profile::seeding::Seeding;
 use crate::profile::solver::{Aim, Stretch};
 use crate::profile::solving::Solving;
+use crate::servo::link::Room;
+#[cfg(test)]
+use crate::servo::piece::Slot;
 use core::ops::Range;
 
 /// Share by which a bound lies above a speed that exceeds what is asked for; the limits of the axes
@@ -58,12 +61,12 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             .improve(steps, aim)
     }
 
-    /// A part of a Newton step. Whether there is more to do.
+    /// A part of a Newton step, in the room for the plan. Whether there is more to do.
     // Once in the image, however often it is called.
     #[inline(never)]
-    pub fn go_on(&mut self, solving: &mut Solving<S>) -> bool {
+    pub fn go_on(&mut self, solving: &mut Solving<S>, room: Room<'_, S, N>) -> bool {
         solving.go_on(
-            &mut self.solver,
+            (&mut self.solver, room),
             &mut self.window,
             LimitSets::new(&self.config, &self.older),
             &mut self.steps,
@@ -73,8 +76,10 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// All parts of all steps of a problem.
     #[cfg(test)]
     pub fn solve(&mut self, mut solving: Solving<S>) {
+        let slots = [const { Slot::EMPTY }; NODES];
+        let room = Room { slots: &slots, number: self.solver.problems() };
         // Bounded by the iterations that are set, and the parts of one.
-        while self.go_on(&mut solving) {}
+        while self.go_on(&mut solving, room) {}
     }
 
     /// Improves the states of a stretch for an aim.
