@@ -18,7 +18,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 FORMAT = 57  # of rustdoc's output: rustc 1.93 to 1.95
 CRATES = {
-    "splineway": "c,defmt,gcode,grbl,home,jog,kinematics,limits,nurbs,outputs,probe,shaping,travel,wire",
+    "splineway": "c,defmt,gcode,grbl,home,jog,kinematics,limits,nurbs,outputs,probe,reshape,shaping,travel,wire",
     "splineway-splines": "defmt",
     "splineway-controller": "grbl",
 }

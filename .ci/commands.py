@@ -25,6 +25,7 @@ INSTEAD = {
         "cargo install --path host-tests --locked --root target/installed",
     "splineway simulate part.ngc --open": "splineway simulate host-tests/data/square.ngc --open",
     "splineway limit FILE ...": "splineway limit host-tests/data/zigzag.txt --rounds 2",
+    "splineway reshape FILE ...": "splineway reshape host-tests/data/zigzag.txt",
     "cargo run --release -p splineway-host --example paths -- FOLDER":
         "cargo run --release -p splineway-host --example paths -- SCRATCH/paths 1000000",
     # Ten minutes with all paths of the table.

@@ -66,6 +66,11 @@
 //! Sweeps over the control points of a cubic B-spline inside a tube, for the runs of `path` and for the crate
 //! `splineway-splines`, which smooths splines that come as such. It knows neither blocks nor machines.
 //!
+//! ## Shape and speed together: `reshape`
+//!
+//! With the feature `reshape`: a window of an agreed motion is made faster inside the band and the limits, as a spline in time. A
+//! kernel on its own so far: no planner calls it.
+//!
 //! ## What comes in: [`block`]
 //!
 //! A [`Block`] is plain data with units, and is checked as a whole when it is pushed: what is refused changes nothing.
@@ -154,6 +159,8 @@ pub mod output;
 mod path;
 mod planner;
 mod profile;
+#[cfg(feature = "reshape")]
+pub mod reshape;
 pub mod servo;
 pub mod spline;
 #[cfg(feature = "wire")]

@@ -49,6 +49,9 @@ _splineway() {
             splineway,paper)
                 cmd="splineway__subcmd__paper"
                 ;;
+            splineway,reshape)
+                cmd="splineway__subcmd__reshape"
+                ;;
             splineway,simulate)
                 cmd="splineway__subcmd__simulate"
                 ;;
@@ -97,6 +100,9 @@ _splineway() {
             splineway__subcmd__help,paper)
                 cmd="splineway__subcmd__help__subcmd__paper"
                 ;;
+            splineway__subcmd__help,reshape)
+                cmd="splineway__subcmd__help__subcmd__reshape"
+                ;;
             splineway__subcmd__help,simulate)
                 cmd="splineway__subcmd__help__subcmd__simulate"
                 ;;
@@ -119,7 +125,7 @@ _splineway() {
 
     case "${cmd}" in
         splineway)
-            opts="-h -V --help --version simulate check stream controller machine gcodes formats smooth bench soak limit corners paper thesis completions help"
+            opts="-h -V --help --version simulate check stream controller machine gcodes formats smooth bench soak limit reshape corners paper thesis completions help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -303,7 +309,7 @@ _splineway() {
             return 0
             ;;
         splineway__subcmd__help)
-            opts="simulate check stream controller machine gcodes formats smooth bench soak limit corners paper thesis completions help"
+            opts="simulate check stream controller machine gcodes formats smooth bench soak limit reshape corners paper thesis completions help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -470,6 +476,20 @@ _splineway() {
             COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
             return 0
             ;;
+        splineway__subcmd__help__subcmd__reshape)
+            opts=""
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
         splineway__subcmd__help__subcmd__simulate)
             opts=""
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
@@ -608,6 +628,44 @@ _splineway() {
             fi
             case "${prev}" in
                 --plots)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        splineway__subcmd__reshape)
+            opts="-h --machine --feed --dialect --lenient --block-delete --tolerance --precision --setpoints --json --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --machine)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --feed)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --dialect)
+                    COMPREPLY=($(compgen -W "linuxcnc grbl marlin" -- "${cur}"))
+                    return 0
+                    ;;
+                --tolerance)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --precision)
+                    COMPREPLY=($(compgen -W "f32 f64" -- "${cur}"))
+                    return 0
+                    ;;
+                --setpoints)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

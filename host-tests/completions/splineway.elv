@@ -33,6 +33,7 @@ set edit:completion:arg-completer[splineway] = {|@words|
             cand bench 'Runs tool paths through the core in both number types, judges them, and prints times beside those of other speed laws, with memory and cost'
             cand soak 'Runs random programs on random machines while an operator presses anything at any moment, the interrupt comes in between any two accesses to shared state and the background is late; and holds every servo cycle, command and answer against the rules'
             cand limit 'Finds the least time of any motion inside the band of a tool path, shape and speed together, and says how near to it the planned motion is. It takes some seconds of work for every second of motion. What it finds can be reached, for the judge looks at it; that nothing is faster is not proven'
+            cand reshape 'Plans a tool path, improves shape and speed of the planned motion together inside the band, window by window as a controller would, and judges what comes out. The controllers themselves do not do this yet'
             cand corners 'Compares corner transitions at equal deviation: smoothness, time, effort'
             cand paper 'Works out the routines of Guo, Yan, Wang 2023 as printed, runs the paths of the paper through the core in paper mode and in its own, and prints the figures side by side, with those of the paper''s list of further work'
             cand thesis 'Smooths the cases of Naseath 2007 (equivalents) and the ripples of its section 3.12 as printed and in bounded sweeps, prints tables 4-1 to 4-7 beside the printed ones, and counts the figures that come out'
@@ -175,6 +176,19 @@ set edit:completion:arg-completer[splineway] = {|@words|
             cand -h 'Print help (see more with ''--help'')'
             cand --help 'Print help (see more with ''--help'')'
         }
+        &'splineway;reshape'= {
+            cand --machine 'Machine description (TOML) [default: a small milling machine, which `splineway machine` prints]'
+            cand --feed 'Feed of all moves but rapids, mm/s, in place of what the file says [default: the file''s; 50 where it says nothing]'
+            cand --dialect 'Whose G-code it is [default: told by the header where that is plain, else linuxcnc]'
+            cand --tolerance 'Greatest distance from the programmed path, mm, in place of the machine''s, and of those that the program names (G64 P) [default: those]'
+            cand --precision 'Scalar of the windows; the planned motion is of double precision'
+            cand --setpoints 'Writes the setpoints of the improved motion (CSV; one file only) [default: not written]'
+            cand --lenient 'Leave out codes that cannot change where the tool goes, where they would be refused'
+            cand --block-delete 'Leave out lines that begin with "/"'
+            cand --json 'Print JSON'
+            cand -h 'Print help (see more with ''--help'')'
+            cand --help 'Print help (see more with ''--help'')'
+        }
         &'splineway;corners'= {
             cand --tolerance 'True deviation of every transition from the corner''s legs, mm'
             cand --turns 'Turns, degrees'
@@ -212,6 +226,7 @@ set edit:completion:arg-completer[splineway] = {|@words|
             cand bench 'Runs tool paths through the core in both number types, judges them, and prints times beside those of other speed laws, with memory and cost'
             cand soak 'Runs random programs on random machines while an operator presses anything at any moment, the interrupt comes in between any two accesses to shared state and the background is late; and holds every servo cycle, command and answer against the rules'
             cand limit 'Finds the least time of any motion inside the band of a tool path, shape and speed together, and says how near to it the planned motion is. It takes some seconds of work for every second of motion. What it finds can be reached, for the judge looks at it; that nothing is faster is not proven'
+            cand reshape 'Plans a tool path, improves shape and speed of the planned motion together inside the band, window by window as a controller would, and judges what comes out. The controllers themselves do not do this yet'
             cand corners 'Compares corner transitions at equal deviation: smoothness, time, effort'
             cand paper 'Works out the routines of Guo, Yan, Wang 2023 as printed, runs the paths of the paper through the core in paper mode and in its own, and prints the figures side by side, with those of the paper''s list of further work'
             cand thesis 'Smooths the cases of Naseath 2007 (equivalents) and the ripples of its section 3.12 as printed and in bounded sweeps, prints tables 4-1 to 4-7 beside the printed ones, and counts the figures that come out'
@@ -239,6 +254,8 @@ set edit:completion:arg-completer[splineway] = {|@words|
         &'splineway;help;soak'= {
         }
         &'splineway;help;limit'= {
+        }
+        &'splineway;help;reshape'= {
         }
         &'splineway;help;corners'= {
         }

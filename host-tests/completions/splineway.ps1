@@ -36,6 +36,7 @@ Register-ArgumentCompleter -Native -CommandName 'splineway' -ScriptBlock {
             [CompletionResult]::new('bench', 'bench', [CompletionResultType]::ParameterValue, 'Runs tool paths through the core in both number types, judges them, and prints times beside those of other speed laws, with memory and cost')
             [CompletionResult]::new('soak', 'soak', [CompletionResultType]::ParameterValue, 'Runs random programs on random machines while an operator presses anything at any moment, the interrupt comes in between any two accesses to shared state and the background is late; and holds every servo cycle, command and answer against the rules')
             [CompletionResult]::new('limit', 'limit', [CompletionResultType]::ParameterValue, 'Finds the least time of any motion inside the band of a tool path, shape and speed together, and says how near to it the planned motion is. It takes some seconds of work for every second of motion. What it finds can be reached, for the judge looks at it; that nothing is faster is not proven')
+            [CompletionResult]::new('reshape', 'reshape', [CompletionResultType]::ParameterValue, 'Plans a tool path, improves shape and speed of the planned motion together inside the band, window by window as a controller would, and judges what comes out. The controllers themselves do not do this yet')
             [CompletionResult]::new('corners', 'corners', [CompletionResultType]::ParameterValue, 'Compares corner transitions at equal deviation: smoothness, time, effort')
             [CompletionResult]::new('paper', 'paper', [CompletionResultType]::ParameterValue, 'Works out the routines of Guo, Yan, Wang 2023 as printed, runs the paths of the paper through the core in paper mode and in its own, and prints the figures side by side, with those of the paper''s list of further work')
             [CompletionResult]::new('thesis', 'thesis', [CompletionResultType]::ParameterValue, 'Smooths the cases of Naseath 2007 (equivalents) and the ripples of its section 3.12 as printed and in bounded sweeps, prints tables 4-1 to 4-7 beside the printed ones, and counts the figures that come out')
@@ -190,6 +191,20 @@ Register-ArgumentCompleter -Native -CommandName 'splineway' -ScriptBlock {
             [CompletionResult]::new('--help', '--help', [CompletionResultType]::ParameterName, 'Print help (see more with ''--help'')')
             break
         }
+        'splineway;reshape' {
+            [CompletionResult]::new('--machine', '--machine', [CompletionResultType]::ParameterName, 'Machine description (TOML) [default: a small milling machine, which `splineway machine` prints]')
+            [CompletionResult]::new('--feed', '--feed', [CompletionResultType]::ParameterName, 'Feed of all moves but rapids, mm/s, in place of what the file says [default: the file''s; 50 where it says nothing]')
+            [CompletionResult]::new('--dialect', '--dialect', [CompletionResultType]::ParameterName, 'Whose G-code it is [default: told by the header where that is plain, else linuxcnc]')
+            [CompletionResult]::new('--tolerance', '--tolerance', [CompletionResultType]::ParameterName, 'Greatest distance from the programmed path, mm, in place of the machine''s, and of those that the program names (G64 P) [default: those]')
+            [CompletionResult]::new('--precision', '--precision', [CompletionResultType]::ParameterName, 'Scalar of the windows; the planned motion is of double precision')
+            [CompletionResult]::new('--setpoints', '--setpoints', [CompletionResultType]::ParameterName, 'Writes the setpoints of the improved motion (CSV; one file only) [default: not written]')
+            [CompletionResult]::new('--lenient', '--lenient', [CompletionResultType]::ParameterName, 'Leave out codes that cannot change where the tool goes, where they would be refused')
+            [CompletionResult]::new('--block-delete', '--block-delete', [CompletionResultType]::ParameterName, 'Leave out lines that begin with "/"')
+            [CompletionResult]::new('--json', '--json', [CompletionResultType]::ParameterName, 'Print JSON')
+            [CompletionResult]::new('-h', '-h', [CompletionResultType]::ParameterName, 'Print help (see more with ''--help'')')
+            [CompletionResult]::new('--help', '--help', [CompletionResultType]::ParameterName, 'Print help (see more with ''--help'')')
+            break
+        }
         'splineway;corners' {
             [CompletionResult]::new('--tolerance', '--tolerance', [CompletionResultType]::ParameterName, 'True deviation of every transition from the corner''s legs, mm')
             [CompletionResult]::new('--turns', '--turns', [CompletionResultType]::ParameterName, 'Turns, degrees')
@@ -231,6 +246,7 @@ Register-ArgumentCompleter -Native -CommandName 'splineway' -ScriptBlock {
             [CompletionResult]::new('bench', 'bench', [CompletionResultType]::ParameterValue, 'Runs tool paths through the core in both number types, judges them, and prints times beside those of other speed laws, with memory and cost')
             [CompletionResult]::new('soak', 'soak', [CompletionResultType]::ParameterValue, 'Runs random programs on random machines while an operator presses anything at any moment, the interrupt comes in between any two accesses to shared state and the background is late; and holds every servo cycle, command and answer against the rules')
             [CompletionResult]::new('limit', 'limit', [CompletionResultType]::ParameterValue, 'Finds the least time of any motion inside the band of a tool path, shape and speed together, and says how near to it the planned motion is. It takes some seconds of work for every second of motion. What it finds can be reached, for the judge looks at it; that nothing is faster is not proven')
+            [CompletionResult]::new('reshape', 'reshape', [CompletionResultType]::ParameterValue, 'Plans a tool path, improves shape and speed of the planned motion together inside the band, window by window as a controller would, and judges what comes out. The controllers themselves do not do this yet')
             [CompletionResult]::new('corners', 'corners', [CompletionResultType]::ParameterValue, 'Compares corner transitions at equal deviation: smoothness, time, effort')
             [CompletionResult]::new('paper', 'paper', [CompletionResultType]::ParameterValue, 'Works out the routines of Guo, Yan, Wang 2023 as printed, runs the paths of the paper through the core in paper mode and in its own, and prints the figures side by side, with those of the paper''s list of further work')
             [CompletionResult]::new('thesis', 'thesis', [CompletionResultType]::ParameterValue, 'Smooths the cases of Naseath 2007 (equivalents) and the ripples of its section 3.12 as printed and in bounded sweeps, prints tables 4-1 to 4-7 beside the printed ones, and counts the figures that come out')
@@ -269,6 +285,9 @@ Register-ArgumentCompleter -Native -CommandName 'splineway' -ScriptBlock {
             break
         }
         'splineway;help;limit' {
+            break
+        }
+        'splineway;help;reshape' {
             break
         }
         'splineway;help;corners' {

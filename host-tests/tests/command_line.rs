@@ -125,6 +125,7 @@ fn the_feed_takes_the_place_of_those_of_the_file() {
         assert!(error_of(&[command, &slow, "--feed", "0"], b"").contains("--feed 0"));
     }
     assert!(error_of(&["limit", &slow, "--feed", "nan"], b"").contains("--feed"));
+    assert!(error_of(&["reshape", &slow, "--feed", "nan"], b"").contains("--feed"));
     assert!(error_of(&["stream", &slow, "--feed", "-1", "--port", "x"], b"").contains("--feed -1"));
 }
 
@@ -135,7 +136,7 @@ fn has_unit(key: &str) -> bool {
         "_per_mm", "_per_mm2", "_bytes", "_share", "_ratio", "_percent", "_nm",
     ];
     /// Things that are counted, and numbers that are names.
-    const COUNTED: [&str; 29] = [
+    const COUNTED: [&str; 32] = [
         "arcs",
         "axes",
         "blocks",
@@ -156,15 +157,18 @@ fn has_unit(key: &str) -> bool {
         "nodes",
         "plans",
         "ratio",
+        "refused",
         "rounds",
         "slower_cases",
         "slowest_case",
         "starved",
+        "steps",
         "stops",
         "operations",
         "number",
         "places",
         "turns",
+        "windows",
     ];
     UNITS.iter().any(|unit| key.ends_with(unit))
         || key.starts_with("ns_per_")
@@ -205,6 +209,7 @@ fn every_figure_has_its_unit() {
         vec!["simulate", &line, "--machine", &motors],
         vec!["check", &part],
         vec!["limit", &line, "--rounds", "2"],
+        vec!["reshape", &line],
         vec!["smooth", &noisy],
         vec!["bench", &line],
         vec!["soak", "--cases", "3", "--threads", "1"],
@@ -243,6 +248,7 @@ fn standard_input_is_a_file_like_any_other() {
         (&["check", "-"], b"\xff\xfeG\x001\x00X\x001\x00F\x001\x00"),
         (&["check", "-"], &read("zigzag.txt")),
         (&["limit", "-", "--rounds", "3"], b"G1 X1 F600\n"),
+        (&["reshape", "-"], b"G1 X1 F600\n"),
         (&["smooth", "-"], &read("noisy.txt")),
         (&["bench", "-"], b"0 0 0 100\n3 0 0 100\n"),
     ] {
@@ -379,6 +385,8 @@ fn what_cannot_be_written_is_said_first() {
     for arguments in [
         vec!["limit", &*line, "--setpoints", &inside],
         vec!["limit", &line, "--setpoints", &line],
+        vec!["reshape", &*line, "--setpoints", &inside],
+        vec!["reshape", &line, "--setpoints", &line],
         vec!["thesis", "--plots", &inside],
         vec!["thesis", "--plots", &blocked],
         vec!["paper", "--plots", &blocked],

@@ -137,7 +137,7 @@ impl Limit {
         bar.finish_and_clear();
         if let Some(out) = &self.setpoints {
             let letters = program.axes().into_iter().map(|axis| LETTERS[axis].to_ascii_lowercase());
-            write(out, &found, machine.cycle, letters)?;
+            write(out, &found.setpoints, machine.cycle, letters)?;
         }
         let Found { planned, least, verdict, rounds, .. } = &found;
         let worst = verdict.worst();
@@ -157,13 +157,18 @@ impl Limit {
 }
 
 /// As `simulate` writes setpoints.
-fn write(out: &Path, found: &Found, cycle: f64, letters: impl Iterator<Item = char>) -> Result<()> {
+pub(super) fn write(
+    out: &Path,
+    setpoints: &[Vec<f64>],
+    cycle: f64,
+    letters: impl Iterator<Item = char>,
+) -> Result<()> {
     let mut text = String::from("t");
     for letter in letters {
         let _ = write!(text, ",{letter}");
     }
     text.push('\n');
-    for (k, position) in found.setpoints.iter().enumerate() {
+    for (k, position) in setpoints.iter().enumerate() {
         let _ = write!(text, "{:.9}", k as f64 * cycle);
         for x in position {
             let _ = write!(text, ",{x:.14e}");

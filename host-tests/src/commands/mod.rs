@@ -15,6 +15,7 @@ mod page;
 pub mod paper;
 pub mod reading;
 mod recorded;
+pub mod reshape;
 pub mod simulate;
 pub mod smooth;
 pub mod soak;
@@ -49,6 +50,7 @@ pub enum Command {
     Bench(bench::Bench),
     Soak(soak::Soak),
     Limit(limit::Limit),
+    Reshape(reshape::Reshape),
     Corners(corners::Corners),
     Paper(paper::Paper),
     Thesis(thesis::Thesis),
@@ -83,6 +85,7 @@ impl Command {
             Self::Bench(bench) => bench.execute(),
             Self::Soak(soak) => soak.execute(),
             Self::Limit(limit) => limit.execute(),
+            Self::Reshape(reshape) => reshape.execute(),
             Self::Corners(corners) => corners.execute(),
             Self::Paper(paper) => paper.execute(),
             Self::Thesis(thesis) => thesis.execute(),

@@ -5,6 +5,7 @@
 //! shortest stop on a path that was run. [`corners`]: the corner transitions of the literature. [`smoothing`]: the
 //! cases of Naseath (2007). [`paper`]: the routines and paths of Guo, Yan, Wang (2023). [`figures`]: times, deviations and
 //! costs of paths, judged. [`others`]: planners of others, from their papers. [`paths`]: tool paths to measure.
+//! [`reshaping`]: a planned motion improved window by window, shape and speed together.
 //!
 //! What does not belong here: anything that a simulation needs (`splineway-simulator`), and how figures are shown
 //! (`splineway-host`).
@@ -18,6 +19,7 @@ pub mod others;
 pub mod paper;
 pub mod paths;
 pub mod reference;
+pub mod reshaping;
 mod rows;
 pub mod smoothing;
 pub mod stop;

@@ -11,7 +11,7 @@
 
 mod cone;
 pub(crate) mod motion;
-mod tube;
+pub(crate) mod tube;
 
 use anyhow::{Context, Result, bail, ensure};
 use cone::{Better, Bounds, round};
@@ -73,10 +73,10 @@ pub struct Found {
 }
 
 /// A part of a program from rest to rest.
-struct Part {
-    program: Program,
+pub(crate) struct Part {
+    pub(crate) program: Program,
     /// s; then nothing moves.
-    dwell: f64,
+    pub(crate) dwell: f64,
 }
 
 /// The least time of any motion inside the band of a program; `progress` hears of every round: the part (from 0 on), the round,
@@ -104,7 +104,7 @@ pub fn least_time(
     };
     let mut show = Show { judge: &mut judge, cycle: machine.cycle, time: 0.0 };
     for (n, part) in parts(program).into_iter().enumerate() {
-        let path = segments(&part.program, machine, &axes)?;
+        let path = segments(&part.program, machine, &axes, BAND)?;
         found.planned += part.dwell;
         if path.is_empty() {
             show.time += part.dwell;
@@ -199,7 +199,7 @@ fn settle(bounds: Bounds<'_>, motion: &Motion, band: &Band) -> Result<Motion> {
 }
 
 /// A program from rest to rest.
-fn parts(program: &Program) -> Vec<Part> {
+pub(crate) fn parts(program: &Program) -> Vec<Part> {
     let mut parts = Vec::new();
     let begin = |start: Point| Part {
         program: Program { start, moves: Vec::new(), exact: Vec::new(), ..program.clone() },
@@ -227,8 +227,13 @@ fn parts(program: &Program) -> Vec<Part> {
     parts
 }
 
-/// The path of a part as lines over the axes in use.
-fn segments(program: &Program, machine: &Machine, axes: &[usize]) -> Result<Vec<Segment>> {
+/// The path of a part as lines over the axes in use, with a share of the band.
+pub(crate) fn segments(
+    program: &Program,
+    machine: &Machine,
+    axes: &[usize],
+    share: f64,
+) -> Result<Vec<Segment>> {
     let mut path = Vec::new();
     let mut here = program.start;
     for (n, step) in program.moves.iter().enumerate() {
@@ -245,7 +250,7 @@ fn segments(program: &Program, machine: &Machine, axes: &[usize]) -> Result<Vec<
             let alone = Program { start: here, moves, exact, ..program.clone() };
             chords(&Track::new(&alone), tolerance * CHORDS)
         };
-        let band = tolerance * BAND - if straight { 0.0 } else { tolerance * CHORDS };
+        let band = tolerance * share - if straight { 0.0 } else { tolerance * CHORDS };
         let length: f64 = points.windows(2).map(|pair| apart(&pair[0], &pair[1])).sum();
         for pair in points.windows(2) {
             let size = apart(&pair[0], &pair[1]);
@@ -364,7 +369,7 @@ impl Show<'_, '_> {
         let first = usize::from(!setpoints.is_empty());
         let states = motion.sampled(self.cycle);
         for (k, state) in states.iter().enumerate().skip(first) {
-            show(self.judge, self.time + k as f64 * self.cycle, state)?;
+            show(self.judge, self.time + k as f64 * self.cycle, state, f64::EPSILON)?;
             setpoints.push(state[0].clone());
         }
         self.time += (states.len() - 1) as f64 * self.cycle;
@@ -372,8 +377,8 @@ impl Show<'_, '_> {
     }
 }
 
-/// Shows a setpoint to the judge.
-pub(crate) fn show(judge: &mut Judge<'_>, time: f64, state: &State) -> Result<()> {
+/// Shows a setpoint to the judge, with the rounding error of one operation.
+pub(crate) fn show(judge: &mut Judge<'_>, time: f64, state: &State, unit: f64) -> Result<()> {
     let [position, velocity, acceleration] = state;
     judge.setpoint(&Sample {
         time,
@@ -385,7 +390,7 @@ pub(crate) fn show(judge: &mut Judge<'_>, time: f64, state: &State) -> Result<()
         tag: 0,
         activity: Activity::Running,
         began: true,
-        unit: f64::EPSILON,
+        unit,
         pace: Pace::FULL,
     })
 }

@@ -1,0 +1,210 @@
+//! A symmetric system in which every block is coupled with the three before it.
+
+use super::COUPLED;
+use crate::number::Scalar;
+
+/// A pivot of which less is left than so many roundings is none.
+const ROUNDING: f64 = 2.0;
+
+/// `N` by `N` numbers.
+pub(super) type Square<S, const N: usize> = [[S; N]; N];
+
+/// Lower half: of each row of blocks the block on the diagonal and those up to three before it.
+#[derive(Clone, Debug)]
+pub(super) struct Banded<S, const N: usize, const K: usize> {
+    pub(super) blocks: [[Square<S, N>; COUPLED]; K],
+}
+
+impl<S: Scalar, const N: usize, const K: usize> Banded<S, N, K> {
+    pub(super) fn new() -> Self {
+        Self { blocks: [[[[S::ZERO; N]; N]; COUPLED]; K] }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.blocks = [[[[S::ZERO; N]; N]; COUPLED]; K];
+    }
+
+    /// Block (`row`, `column`), columns up to three before the row, times a vector, added to another.
+    pub(super) fn times(&self, row: usize, column: usize, x: &[S; N], to: &mut [S; N]) {
+        let (low, high, turned) =
+            if row >= column { (column, row, false) } else { (row, column, true) };
+        if high - low >= COUPLED {
+            return;
+        }
+        let block = &self.blocks[high][high - low];
+        for i in 0..N {
+            for j in 0..N {
+                to[i] += if turned { block[j][i] } else { block[i][j] } * x[j];
+            }
+        }
+    }
+
+    /// Factors the blocks of `first..end`, in place. Whether the matrix is positive definite.
+    ///
+    /// Cost: about `N^3 * 10` multiplications a block.
+    pub(super) fn factor(&mut self, first: usize, end: usize) -> bool {
+        let rounding = S::EPSILON * S::of(ROUNDING);
+        for row in first..end {
+            let reach = (row - first).min(COUPLED - 1);
+            for back in (0..=reach).rev() {
+                let column = row - back;
+                let mut block = self.blocks[row][back];
+                let whole = block;
+                for before in back + 1..=reach {
+                    // Column `row - before` of both rows.
+                    let (ours, theirs) =
+                        (self.blocks[row][before], self.blocks[column][before - back]);
+                    for i in 0..N {
+                        for j in 0..N {
+                            let mut sum = block[i][j];
+                            for k in 0..N {
+                                sum = sum - ours[i][k] * theirs[j][k];
+                            }
+                            block[i][j] = sum;
+                        }
+                    }
+                }
+                if back > 0 {
+                    // Times the inverse of the transposed factor of that column, which lies on its diagonal.
+                    let diagonal = &self.blocks[column][0];
+                    for i in 0..N {
+                        for j in 0..N {
+                            let mut sum = block[i][j];
+                            for k in 0..j {
+                                sum = sum - block[i][k] * diagonal[j][k];
+                            }
+                            block[i][j] = sum * diagonal[j][j];
+                        }
+                    }
+                } else {
+                    for j in 0..N {
+                        for i in j..N {
+                            let mut sum = block[i][j];
+                            for k in 0..j {
+                                sum = sum - block[i][k] * block[j][k];
+                            }
+                            if i > j {
+                                block[i][j] = sum * block[j][j];
+                                continue;
+                            }
+                            if !(whole[j][j] > S::ZERO) {
+                                return false;
+                            }
+                            // Kept as its inverse: divisions are slow. Where rounding is all that is left, that number stays as it is.
+                            block[j][j] = if sum > whole[j][j] * rounding {
+                                S::ONE / sum.sqrt()
+                            } else {
+                                S::ZERO
+                            };
+                        }
+                    }
+                }
+                self.blocks[row][back] = block;
+            }
+        }
+        true
+    }
+
+    /// Solves for a right side in `first..end`, in place; after [`Banded::factor`].
+    pub(super) fn solve(&self, first: usize, end: usize, x: &mut [[S; N]; K]) {
+        for row in first..end {
+            let mut sum = x[row];
+            for back in 1..=(row - first).min(COUPLED - 1) {
+                let block = &self.blocks[row][back];
+                for i in 0..N {
+                    for k in 0..N {
+                        sum[i] = sum[i] - block[i][k] * x[row - back][k];
+                    }
+                }
+            }
+            let diagonal = &self.blocks[row][0];
+            for i in 0..N {
+                for k in 0..i {
+                    sum[i] = sum[i] - diagonal[i][k] * sum[k];
+                }
+                sum[i] = sum[i] * diagonal[i][i];
+            }
+            x[row] = sum;
+        }
+        for row in (first..end).rev() {
+            let mut sum = x[row];
+            for ahead in 1..COUPLED.min(end - row) {
+                let block = &self.blocks[row + ahead][ahead];
+                for i in 0..N {
+                    for k in 0..N {
+                        sum[i] = sum[i] - block[k][i] * x[row + ahead][k];
+                    }
+                }
+            }
+            let diagonal = &self.blocks[row][0];
+            for i in (0..N).rev() {
+                for k in i + 1..N {
+                    sum[i] = sum[i] - diagonal[k][i] * sum[k];
+                }
+                sum[i] = sum[i] * diagonal[i][i];
+            }
+            x[row] = sum;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const N: usize = 2;
+    const K: usize = 12;
+
+    /// A random positive definite system.
+    fn random(seed: u32) -> Banded<f64, N, K> {
+        let mut state = seed;
+        let mut next = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state >> 8) / f64::from(1 << 24) - 0.5
+        };
+        let mut all = Banded::new();
+        for row in 0..K {
+            for back in 0..COUPLED.min(row + 1) {
+                for i in 0..N {
+                    for j in 0..N {
+                        all.blocks[row][back][i][j] = next();
+                    }
+                }
+            }
+            let block = &mut all.blocks[row][0];
+            block[0][1] = block[1][0];
+            for i in 0..N {
+                block[i][i] += 5.0;
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn solutions_satisfy_the_system() {
+        for seed in 0..50 {
+            let all = random(seed);
+            let (first, end) = (seed as usize % 4, K - seed as usize % 3);
+            let right: [[f64; N]; K] = core::array::from_fn(|k| [k as f64 - 3.0, 1.0]);
+            let (mut factored, mut x) = (all.clone(), right);
+            assert!(factored.factor(first, end));
+            factored.solve(first, end, &mut x);
+            for row in first..end {
+                let mut sum = [0.0; N];
+                for column in first..end {
+                    all.times(row, column, &x[column], &mut sum);
+                }
+                for i in 0..N {
+                    assert!((sum[i] - right[row][i]).abs() < 1e-9, "{seed} {row}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_not_positive_definite_is_said() {
+        let mut all = random(3);
+        all.blocks[7][0][1][1] = -1.0;
+        assert!(!all.factor(0, K));
+    }
+}

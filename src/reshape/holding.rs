@@ -1,0 +1,78 @@
+//! Whether a motion stays inside the band between the places that are looked at.
+
+use super::course::{mixed, weights};
+use super::vector::{minus, square};
+use super::way::{Joint, MOST_LINES};
+use super::{Bounds, Draft};
+use crate::number::Scalar;
+
+/// Chords of a span.
+const CHORDS: u32 = 32;
+/// Share of the whole band that a motion uses at most.
+const WHOLE: f64 = 0.998;
+/// How much less of the band is used than what was too much.
+const LESS: f64 = 0.003;
+/// Between lines that turn further, cosine of half the turn, nothing can be said.
+const SHARPEST: f64 = 0.13;
+
+/// Whether all of the motion is inside the band; else `used` is made less where it is not, as a share of the band.
+///
+/// The motion is followed by chords, each within the band of one line, or crossing from one line's band into the next's in a place that
+/// lies in both: a band is convex. The motion leaves a chord by no more than its acceleration allows.
+pub(super) fn narrow<S: Scalar, const N: usize, const K: usize>(
+    draft: &Draft<S, N, K>,
+    bounds: &Bounds<'_, S, N>,
+    band: S,
+    used: &mut [S; K],
+) -> bool {
+    let lines = bounds.lines;
+    let mut line = bounds.line;
+    let mut before = mixed(&draft.points, &weights(S::ZERO));
+    let mut inside = true;
+    for span in 0..draft.spans() {
+        let four = &draft.points[span..span + 4];
+        // Second differences are what acceleration is in a span's time squared.
+        let bend = |k: usize| {
+            let (a, b) = (minus(&four[k + 1], &four[k]), minus(&four[k + 2], &four[k + 1]));
+            square(&minus(&b, &a))
+        };
+        let sagitta = bend(0).greatest(bend(1)).sqrt() / S::from_u32(8 * CHORDS * CHORDS);
+        let mut most = S::ZERO;
+        for chord in 1..=CHORDS {
+            let share = S::from_u32(chord) / S::from_u32(CHORDS);
+            let x = mixed(four, &weights(share));
+            for _ in 0..MOST_LINES {
+                if line + 1 >= lines.len() {
+                    break;
+                }
+                let joint = Joint::new(&lines[line], &lines[line + 1]);
+                let passed = joint.passed(&x);
+                if !(passed > S::ZERO) {
+                    break;
+                }
+                if square(&joint.across) < S::of(4.0 * SHARPEST * SHARPEST) {
+                    most = S::of(2.0);
+                    break;
+                }
+                let behind = joint.passed(&before).least(S::ZERO);
+                let cross = behind / (behind - passed);
+                let at = core::array::from_fn(|i| before[i] + cross * (x[i] - before[i]));
+                for line in &lines[line..line + 2] {
+                    most = most.greatest((line.foot(&at).square.sqrt() + sagitta) / line.band);
+                }
+                before = at;
+                line += 1;
+            }
+            let off = lines[line].foot(&x).square.sqrt() + sagitta;
+            // What is no number is outside.
+            let off = off / lines[line].band;
+            most = if off.is_finite() { most.greatest(off) } else { S::of(2.0) };
+            before = x;
+        }
+        if most > S::of(WHOLE).greatest(band) {
+            used[span] = used[span] * (band / most) - S::of(LESS);
+            inside = false;
+        }
+    }
+    inside
+}

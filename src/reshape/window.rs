@@ -1,0 +1,442 @@
+//! A window of the motion, and how it is improved.
+
+use super::barrier::Barrier;
+use super::course::{State, mixed, state, weights, within};
+use super::holding;
+use super::model::{Ends, Model, Modelling, Value};
+use super::rows::rows;
+use super::vector::{along, minus};
+use super::way::passes;
+use super::{Agreed, Bounds, Draft, PLACES};
+use crate::number::Scalar;
+
+/// What is left of the limits for rounding.
+const SHARE: f64 = 0.9995;
+/// Weight of the barrier at first, at last, and by how much it falls after a good step.
+const MU: (f64, f64) = (1.0e-2, 5.0e-4);
+const FALL: f64 = 0.4;
+/// By how much it rises when nothing feasible is found, and how often.
+const RISE: f64 = 5.0;
+const RISES: usize = 3;
+/// The parabola of the barrier begins so far from the limit at a weight of 1, and with the power 3/2 of the weight: what binds lies
+/// further from its limit than that.
+const WIDTH: f64 = 20.0;
+/// Steps of Newton's method, and trials of a step.
+const STEPS: usize = 40;
+const TRIALS: usize = 7;
+/// A step is good if it gains this much of what the model says.
+const GOOD: f64 = 0.1;
+/// It is enough when the model says that no more is to be gained than this many weights.
+const ENOUGH: f64 = 0.03;
+/// The time at which the end joins changes in a step by no more than so many knots.
+const MOST: f64 = 3.0;
+/// How often the band is narrowed where it is left between places, and what is left of it at least.
+const NARROWINGS: usize = 3;
+const NARROWEST: f64 = 0.8;
+/// Steps after that.
+const MENDING: usize = 8;
+
+/// Why there is nothing better than what was agreed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refused {
+    /// The agreed motion ends too soon for a window.
+    TooShort,
+    /// Nothing was found that is faster and keeps all limits.
+    NoFaster,
+    /// What was found leaves the band between the places that are looked at.
+    Outside,
+}
+
+/// What was found.
+#[derive(Clone, Copy, Debug)]
+pub struct Reshaped<S> {
+    /// How much earlier the end of the window is reached than agreed, s.
+    pub gain: S,
+    /// Steps of Newton's method that it took.
+    pub steps: usize,
+}
+
+/// A window of at most `K - 3` spans of the motion, over `N` axes.
+///
+/// About `K * N * (8 N + 10)` numbers.
+#[derive(Debug)]
+pub struct Window<S, const N: usize, const K: usize> {
+    /// What was found last: it stays valid to its end.
+    course: Draft<S, N, K>,
+    model: Model<S, N, K>,
+    draft: Draft<S, N, K>,
+    best: Draft<S, N, K>,
+    /// Share of the band that is used, span by span.
+    used: [S; K],
+    /// Spans of the course that have been run.
+    run: usize,
+    h: S,
+    band: S,
+}
+
+/// Which number is free besides the control points.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Free {
+    /// When the agreed motion is joined.
+    Joining,
+    /// The distance of the knots.
+    Knots,
+}
+
+impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
+    /// With knots every `h` s, using a share of the band.
+    pub fn new(h: S, band: S) -> Self {
+        let none = Draft { points: [[S::ZERO; N]; K], count: 3, h, joins: S::ZERO };
+        Self {
+            course: none.clone(),
+            model: Model::new(),
+            draft: none.clone(),
+            best: none,
+            used: [band; K],
+            run: 0,
+            h,
+            band,
+        }
+    }
+
+    /// Spans of the course that have not been run yet.
+    pub fn spans(&self) -> usize {
+        self.course.spans() - self.run
+    }
+
+    /// Time between the knots of the course, s.
+    pub fn knots(&self) -> S {
+        self.course.h
+    }
+
+    /// When the agreed motion has the state in which the course ends, s: it goes on with that.
+    pub fn joins(&self) -> S {
+        self.course.joins
+    }
+
+    /// State of the course where its next span begins.
+    pub fn state(&self) -> State<S, N> {
+        state(&self.course.points[self.run..self.run + 3], self.course.h)
+    }
+
+    /// Position, velocity and acceleration a share of the next span behind its start; the position about [`Window::base`], which
+    /// is near it: so it is as exact as its change.
+    pub fn within(&self, share: S) -> State<S, N> {
+        let base = self.base();
+        let four = &self.course.points[self.run..self.run + 4];
+        let four: [[S; N]; 4] = core::array::from_fn(|k| minus(&four[k], &base));
+        within(&four, self.course.h, share)
+    }
+
+    /// The point about which [`Window::within`] gives positions.
+    pub fn base(&self) -> [S; N] {
+        self.course.points[self.run + 1]
+    }
+
+    /// Goes on to the next span; the line in which that begins, if this one began in the line of `bounds`.
+    pub fn advance(&mut self, bounds: &Bounds<'_, S, N>) -> usize {
+        let mut line = bounds.line;
+        if self.run < self.course.spans() {
+            let four = &self.course.points[self.run..self.run + 4];
+            for place in 1..=PLACES as u32 {
+                let share = S::from_u32(place) / S::from_u32(PLACES as u32);
+                line = passes(bounds.lines, line, &mixed(four, &weights(share)));
+            }
+            self.run += 1;
+        }
+        line
+    }
+
+    /// Moves the origin of all positions by `by`, mm.
+    pub fn move_origin(&mut self, by: &[S; N]) {
+        for point in &mut self.course.points {
+            *point = along(point, -S::ONE, by);
+        }
+    }
+
+    /// Sets the clock of the agreed motion back by `by`, s.
+    pub fn move_clock(&mut self, by: S) {
+        self.course.joins = self.course.joins - by;
+    }
+
+    /// Begins in a state of the agreed motion, at `time` of it.
+    pub fn begin(&mut self, state: &State<S, N>, time: S) {
+        self.course.points[..3].copy_from_slice(&state.points(self.h));
+        self.course.count = 3;
+        self.course.h = self.h;
+        self.course.joins = time;
+        self.run = 0;
+        self.used = [self.band; K];
+    }
+
+    /// Improves what has not been run of the course, and what is agreed behind it.
+    ///
+    /// Cost: at most 40 steps of Newton's method and three times 8 more, each of a factorisation and up to 7 sums over all rows.
+    ///
+    /// # Errors
+    /// Nothing better was found: the course is what it was.
+    pub fn improve(
+        &mut self,
+        agreed: &impl Agreed<S, N>,
+        bounds: &Bounds<'_, S, N>,
+    ) -> Result<Reshaped<S>, Refused> {
+        let free = self.guess(agreed)?;
+        let start = self.state();
+        let before = Self::left(&self.draft, agreed);
+        let limits = bounds.limits.map(|limits| crate::AxisLimits {
+            velocity: limits.velocity * S::of(SHARE),
+            acceleration: limits.acceleration * S::of(SHARE),
+            jerk: limits.jerk * S::of(SHARE),
+            ..limits
+        });
+        let bounds = Bounds { limits: &limits, ..*bounds };
+        let mut steps = self.descend(agreed, &bounds, &start, free, MU.0, STEPS)?;
+        for _ in 0..NARROWINGS {
+            let gain = before - Self::left(&self.best, agreed);
+            if !(gain > self.h * S::of(1.0e-4)) {
+                return Err(Refused::NoFaster);
+            }
+            if holding::narrow(&self.best, &bounds, self.band, &mut self.used) {
+                self.course = self.best.clone();
+                self.run = 0;
+                return Ok(Reshaped { gain, steps });
+            }
+            if self.used.iter().any(|used| *used < S::of(NARROWEST) * self.band) {
+                break;
+            }
+            self.draft = self.best.clone();
+            steps += self.descend(agreed, &bounds, &start, free, MU.1 * 4.0, MENDING)?;
+        }
+        self.used = [self.band; K];
+        Err(Refused::Outside)
+    }
+
+    /// Time that is left to the agreed motion's end, s.
+    fn left(draft: &Draft<S, N, K>, agreed: &impl Agreed<S, N>) -> S {
+        S::from_u32(draft.spans() as u32) * draft.h + agreed.end() - draft.joins
+    }
+
+    /// The draft to begin with: what is left of the course and what is agreed behind it.
+    fn guess(&mut self, agreed: &impl Agreed<S, N>) -> Result<Free, Refused> {
+        let spans = self.spans();
+        if spans >= 3 {
+            // Seen from nearer, the end is more exact than it was.
+            let end = agreed.at(self.course.joins).state.points(self.course.h);
+            self.course.points[self.course.count - 3..self.course.count].copy_from_slice(&end);
+        }
+        let time = S::from_u32(spans as u32) * self.course.h;
+        let whole = S::from_u32(K as u32 - 3) * self.h;
+        let left = time + agreed.end() - self.course.joins;
+        if !(left > self.h * S::of(4.0)) {
+            return Err(Refused::TooShort);
+        }
+        let (free, count, h) = if left > whole {
+            (Free::Joining, K, self.h)
+        } else {
+            // As many spans as it takes: they become no longer than they were.
+            let spans = (left / self.h).to_i64() as usize + 1;
+            (Free::Knots, spans + 3, left / S::from_u32(spans as u32))
+        };
+        let alike = h == self.course.h;
+        let onward = |time: S| agreed.at(time).state;
+        for k in 1..count - 1 {
+            let at = S::from_u32(k as u32 - 1) * h;
+            // The point in the midst of a knot's three is that of the motion there.
+            self.draft.points[k] = if at > time {
+                onward(self.course.joins + (at - time)).points(h)[1]
+            } else if alike {
+                self.course.points[self.run + k]
+            } else {
+                let knot = (at / self.course.h).to_i64() as usize;
+                let knot = (self.run + knot).min(self.course.spans().saturating_sub(1));
+                if spans == 0 {
+                    onward(self.course.joins).points(h)[1]
+                } else {
+                    let share = at / self.course.h - S::from_u32((knot - self.run) as u32);
+                    let four = &self.course.points[knot..knot + 4];
+                    within(four, self.course.h, share).points(h)[1]
+                }
+            };
+        }
+        self.draft.count = count;
+        self.draft.h = h;
+        let end = S::from_u32(count as u32 - 3) * h;
+        self.draft.joins = match free {
+            Free::Joining => self.course.joins + (end - time),
+            Free::Knots => agreed.end(),
+        };
+        self.used.rotate_left(self.run.min(K - 1));
+        let kept = K - self.run.min(K - 1);
+        if alike {
+            self.used[kept..].fill(self.band);
+        } else {
+            self.used = [self.band; K];
+        }
+        let start = self.state();
+        Self::ends(&mut self.draft, agreed, &start);
+        Ok(free)
+    }
+
+    /// Puts both ends where they belong.
+    fn ends(draft: &mut Draft<S, N, K>, agreed: &impl Agreed<S, N>, start: &State<S, N>) {
+        let (count, h) = (draft.count, draft.h);
+        draft.points[..3].copy_from_slice(&start.points(h));
+        let end = agreed.at(draft.joins).state.points(h);
+        draft.points[count - 3..count].copy_from_slice(&end);
+    }
+
+    /// Steps of Newton's method from the draft on, to the best that keeps all limits; how many.
+    fn descend(
+        &mut self,
+        agreed: &impl Agreed<S, N>,
+        bounds: &Bounds<'_, S, N>,
+        start: &State<S, N>,
+        free: Free,
+        weight: f64,
+        most: usize,
+    ) -> Result<usize, Refused> {
+        let mut mu = S::of(weight);
+        let (mut found, mut rises) = (false, 0);
+        let mut steps = 0;
+        let aim = self.aim(&self.draft, free);
+        let weigh = |window: &Self, draft: &Draft<S, N, K>, mu: S| {
+            let barrier = Barrier::new(width(mu));
+            let mut value = Value::new(&barrier);
+            let line = rows(draft, bounds, &window.used, &mut value);
+            let ends = free == Free::Knots || line == agreed.line(draft.joins);
+            let keeps = value.worst <= S::ONE && ends;
+            (value.sum + (window.aim(draft, free) - aim) / mu, keeps)
+        };
+        while steps < most {
+            let (here, keeps) = weigh(self, &self.draft, mu);
+            if keeps && (!found || self.aim(&self.draft, free) < self.aim(&self.best, free)) {
+                self.best = self.draft.clone();
+                found = true;
+            }
+            steps += 1;
+            let Some((number, falls)) = self.model(agreed, bounds, start, free, mu) else { break };
+            let last = mu <= S::of(MU.1);
+            let mut good = falls < S::of(ENOUGH);
+            if good && last {
+                break;
+            }
+            let cap = S::of(MOST) * self.h;
+            let mut by = if number.abs() > cap { cap / number.abs() } else { S::ONE };
+            if free == Free::Knots {
+                // They stay above half of what they are.
+                by = by.least(S::of(0.4) * self.draft.h / number.abs().greatest(S::EPSILON));
+            }
+            let from = self.draft.clone();
+            let mut went = false;
+            for _ in 0..TRIALS {
+                for k in 3..from.count - 3 {
+                    self.draft.points[k] = along(&from.points[k], by, &self.model.gradient[k]);
+                }
+                match free {
+                    Free::Joining => {
+                        self.draft.joins = (from.joins + by * number).least(agreed.end());
+                    }
+                    Free::Knots => self.draft.h = from.h + by * number,
+                }
+                Self::ends(&mut self.draft, agreed, start);
+                let (there, _) = weigh(self, &self.draft, mu);
+                if there <= here - S::of(GOOD) * by * falls {
+                    went = true;
+                    good |= by > S::of(0.5);
+                    break;
+                }
+                by = by * S::of(0.5);
+            }
+            if !went {
+                self.draft = from;
+                good = true;
+            }
+            if good && last && !went {
+                break;
+            }
+            if good {
+                mu = (mu * S::of(FALL)).greatest(S::of(MU.1));
+            }
+            if steps == most && !found && rises < RISES {
+                break;
+            }
+            if last && good && !found {
+                if rises == RISES {
+                    break;
+                }
+                rises += 1;
+                mu = mu * S::of(RISE);
+            }
+        }
+        let (_, keeps) = weigh(self, &self.draft, mu);
+        if keeps && (!found || self.aim(&self.draft, free) < self.aim(&self.best, free)) {
+            self.best = self.draft.clone();
+            found = true;
+        }
+        if found { Ok(steps) } else { Err(Refused::NoFaster) }
+    }
+
+    /// What is to be small, in knots.
+    fn aim(&self, draft: &Draft<S, N, K>, free: Free) -> S {
+        match free {
+            Free::Joining => -draft.joins / self.h,
+            Free::Knots => S::from_u32(draft.spans() as u32) * draft.h / self.h,
+        }
+    }
+
+    /// The model at the draft and the step to its least: that of the number, and by how much it falls.
+    fn model(
+        &mut self,
+        agreed: &impl Agreed<S, N>,
+        bounds: &Bounds<'_, S, N>,
+        start: &State<S, N>,
+        free: Free,
+        mu: S,
+    ) -> Option<(S, S)> {
+        let (draft, h) = (&self.draft, self.draft.h);
+        self.model.clear();
+        let barrier = Barrier::new(width(mu));
+        let knots = (free == Free::Knots).then_some(h);
+        let mut modelling = Modelling { model: &mut self.model, barrier: &barrier, knots };
+        rows(draft, bounds, &self.used, &mut modelling);
+        let (ends, push) = match free {
+            Free::Joining => {
+                let onward = agreed.at(draft.joins);
+                let State { velocity, acceleration, .. } = onward.state;
+                let slopes =
+                    State { position: velocity, velocity: acceleration, acceleration: onward.jerk };
+                let curvatures = State {
+                    position: acceleration,
+                    velocity: onward.jerk,
+                    acceleration: onward.snap,
+                };
+                let first = draft.count - 3;
+                let ends =
+                    Ends { first, slopes: slopes.points(h), curvatures: curvatures.points(h) };
+                (ends, -S::ONE / self.h)
+            }
+            Free::Knots => {
+                // Twice the change of the points by the velocity, and once: see `State::points`.
+                let (third, two) = (S::of(1.0 / 3.0), S::of(2.0));
+                let a = start.acceleration.map(|a| a * third);
+                let mid = a.map(|a| -h * a);
+                let side = a.map(|a| two * h * a);
+                let slopes = [
+                    along(&side, -S::ONE, &start.velocity),
+                    mid,
+                    along(&side, S::ONE, &start.velocity),
+                ];
+                let bent = a.map(|a| two * a);
+                let curvatures = [bent, a.map(|a| -a), bent];
+                let push = S::from_u32(draft.spans() as u32) / self.h;
+                (Ends { first: 0, slopes, curvatures }, push)
+            }
+        };
+        self.model.follow(&ends);
+        self.model.step(3..draft.count - 3, push / mu)
+    }
+}
+
+fn width<S: Scalar>(mu: S) -> S {
+    (S::of(WIDTH) * mu * mu.sqrt()).least(S::of(0.1))
+}
