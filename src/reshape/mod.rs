@@ -5,11 +5,11 @@
 //! that every limit of an axis is a bound on differences of control points: velocity by their hull, acceleration and jerk
 //! exactly. The first three control points are the state in which the window begins, the last three that of the agreed motion at
 //! a later time: what comes behind the window is run as agreed. That time is made as late as the limits and the band allow
-//! ([`window`]): by Newton's method on a barrier ([`barrier`], [`rows`]) whose system is banded, since every
-//! control point is coupled with three before it ([`banded`], [`model`]). Where the agreed motion ends within the window, its
+//! (`window`): by Newton's method on a barrier (`barrier`, `rows`) whose system is banded, since every
+//! control point is coupled with three before it (`banded`, `model`). Where the agreed motion ends within the window, its
 //! end is kept and the knots are brought closer together.
 //!
-//! Whatever is found is checked between the places that were looked at before it is offered ([`holding`]); what is not
+//! Whatever is found is checked between the places that were looked at before it is offered (`holding`); what is not
 //! faster than agreed, or cannot be shown to stay inside the band, is not offered. So it can be left out, or cut short, at
 //! any moment.
 //!
