@@ -3,7 +3,7 @@
 use super::vector::along;
 use crate::number::Scalar;
 
-/// A state of motion: position, velocity, acceleration, jerk and the rate of that, mm and s.
+/// A state of motion: position, velocity and acceleration of every axis.
 #[derive(Clone, Copy, Debug)]
 pub struct State<S, const N: usize> {
     /// mm.
