@@ -50,6 +50,21 @@ async function click(page, name) {
   }
 }
 
+/** Picks the port from the list. The list may open before the server has named the ports, or close again when it does: asked for again. */
+async function choose(page, port) {
+  const began = Date.now();
+  for (;;) {
+    await page.click(".Select-control, [class*=Select] input");
+    await sleep(500);
+    for (const option of await page.$$(".Select-option, [class*=option]")) {
+      if ((await option.evaluate((e) => e.innerText)).includes(port)) return option.click();
+    }
+    if (Date.now() - began > PATIENCE) throw new Error(`${port} is not among the ports`);
+    await page.keyboard.press("Escape");
+    await sleep(500);
+  }
+}
+
 const at = (place, goal) => place.every((x, axis) => Math.abs(x - goal[axis]) < 0.0015);
 
 async function main() {
@@ -73,18 +88,7 @@ async function main() {
 
     // Connect.
     await page.waitForSelector(".Select-control, [class*=Select] input", { timeout: PATIENCE });
-    await page.click(".Select-control, [class*=Select] input");
-    await page.waitForFunction(
-      (port) => [...document.querySelectorAll("[class*=option]")].some((e) => e.innerText.includes(port)),
-      { timeout: PATIENCE },
-      serialPort,
-    );
-    for (const option of await page.$$(".Select-option, [class*=option]")) {
-      if ((await option.evaluate((e) => e.innerText)).includes(serialPort)) {
-        await option.click();
-        break;
-      }
-    }
+    await choose(page, serialPort);
     await click(page, "Open");
     await until(page, "connected", ({ state }) => state !== "" && state !== "–");
     await picture("1-connected");

@@ -5,7 +5,7 @@
 
 PROGRAM is the built `splineway`, whose `controller --protocol grbl` is opened, homed, jogged, given a file, held, resumed, stopped and run
 to the end by clicks on the page (`cncjs.js`). Screenshots lie in `target/cncjs` afterwards. The server and what drives the browser are
-installed there from npm; where they cannot be, or there is no chromium, this says so and ends well.
+installed there from npm; where they cannot be, or there is no chromium or udevadm, this says so and ends well.
 """
 
 import json
@@ -28,6 +28,8 @@ def installed() -> pathlib.Path:
     """The server, and the browser that opens its page."""
     if not shutil.which("node") or not shutil.which("npm"):
         skipped("CNCjs needs node and npm")
+    if not shutil.which("udevadm"):
+        skipped("CNCjs lists no port without udevadm")
     browser = next(filter(None, map(shutil.which, BROWSERS)), None)
     if browser is None:
         skipped("there is no chromium")
