@@ -113,6 +113,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.revoke();
         }
         if wish.overrides != self.horizon.overrides()
+            && !self.is_refused(wish.overrides, at)
             && self.revoke()
             && self.retune(wish.overrides, at)
         {

@@ -48,9 +48,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return true;
         }
         let now = self.side.cycles();
-        let waited = now.since(self.pressing.retuned).unwrap_or(0) >= self.most_reaction();
         let others = self.pressing.refused.is_some_and(|refused| refused != overrides);
-        if at != self.pressing.at || waited || others {
+        if self.is_due(at) || others {
             self.pressing.retunes = 0;
         }
         self.pressing.refused = None;
@@ -82,6 +81,18 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         self.pressing.refused = Some(overrides);
         false
+    }
+
+    /// Whether the motion has come far enough since the last try for more of them.
+    fn is_due(&self, at: NodeSerial) -> bool {
+        let waited = self.side.cycles().since(self.pressing.retuned).unwrap_or(0);
+        at != self.pressing.at || waited >= self.most_reaction()
+    }
+
+    /// Whether these overrides cannot be come to for now. Until they can, a plan on offer stands: one that is withdrawn for
+    /// nothing is made again in the same servo cycle, without an end.
+    pub(super) fn is_refused(&self, overrides: Overrides, at: NodeSerial) -> bool {
+        self.pressing.refused == Some(overrides) && !self.is_due(at)
     }
 }
 

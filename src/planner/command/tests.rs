@@ -1,7 +1,7 @@
 //! Commands at any instant, while a few slices of planning are done in a servo cycle: whatever they interrupt, the limits
 //! hold and the program comes to its end.
 
-use crate::block::Block;
+use crate::block::{Block, Feed};
 use crate::machine::{AxisLimits, Config, Limits};
 use crate::number::{Coord, Scalar};
 use crate::planner::making::Purpose;
@@ -14,6 +14,8 @@ const VELOCITY: f64 = 200.0;
 const ACCELERATION: f64 = 2_000.0;
 const JERK: f64 = 50_000.0;
 const CYCLE: f64 = 1.0e-3;
+/// More slices than all cells and plans in the window take in a servo cycle.
+const ENDLESS: u32 = 10_000;
 /// Where the program ends.
 const END: [f64; 2] = [95.0, 3.0];
 
@@ -134,4 +136,72 @@ fn whatever_a_command_interrupts_the_limits_hold_and_the_program_ends() {
         }
     }
     assert!(sum.iter().all(|&count| count > 20), "hold, override, first answer: {sum:?}");
+}
+
+/// Lines of all lengths, at any speed, on axes of any limits.
+fn any_program<S: Scalar>(draws: &mut Draws) -> (Config<S, 2>, Vec<Block<S, 2>>) {
+    let mut between = |least: f64, most: f64| {
+        S::of(least * (most / least).powf(f64::from(draws.below(1000)) / 1000.0))
+    };
+    let axes = [(); 2].map(|()| {
+        let velocity = between(5.0, 500.0);
+        let acceleration = velocity * between(2.0, 100.0);
+        AxisLimits::linear(velocity, acceleration, acceleration * between(5.0, 500.0))
+    });
+    let mut config = Config::new(Limits::new(axes).unwrap());
+    (config.tolerance, config.lead) = (between(1.0e-3, 0.2), between(1.0e-3, 0.3));
+    let mut at = [0.0; 2];
+    let blocks = (0..24).map(|tag| {
+        let feed = between(1.0, 300.0);
+        for x in &mut at {
+            let turn = between(1.0, 1.0e4).to_f64() > 100.0;
+            *x += between(1.0e-3, 10.0).to_f64() * if turn { 1.0 } else { -1.0 };
+        }
+        Block { feed: Feed::PerSecond(feed), ..line(at, tag) }
+    });
+    let blocks = blocks.collect();
+    (config, blocks)
+}
+
+/// Runs a program while overrides change, with planning that takes no time. The most slices in a servo cycle.
+fn most_slices<S: Scalar>(seed: u64) -> u32 {
+    let mut draws = Draws(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1);
+    let (config, blocks) = any_program::<S>(&mut draws);
+    let mut link = Box::new(Link::<S, 2, 16, 64>::new());
+    let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; 2]).unwrap();
+    let (mut left, mut most) = (&blocks[..], 0);
+    for _ in 0..1000 {
+        if draws.below(6) == 0 {
+            planner.controls().feed_override([1, 5, 50, 100, 150, 200][draws.below(6) as usize]);
+        }
+        let mut slices = 0;
+        loop {
+            while let [block, rest @ ..] = left
+                && planner.push(block).is_ok()
+            {
+                left = rest;
+            }
+            if left.is_empty() {
+                planner.finish();
+            }
+            slices += 1;
+            let goes_on = matches!(planner.poll(), Progress::Planning | Progress::Planned);
+            if !goes_on || slices == ENDLESS {
+                break;
+            }
+        }
+        most = most.max(slices);
+        interpolator.tick();
+    }
+    most
+}
+
+/// A plan that is taken back as soon as it is handed over would be made for ever.
+#[test]
+fn planning_comes_to_an_end_in_every_servo_cycle() {
+    for seed in 0..40 {
+        for most in [most_slices::<f32>(seed), most_slices::<f64>(seed)] {
+            assert!(most < ENDLESS, "seed {seed}: no end");
+        }
+    }
 }
