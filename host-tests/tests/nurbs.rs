@@ -303,6 +303,23 @@ fn what_is_refused_and_where() {
         found[1].contains("G5.3 ends a NURBS block of which a line has been refused"),
         "{found:?}"
     );
+    // Whatever is wrong with the line of G5.3, the block ends there.
+    for end in [
+        "G5.3 $",
+        "$ G5.3",
+        "G5.3 G999",
+        "G5.3 F0",
+        "G5.3 X1..2",
+        "G5.3 (",
+        "G5.3 X",
+        "N1 [ g05.30",
+    ] {
+        let found = errors(&format!("F600\nG5.2\nX1 Y1\nX2 Y0\n{end}\nG1 X3\nG0 X4"));
+        assert_eq!(found.len(), 1, "{end}: {found:?}");
+    }
+    // One that only looks like it does not.
+    let found = errors("F600\nG5.2\nX1 Y1\n$ (G5.3)\nX2 Y0\nG5.3");
+    assert_eq!(found.len(), 2, "{found:?}");
     // The mode is over.
     assert!(errors("F600\nG5.2\nX1 Y0\nX2 Y2\nG5.3\nX5")[0].contains("without a motion code"));
 }

@@ -194,7 +194,7 @@ const fn slot(what: Use) -> Option<usize> {
 }
 
 /// The tenths of a code's number, if it has one.
-fn tenths(value: f64) -> Option<u16> {
+pub fn tenths(value: f64) -> Option<u16> {
     let tenths = libm::round(value * 10.0);
     let is_code = (0.0..60_000.0).contains(&tenths) && (tenths - value * 10.0).abs() < 1.0e-6;
     is_code.then_some(tenths as u16)

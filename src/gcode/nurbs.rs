@@ -29,7 +29,8 @@ const WEIGHTS: (f64, f64) = (1.0e-3, 1.0e3);
 
 /// Its first code.
 pub const BEGIN: Code = Code::g(52);
-const END: Code = Code::g(53);
+/// Its last one.
+pub const END: Code = Code::g(53);
 
 /// A curve, as it is read and then given out; kept where it is, for it is large.
 #[derive(Debug, Default)]
@@ -89,6 +90,12 @@ impl Curve {
             Stage::None => {}
         }
         None
+    }
+
+    /// The line of G5.3 has been refused as a whole: there is none any more. Says where it would have ended.
+    pub fn refuse_end(&mut self) -> Place {
+        self.stage = Stage::None;
+        self.to
     }
 
     /// There is none any more.

@@ -212,8 +212,30 @@ impl Reader {
             if let Some(end) = self.nurbs.refuse() {
                 self.position = end;
             }
+            if self.nurbs.is_open() && self.names_end(text) {
+                // Else the lines behind the block would be refused as lines of it.
+                self.position = self.nurbs.refuse_end();
+                self.modal.mode = Mode::None;
+            }
         }
         outcome
+    }
+
+    /// Whether a line that is refused has the end of a NURBS block among its words, before or behind what is wrong with it.
+    fn names_end(&mut self, text: &[u8]) -> bool {
+        let mut rest = text;
+        // Every round leaves out a byte at least.
+        for _ in 0..text.len() {
+            let wrong = lexer::split(rest, self.settings.dialect, &mut self.words).err();
+            if self.words.names(nurbs::END) {
+                return true;
+            }
+            let Some(behind) = wrong.and_then(|wrong| rest.get(wrong.column as usize..)) else {
+                return false;
+            };
+            rest = behind;
+        }
+        false
     }
 
     /// The next thing to do for the line read last; `None` when that is all. The cost is that of one move.

@@ -1,6 +1,7 @@
 //! The words of a line, and which code has taken them.
 
 use super::error::{Reason, Refusal};
+use super::groups::tenths;
 use super::offsets::is_whole;
 use super::{AXES, Code, LETTERS, WORDS};
 use crate::machine::Quantity;
@@ -53,6 +54,14 @@ impl Words {
 
     fn find(&mut self, letter: char) -> Option<&mut Word> {
         self.list.iter_mut().find(|word| char::from(word.letter) == letter)
+    }
+
+    /// Whether a code is among them.
+    pub fn names(&self, code: Code) -> bool {
+        self.list.iter().any(|word| {
+            char::from(word.letter) == code.letter
+                && word.value.and_then(tenths) == Some(code.tenths)
+        })
     }
 
     /// Whether there is a word of this letter.
