@@ -718,3 +718,16 @@ fn any_order_of_words_gives_the_same() {
     }
     assert_eq!(Code::g(611).to_string(), "G61.1");
 }
+
+/// A feed that is refused has been said; that moves behind it have none is no other finding.
+#[test]
+fn a_feed_that_is_refused_is_told_once() {
+    for text in ["F0\nG1 X5\nX6", "G1 X5 F0\nX6", "G1 F0\nX5\nF0.5\nX6"] {
+        let (_, findings) = examine(text, options(MILL));
+        assert_eq!(findings.len(), 1, "{findings:?}");
+        assert!(findings[0].to_string().contains("F0: it must be from"), "{findings:?}");
+    }
+    let (_, findings) = examine("G1 X5\nX6\nF60\nX7", options(MILL));
+    assert_eq!(findings.len(), 1, "{findings:?}");
+    assert!(findings[0].to_string().contains("no F word yet"), "{findings:?}");
+}

@@ -6,7 +6,7 @@ use crate::program::{
     AXES, Aside, Attended, Course, Finding, LETTERS, Move, Point, Program, ReadOptions, Severity,
     Speed,
 };
-use splineway::gcode::{Action, Code, Dialect, Laser, Note, ProbeMove, Reader, Settings};
+use splineway::gcode::{Action, Code, Dialect, Laser, Note, ProbeMove, Reader, Reason, Settings};
 use splineway::{Block, Coord, Feed, Motion, Switch, Turn};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -63,6 +63,8 @@ pub struct Run<'a> {
     has_label: bool,
     /// Notes are told once.
     told: Vec<Note>,
+    /// An F word has been refused: that moves behind it run without one is said by that.
+    feed_refused: bool,
     /// Lines that are refused, lest they are so in every call.
     refused: BTreeSet<usize>,
     /// Nothing more is read.
@@ -129,6 +131,7 @@ impl<'a> Run<'a> {
             labels: None,
             has_label: false,
             told: Vec::new(),
+            feed_refused: false,
             refused: BTreeSet::new(),
             is_over: false,
             start,
@@ -202,6 +205,7 @@ impl<'a> Run<'a> {
             return;
         }
         if let Err(refusal) = self.reader.line(self.line_number(), line) {
+            self.feed_refused |= matches!(refusal.reason, Reason::Range { letter: 'F', .. });
             let column = column(line, refusal.column);
             self.refuse(Some(column), refusal.reason.to_string());
         } else {
@@ -235,7 +239,8 @@ impl<'a> Run<'a> {
     fn tell(&mut self) {
         let line = self.line_number();
         for note in self.reader.notes() {
-            if !self.told.contains(note) {
+            let known = self.feed_refused && matches!(note, Note::NoFeed(_));
+            if !known && !self.told.contains(note) {
                 self.told.push(*note);
                 self.findings.push(Finding::warning(line, note.to_string()));
             }
