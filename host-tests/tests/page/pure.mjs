@@ -17,6 +17,12 @@ test("times are h:m:s", () => {
   assert.equal(s.timeLabel(75.25, 0.05), "0:01:15.25");
 });
 
+test("a speed is told over the feed", () => {
+  assert.equal(s.speedOf(12.345, 50), "12.3 / 50");
+  assert.equal(s.speedOf(0, 50), "0 / 50");
+  assert.equal(s.speedOf(0, 0), "0 / -");
+});
+
 test("ticks are even and inside", () => {
   for (const [low, high] of [[0, 1], [-3, 1e5], [0.123, 0.124], [-1e-4, 2e-4]]) {
     const all = s.ticks(low, high, 6), step = all[1] - all[0];

@@ -144,11 +144,12 @@ class Chart {
     g.beginPath(); g.rect(PAD.left, PAD.top, this.width, h - PAD.top - PAD.bottom); g.clip();
     if (this.feed) this.programmedFeed(g);
     this.limitLines(g, drawn);
+    // What was run is on top of what others would do.
+    this.overlays().forEach(overlay => this.overlay(g, overlay));
     for (const { n, columns } of drawn) {
       g.strokeStyle = g.fillStyle = this.curves[n].axis === undefined ? style.speed : style.axes[this.curves[n].axis % style.axes.length];
       this.curve(g, columns, fine);
     }
-    this.overlays().forEach(overlay => this.overlay(g, overlay));
     g.restore();
     this.beyond(g, drawn);
   }

@@ -137,6 +137,7 @@ struct HeadSlow {
     lost: f64,
     time: f64,
     slowest: f64,
+    feed: f64,
     cause: String,
 }
 
@@ -223,6 +224,7 @@ impl Head {
             lost: place.lost,
             time: place.worst.time,
             slowest: finite(place.worst.slowest),
+            feed: finite(place.feed),
             cause: place.cause.clone(),
         });
         let overlays = page.overlays.iter().map(|overlay| {

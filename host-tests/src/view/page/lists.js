@@ -73,7 +73,7 @@ function slowPlaces(app) {
   return tableOf(["line", "lost", "slowest / feed, mm/s", "why"], slow.map(place => ({
     cells: [
       place.line, hms(place.lost),
-      `${label(place.slowest, 3)} / ${label(app.run.feedOf(place.line).feed, 3)}`,
+      speedOf(place.slowest, place.feed),
       place.cause + (app.listing ? `: ${app.listing.text(place.line).trim()}` : ""),
     ],
     go: () => app.visit(app.run.cycleAt(place.time)),

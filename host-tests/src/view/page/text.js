@@ -19,6 +19,9 @@ function label(value, digits = 6) {
   return String(parseFloat(value.toPrecision(digits)));
 }
 
+/** A speed over the feed that is asked for; an event or a dwell asks for none. */
+function speedOf(speed, feed) { return `${label(speed, 3)} / ${feed > 0 ? label(feed, 3) : "-"}`; }
+
 /** Even places for about `count` labels. */
 function ticks(low, high, count) {
   if (!(high > low)) return [];
