@@ -1,12 +1,11 @@
 //! The `splineway` program.
 
-use clap::Parser;
 use splineway_host::commands::Arguments;
 use splineway_host::out;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let command = Arguments::parse().command;
+    let command = Arguments::of_process().command;
     // `splineway ... | head` ends quietly; but a machine is not left alone because nobody reads any more.
     if !command.has_a_machine() {
         sigpipe::reset();

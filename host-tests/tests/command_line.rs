@@ -443,6 +443,46 @@ fn a_page_is_opened() {
     }
 }
 
+/// Whatever an option is given, the answer is about that value, and not about an argument that nobody knows.
+#[test]
+fn numbers_out_of_range_are_refused_by_value_and_range() {
+    let square = format!("{DATA}/square.ngc");
+    for (command, option, value, range) in [
+        ("simulate", "--tolerance", "-1", "0 to 1000"),
+        ("simulate", "--feed", "-1", "greater than 0"),
+        ("simulate", "--cycle", "-0.001", "0.000001 to 0.01"),
+        ("simulate", "--sweeps", "-1", "0 to 100"),
+        ("simulate", "--sweeps", "101", "0 to 100"),
+        ("simulate", "--lookahead", "-1", "16 to 256"),
+        ("simulate", "--segments", "0", "1 to 1000000"),
+        ("check", "--tolerance", "-0.5", "0 to 1000"),
+        ("check", "--places", "-1", "0 to 1000000"),
+        ("limit", "--tolerance", "-1", "0 to 1000"),
+        ("limit", "--rounds", "1.5", "0 to 1000000"),
+        ("reshape", "--tolerance", "-1", "0 to 1000"),
+    ] {
+        let output = fed(&[command, &square, option, value], b"");
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(!output.status.success(), "{command} {option} {value}");
+        // Not its usage, and whatever else is said of an argument that is not known.
+        let first = said.lines().next().unwrap_or_default();
+        assert!(first.contains(value), "{option} {value}: {said}");
+        assert!(first.contains(range), "{option} {value}: {said}");
+    }
+    for (command, option) in [
+        ("controller", "--axes"),
+        ("controller", "--speed"),
+        ("controller", "--faults"),
+        ("soak", "--cases"),
+        ("soak", "--threads"),
+    ] {
+        let output = fed(&[command, option, "-1"], b"");
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(!output.status.success() && !said.contains("unexpected"), "{said}");
+        assert!(said.contains("-1") && said.contains("must be"), "{said}");
+    }
+}
+
 /// Those in the repository are those that the program prints; `UPDATE=1 cargo test` writes them.
 #[test]
 fn completions_in_the_repository_are_the_programs() {

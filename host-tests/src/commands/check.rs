@@ -1,6 +1,7 @@
 //! `splineway check`: a program before it is run.
 
 use super::files::check_stdin;
+use super::numbers::whole;
 use super::reading::Reading;
 use crate::lint::{Extent, Findings, Listing, Moves, Shares, look};
 use crate::view::Busy;
@@ -24,7 +25,7 @@ pub struct Check {
     #[arg(long, value_name = "MM")]
     pub tolerance: Option<f64>,
     /// How many slow places are shown
-    #[arg(long, value_name = "COUNT", default_value_t = 10)]
+    #[arg(long, value_name = "COUNT", default_value_t = 10, value_parser = whole(0_usize, 1_000_000))]
     pub places: usize,
     /// Print JSON
     #[arg(long)]

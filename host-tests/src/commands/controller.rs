@@ -1,6 +1,7 @@
 //! `splineway controller`: a controller without a machine, for `splineway stream` and for senders of grbl.
 
 use super::files::{self, named};
+use super::numbers::whole;
 use crate::stream::{
     Controller, Doing, Faults, Grbl, Happening, Kept, Line, describe_event, describe_place,
     describe_state,
@@ -27,7 +28,7 @@ pub enum Protocol {
 #[derive(Clone, Debug, clap::Args)]
 pub struct ControllerCommand {
     /// Axes: 3, 6 or 9
-    #[arg(long, value_name = "COUNT", default_value_t = 3)]
+    #[arg(long, value_name = "COUNT", default_value_t = 3, value_parser = whole(3_usize, 9))]
     pub axes: usize,
     /// What it speaks
     #[arg(long, value_enum, default_value_t)]

@@ -1,6 +1,7 @@
 //! `splineway limit`: how much faster any motion could be.
 
 use super::files::{self, named};
+use super::numbers::whole;
 use super::reading::Reading;
 use anyhow::{Context, Result, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -31,7 +32,7 @@ pub struct Limit {
     #[arg(long, value_name = "MS", default_value_t = 2.0)]
     pub step: f64,
     /// Most rounds
-    #[arg(long, value_name = "COUNT", default_value_t = 20)]
+    #[arg(long, value_name = "COUNT", default_value_t = 20, value_parser = whole(0_usize, 1_000_000))]
     pub rounds: usize,
     /// Longest motion that is looked at, s
     #[arg(long, value_name = "S", default_value_t = 60.0)]
@@ -70,12 +71,14 @@ impl Limit {
             "step is {}; it must be 0.25 to 50 ms",
             self.step
         );
+        ensure!(self.longest > 0.0, "longest is {} s; it must be above 0", self.longest);
         ensure!(
             self.setpoints.is_none() || self.files.len() == 1,
             "--setpoints is for one file; there are {}",
             self.files.len()
         );
         self.reading.check()?;
+        Reading::check_tolerance(self.tolerance)?;
         let mut inputs: Vec<_> =
             self.files.iter().map(|file| Some(("a tool path", file.as_path()))).collect();
         inputs.push(self.reading.file());

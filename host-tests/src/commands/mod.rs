@@ -11,6 +11,7 @@ pub mod formats;
 pub mod gcodes;
 pub mod limit;
 pub mod machine;
+pub mod numbers;
 mod page;
 pub mod paper;
 pub mod reading;
@@ -23,7 +24,7 @@ pub mod stream;
 pub mod thesis;
 
 use anyhow::Result;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 /// Motion interpolator core: simulation of servo cycles on a PC, and programs for a controller
 #[derive(Debug, Parser)]
@@ -32,6 +33,14 @@ pub struct Arguments {
     /// What is to be done.
     #[command(subcommand)]
     pub command: Command,
+}
+
+impl Arguments {
+    /// Those of this process. What cannot be understood ends it.
+    pub fn of_process() -> Self {
+        let matches = numbers::taking_negative(Self::command()).get_matches();
+        Self::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
+    }
 }
 
 /// The commands.

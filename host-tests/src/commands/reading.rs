@@ -3,6 +3,8 @@
 use super::files::{Named, named};
 use anyhow::{Result, ensure};
 use clap::ValueEnum;
+use splineway::machine::Quantity;
+use splineway::number::Range;
 use splineway_simulator::machine::Machine;
 use splineway_simulator::program::{Dialect, Overriding, ReadOptions, Setup, Tape};
 use std::path::PathBuf;
@@ -39,7 +41,7 @@ pub struct Reading {
     #[arg(long, value_name = "TOML")]
     pub machine: Option<PathBuf>,
     /// Feed of all moves but rapids, mm/s, in place of what the file says [default: the file's; 50 where it says nothing]
-    #[arg(long, value_name = "MM_PER_S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM_PER_S")]
     pub feed: Option<f64>,
     /// Whose G-code it is [default: told by the header where that is plain, else linuxcnc]
     #[arg(long, value_enum)]
@@ -60,6 +62,18 @@ impl Reading {
     pub fn check(&self) -> Result<()> {
         let feed = self.feed.unwrap_or(FEED);
         ensure!(feed > 0.0 && feed.is_finite(), "--feed {feed}: it must be greater than 0");
+        Ok(())
+    }
+
+    /// The same of `--tolerance`, for commands that do not run what they are given as it is.
+    ///
+    /// # Errors
+    /// Names the value and the range.
+    pub fn check_tolerance(tolerance: Option<f64>) -> Result<()> {
+        let Range { least, greatest } = Quantity::Tolerance.range();
+        let value = tolerance.unwrap_or(least);
+        let fits = (least..=greatest).contains(&value);
+        ensure!(fits, "--tolerance {value}: it must be {least} to {greatest} mm");
         Ok(())
     }
 

@@ -24,7 +24,7 @@ pub struct Reshape {
     pub reading: Reading,
     /// Greatest distance from the programmed path, mm, in place of the machine's, and of those that the program names (G64 P)
     /// [default: those]
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM")]
     pub tolerance: Option<f64>,
     /// Scalar of the windows; the planned motion is of double precision
     #[arg(long, value_enum, default_value_t)]
@@ -66,6 +66,7 @@ impl Reshape {
             self.files.len()
         );
         self.reading.check()?;
+        Reading::check_tolerance(self.tolerance)?;
         let mut inputs: Vec<_> =
             self.files.iter().map(|file| Some(("a tool path", file.as_path()))).collect();
         inputs.push(self.reading.file());

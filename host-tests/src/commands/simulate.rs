@@ -1,6 +1,7 @@
 //! `splineway simulate`: a file through the core, cycle by cycle.
 
 use super::files::{self, named};
+use super::numbers::whole;
 use super::page;
 use super::reading::Reading;
 use super::recorded::{self, Places, Recorded, is_page};
@@ -44,10 +45,10 @@ pub struct Simulate {
     #[arg(long, value_name = "S")]
     pub cycle: Option<f64>,
     /// Look-ahead depth, blocks: 16, 64 or 256 [default: the machine's]
-    #[arg(long, value_name = "BLOCKS")]
+    #[arg(long, value_name = "BLOCKS", value_parser = whole(16_usize, 256))]
     pub lookahead: Option<usize>,
     /// Smoothing sweeps over runs of short lines; 0 leaves them as they are laid [default: the machine's]
-    #[arg(long, value_name = "COUNT")]
+    #[arg(long, value_name = "COUNT", value_parser = whole(0_u16, 100))]
     pub sweeps: Option<u16>,
     /// Number type of the core
     #[arg(long, value_enum, default_value_t)]
@@ -60,7 +61,7 @@ pub struct Simulate {
     #[arg(long, value_name = "SHARE")]
     pub lambda: Option<f64>,
     /// Runs a NURBS curve as so many chords of equal parameter steps [default: as the curve itself]
-    #[arg(long, value_name = "COUNT")]
+    #[arg(long, value_name = "COUNT", value_parser = whole(1_usize, 1_000_000))]
     pub segments: Option<usize>,
     /// Operator's commands: lines "time, action[, value]"; `splineway formats` lists the actions [default: none]
     #[arg(long, value_name = "CSV")]

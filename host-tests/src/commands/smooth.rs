@@ -25,7 +25,7 @@ pub struct Smooth {
     /// Spline file: .json, .toml or .txt (control points, knots, tolerance, precision, accuracy); "-" is standard input
     file: PathBuf,
     /// Radius of the tube, mm [default: the file's]
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM")]
     tolerance: Option<f64>,
     /// Places per knot interval at which the thesis's method takes distances [default: the file's, or 5]
     #[arg(long, value_name = "COUNT")]

@@ -1,5 +1,6 @@
 //! `splineway soak`: random programs, machines and operators until a number of cases has been judged.
 
+use super::numbers::whole;
 use crate::view::bar;
 use anyhow::{Result, bail};
 use serde::Serialize;
@@ -17,16 +18,16 @@ const SHOWN: usize = 20;
 #[derive(Clone, Debug, clap::Args)]
 pub struct Soak {
     /// Cases to be run
-    #[arg(long, value_name = "COUNT", default_value_t = 100_000)]
+    #[arg(long, value_name = "COUNT", default_value_t = 100_000, value_parser = whole(0, u64::MAX))]
     pub cases: u64,
     /// Number of the first case; the same numbers give the same cases
-    #[arg(long, value_name = "NUMBER", default_value_t = 0)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 0, value_parser = whole(0, u64::MAX))]
     pub seed: u64,
     /// Threads [default: as many as the machine has cores]
-    #[arg(long, value_name = "COUNT")]
+    #[arg(long, value_name = "COUNT", value_parser = whole(1_usize, 1024))]
     pub threads: Option<usize>,
     /// Runs this case alone, and tells what happens in it [default: all of them]
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", value_parser = whole(0, u64::MAX))]
     pub case: Option<u64>,
     /// Shows the least case that breaks the same rule
     #[arg(long, requires = "case")]

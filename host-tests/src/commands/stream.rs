@@ -99,9 +99,10 @@ impl Stream {
         );
         self.reading.check()?;
         check_stdin(&[Some(("the program", &self.file)), self.reading.file()])?;
+        let laser = self.laser.unwrap_or(1.0);
         ensure!(
-            self.laser.is_none_or(|most| most > 0.0 && most.is_finite()),
-            "--laser is the greatest power; it must be above 0"
+            laser > 0.0 && laser.is_finite(),
+            "--laser {laser}: the greatest power must be above 0"
         );
         let homing = self.home.as_deref().map(Homing::parse).transpose().context("--home")?;
         let setup = self.reading.machine()?.setup();
