@@ -483,6 +483,17 @@ fn numbers_out_of_range_are_refused_by_value_and_range() {
     }
 }
 
+#[test]
+fn chords_are_for_curves() {
+    for name in ["square.ngc", "zigzag.txt"] {
+        let said = error_of(&["simulate", &format!("{DATA}/{name}"), "--segments", "20"], b"");
+        assert!(said.contains(name), "{said}");
+        assert!(said.contains("only a NURBS curve can be run as 20 chords"), "{said}");
+    }
+    let said = error_of(&["simulate", "-", "--segments", "20"], b"G1 X1 F60\n");
+    assert!(said.contains("20 chords"), "{said}");
+}
+
 /// Those in the repository are those that the program prints; `UPDATE=1 cargo test` writes them.
 #[test]
 fn completions_in_the_repository_are_the_programs() {

@@ -108,6 +108,7 @@ pub fn parse_spline(file: &SplineFile, options: ReadOptions<'_>) -> Result<Progr
     if let Some(curve) = file.nurbs()? {
         return of_nurbs(&curve, ReadOptions { feed, ..options });
     }
+    options.check_no_chords()?;
     let path = file.path()?;
     let mut program = Program { start: wide(path.point(0, 0.0)), ..Program::default() };
     let named = file.control_points.iter().map(Vec::len).max().unwrap_or(0);

@@ -99,9 +99,12 @@ pub fn inspect_bytes(
     let name = path.display();
     let text = || String::from_utf8_lossy(bytes);
     let program = match kind(path, bytes) {
-        Some(Kind::Gcode) => return Ok(gcode::examine(bytes, options)),
+        Some(Kind::Gcode) => {
+            options.check_no_chords().with_context(|| format!("{name}"))?;
+            return Ok(gcode::examine(bytes, options));
+        }
         Some(Kind::Text) if spline::is_spline(&text()) => of_spline(&text(), "txt", options),
-        Some(Kind::Text) => poly::parse(&text()),
+        Some(Kind::Text) => options.check_no_chords().and_then(|()| poly::parse(&text())),
         Some(Kind::Toml) => of_spline(&text(), "toml", options),
         Some(Kind::Json) => curve::parse_json(&text(), options),
         None => {
@@ -156,6 +159,7 @@ impl Loaded {
         options: ReadOptions<'a>,
     ) -> Result<(Box<dyn Tape + 'a>, Vec<Finding>)> {
         if self.kind == Some(Kind::Gcode) {
+            options.check_no_chords().with_context(|| self.path.display().to_string())?;
             let (reel, findings) = Reel::new(&self.bytes, options);
             return Ok((Box::new(reel), findings));
         }

@@ -2,6 +2,7 @@
 
 use crate::point::{AXES, Point, on_cubic};
 use crate::spline::Rational;
+use anyhow::{Result, bail};
 use splineway::block::FINEST_BAND;
 use splineway::gcode::{Code, Dialect, ProbeMove, Setup};
 use splineway::{Power, Switch};
@@ -259,6 +260,17 @@ pub struct ReadOptions<'a> {
 }
 
 impl ReadOptions<'_> {
+    /// For what is no NURBS curve of a file.
+    ///
+    /// # Errors
+    /// It is to be run as chords.
+    pub fn check_no_chords(&self) -> Result<()> {
+        match self.segments {
+            Some(count) => bail!("only a NURBS curve can be run as {count} chords (--segments)"),
+            None => Ok(()),
+        }
+    }
+
     /// 50 mm/s, curves as they are, a machine in its origin that brings no offsets.
     pub const DEFAULT: Self = Self {
         feed: 50.0,
