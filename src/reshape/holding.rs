@@ -7,7 +7,7 @@ use super::{Bounds, Draft};
 use crate::number::Scalar;
 
 /// Chords of a span.
-const CHORDS: u32 = 32;
+pub(super) const CHORDS: u32 = 32;
 /// Share of the whole band that a motion uses at most.
 const WHOLE: f64 = 0.998;
 /// How much less of the band is used than what was too much.
@@ -15,7 +15,8 @@ const LESS: f64 = 0.003;
 /// Between lines that turn further, cosine of half the turn, nothing can be said.
 const SHARPEST: f64 = 0.13;
 
-/// Whether all of the motion is inside the band; else `used` is made less where it is not, as a share of the band.
+/// Whether all of the motion is inside the band, line after line up to that in which it is to end; else `used` is made less where it is not,
+/// as a share of the band.
 ///
 /// The motion is followed by chords, each within the band of one line, or crossing from one line's band into the next's in a place that
 /// lies in both: a band is convex. The motion leaves a chord by no more than its acceleration allows.
@@ -23,6 +24,7 @@ pub(super) fn narrow<S: Scalar, const N: usize, const K: usize>(
     draft: &Draft<S, N, K>,
     bounds: &Bounds<'_, S, N>,
     band: S,
+    ends: usize,
     used: &mut [S; K],
 ) -> bool {
     let lines = bounds.lines;
@@ -73,6 +75,11 @@ pub(super) fn narrow<S: Scalar, const N: usize, const K: usize>(
             used[span] = used[span] * (band / most) - S::of(LESS);
             inside = false;
         }
+    }
+    if line != ends {
+        // What lies in the bands of two lines may be in either: a fold of the path would be left out.
+        used[draft.spans() - 1] = S::ZERO;
+        inside = false;
     }
     inside
 }
