@@ -7,7 +7,8 @@
 //! a later time: what comes behind the window is run as agreed. That time is made as late as the limits and the band allow
 //! (`window`): by Newton's method on a barrier (`barrier`, `rows`) whose system is banded, since every
 //! control point is coupled with three before it (`banded`, `model`). Where the agreed motion ends within the window, its
-//! end is kept and the knots are brought closer together.
+//! end is kept and the knots are brought closer together. Which line of the path the agreed motion is in when is found
+//! beforehand (`placing`).
 //!
 //! Whatever is found is checked between the places that were looked at before it is offered (`holding`); what is not
 //! faster than agreed, or cannot be shown to stay inside the band, is not offered. So it can be left out, or cut short, at
@@ -20,6 +21,7 @@ mod barrier;
 mod course;
 mod holding;
 mod model;
+mod placing;
 mod rows;
 #[cfg(test)]
 mod tests;
@@ -28,6 +30,7 @@ mod way;
 mod window;
 
 pub use course::State;
+pub use placing::Places;
 pub use way::Line;
 pub use window::{Refused, Reshaped, Window};
 
@@ -43,7 +46,7 @@ const PLACES: usize = 4;
 pub trait Agreed<S, const N: usize> {
     /// State at a time, s, with the jerk and the rate of that, mm/s3 and mm/s4; at its end, and behind it, it rests.
     fn at(&self, time: S) -> Onward<S, N>;
-    /// The line that it is in then, of those that are given.
+    /// The line that it is in then, of those that are given, by [`Places`]; one that there is not, where that is not known.
     fn line(&self, time: S) -> usize;
     /// When it ends, s.
     fn end(&self) -> S;

@@ -2,12 +2,12 @@
 
 use super::barrier::Barrier;
 use super::course::{State, mixed, state, weights, within};
-use super::holding;
+use super::holding::{self, CHORDS};
 use super::model::{Ends, Model, Modelling, Value};
 use super::rows::rows;
 use super::vector::{along, minus};
 use super::way::passes;
-use super::{Agreed, Bounds, Draft, PLACES};
+use super::{Agreed, Bounds, Draft};
 use crate::number::Scalar;
 
 /// What is left of the limits for rounding.
@@ -138,8 +138,9 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         let mut line = bounds.line;
         if self.run < self.course.spans() {
             let four = &self.course.points[self.run..self.run + 4];
-            for place in 1..=PLACES as u32 {
-                let share = S::from_u32(place) / S::from_u32(PLACES as u32);
+            // As the motion was followed when it was shown to stay inside the band.
+            for chord in 1..=CHORDS {
+                let share = S::from_u32(chord) / S::from_u32(CHORDS);
                 line = passes(bounds.lines, line, &mixed(four, &weights(share)));
             }
             self.run += 1;
@@ -196,7 +197,8 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
             if !(gain > self.h * S::of(1.0e-4)) {
                 return Err(Refused::NoFaster);
             }
-            if holding::narrow(&self.best, &bounds, self.band, &mut self.used) {
+            let ends = agreed.line(self.best.joins);
+            if holding::narrow(&self.best, &bounds, self.band, ends, &mut self.used) {
                 self.course = self.best.clone();
                 self.run = 0;
                 return Ok(Reshaped { gain, steps });
@@ -303,8 +305,7 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
             let barrier = Barrier::new(width(mu));
             let mut value = Value::new(&barrier);
             let line = rows(draft, bounds, &window.used, &mut value);
-            let ends = free == Free::Knots || line == agreed.line(draft.joins);
-            let keeps = value.worst <= S::ONE && ends;
+            let keeps = value.worst <= S::ONE && line == agreed.line(draft.joins);
             (value.sum + (window.aim(draft, free) - aim) / mu, keeps)
         };
         while steps < most {

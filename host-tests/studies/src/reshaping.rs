@@ -1,10 +1,10 @@
 //! A planned motion, reshaped window by window as a controller would: how much faster it becomes, judged.
 
 use crate::anymotion::motion::State as Values;
-use crate::anymotion::tube::{Segment, associate};
+use crate::anymotion::tube::Segment;
 use crate::anymotion::{parts, segments, show};
 use anyhow::{Result, ensure};
-use splineway::reshape::{Agreed, Bounds, Line, Onward, State, Window};
+use splineway::reshape::{Agreed, Bounds, Line, Onward, Places, State, Window};
 use splineway::{Activity, AxisLimits, Scalar};
 use splineway_simulator::judge::{Judge, Track, Verdict};
 use splineway_simulator::machine::Machine;
@@ -19,9 +19,12 @@ const RUN: usize = 10;
 /// Share of the band that is used where it is looked at.
 const BAND: f64 = 0.99;
 /// States of the planned motion in a servo cycle.
-const FINER: usize = 4;
-/// The agreed motion is looked at so much further than a window is long.
-const AHEAD: f64 = 3.0;
+const FINER: usize = 8;
+/// Places of the agreed motion of which the line is looked for, and how far they are apart, s: more than a window and what is gained in it.
+const PLACES: usize = 256;
+const APART: f64 = 2.0e-3;
+/// Lines that a controller knows ahead.
+const LINES: usize = 512;
 
 /// What became of a program.
 #[derive(Debug, Default)]
@@ -69,6 +72,7 @@ fn over<S: Scalar, const N: usize>(program: &Program, machine: &Machine) -> Resu
     ensure!(track.len() > 1, "nothing moves");
     let mut judge = Judge::new(&track, &limits, machine.cycle, machine.tolerance);
     let mut improved = Improved::default();
+    let jerks: Vec<f64> = limits.iter().map(|axis| axis.jerk).collect();
     let limits = core::array::from_fn(|i| {
         let of = |x: f64| S::of(x);
         let axis = limits[i];
@@ -82,14 +86,13 @@ fn over<S: Scalar, const N: usize>(program: &Program, machine: &Machine) -> Resu
             time += part.dwell;
             continue;
         }
-        let motion = Planned::of(&part.program, machine)?;
+        let motion = Planned::<N>::of(&part.program, machine, jerks.clone())?;
         improved.planned += motion.duration() + part.dwell;
         let mut found = Found::new(machine.cycle);
         reshape::<S, N>(&path, &motion, &limits, &mut found, &mut improved);
         let skip = usize::from(!improved.setpoints.is_empty());
-        for (k, state) in found.states.iter().enumerate().skip(skip) {
-            let unit = S::EPSILON.to_f64();
-            show(&mut judge, time + k as f64 * machine.cycle, state, unit)?;
+        for (k, (state, piece)) in found.states.iter().enumerate().skip(skip) {
+            show(&mut judge, time + k as f64 * machine.cycle, state, *piece)?;
             improved.setpoints.push(state[0].clone());
         }
         time += (found.states.len() - 1) as f64 * machine.cycle + part.dwell;
@@ -102,24 +105,18 @@ fn over<S: Scalar, const N: usize>(program: &Program, machine: &Machine) -> Resu
 /// One part, from rest to rest.
 fn reshape<S: Scalar, const N: usize>(
     path: &[Segment],
-    motion: &Planned,
+    motion: &Planned<N>,
     limits: &[AxisLimits<S>; N],
     found: &mut Found,
     improved: &mut Improved,
 ) {
-    let legs = associate(path, &motion.places());
+    let mut places = Places::<S, PLACES>::new(S::of(APART));
     let mut window = Window::<S, N, POINTS>::new(S::of(KNOTS), S::of(BAND));
     let mut origin: [f64; N] = motion.at(0.0)[0];
     let mut clock = 0.0;
-    let mut leg = legs[0];
-    let onward = |origin: &[f64; N], clock: f64, first: usize| Going {
-        motion,
-        legs: &legs,
-        origin: *origin,
-        clock,
-        first,
-    };
-    window.begin(&onward(&origin, clock, leg).at(S::ZERO).state, S::ZERO);
+    // The lines in which the window begins, and in which the agreed motion is joined.
+    let (mut leg, mut joined) = (0, 0);
+    window.begin(&Going { motion, origin, clock }.at(S::ZERO).state, S::ZERO);
     loop {
         // The origin and the clock come along, so that numbers stay small.
         let here = window.state().position.map(S::to_f64);
@@ -130,13 +127,11 @@ fn reshape<S: Scalar, const N: usize>(
         let joins = window.joins();
         window.move_clock(joins);
         clock += joins.to_f64();
-        let agreed = onward(&origin, clock, leg);
-        let ahead = (POINTS as f64) * KNOTS * AHEAD;
-        let last = agreed.leg(S::of(ahead)).max(leg);
-        let lines: Vec<Line<S, N>> = path[leg..=(last + 1).min(path.len() - 1)]
-            .iter()
-            .map(|segment| line(segment, &origin))
-            .collect();
+        let going = Going { motion, origin, clock };
+        let lines: Vec<Line<S, N>> =
+            path[leg..].iter().take(LINES).map(|segment| line(segment, &origin)).collect();
+        places.find(&lines, joined - leg, going.end(), |time| going.at(time).state.position);
+        let agreed = Placed { going: &going, places: &places, lines: &lines };
         let mut bounds = Bounds { limits, lines: &lines, line: 0 };
         improved.windows += 1;
         match window.improve(&agreed, &bounds) {
@@ -148,21 +143,24 @@ fn reshape<S: Scalar, const N: usize>(
             // As agreed, for as long as a window would have run.
             let run = (RUN as f64 * KNOTS).min(ends);
             let from = clock + window.joins().to_f64();
-            found.stretch(run, |time| motion.state::<N>(from + time));
-            clock = from + run;
+            found.stretch(run, f64::EPSILON, |time| motion.state(from + time));
             if ends - run < 1.0e-9 {
                 break;
             }
-            leg = legs[motion.cycle(clock)].max(leg);
-            let state = onward(&origin, clock, leg).at(S::ZERO).state;
-            window.begin(&state, S::ZERO);
+            joined = leg + agreed.line(window.joins() + S::of(run)).min(lines.len() - 1);
+            leg = joined;
+            clock = from + run;
+            // From nearby: it begins where the motion is as exactly as can be.
+            origin = motion.at(clock)[0];
+            window.begin(&Going { motion, origin, clock }.at(S::ZERO).state, S::ZERO);
             continue;
         }
+        joined = leg + agreed.line(window.joins());
         let spans = if ends < 1.0e-9 { window.spans() } else { RUN.min(window.spans()) };
         for _ in 0..spans {
             let h = window.knots().to_f64();
             let base = window.base();
-            found.stretch(h, |time| {
+            found.stretch(h, S::EPSILON.to_f64(), |time| {
                 let State { position, velocity, acceleration } = window.within(S::of(time / h));
                 let place = |i: usize| origin[i] + base[i].to_f64() + position[i].to_f64();
                 let place = (0..N).map(place).collect();
@@ -171,12 +169,12 @@ fn reshape<S: Scalar, const N: usize>(
             });
             bounds.line = window.advance(&bounds);
         }
-        leg += bounds.line;
+        leg = (leg + bounds.line).min(joined);
         if ends < 1.0e-9 && window.spans() == 0 {
             break;
         }
     }
-    found.rest(motion.at::<N>(motion.duration())[0].to_vec());
+    found.rest(motion.at(motion.duration())[0].to_vec());
 }
 
 fn line<S: Scalar, const N: usize>(segment: &Segment, origin: &[f64; N]) -> Line<S, N> {
@@ -189,17 +187,19 @@ fn line<S: Scalar, const N: usize>(segment: &Segment, origin: &[f64; N]) -> Line
     }
 }
 
-/// The planned motion: states less than a servo cycle apart, with a quintic between any two; where the jerk changes in between, that
-/// has more than the motion, for so short a time that the setpoints do not.
-struct Planned {
-    states: Vec<Values>,
+/// The planned motion: states less than a servo cycle apart. Between any two lies a quintic, which is the motion itself unless the jerk
+/// leaps there and the quintic had more of it than the limit: see [`Leap`].
+struct Planned<const N: usize> {
+    states: Vec<[[f64; N]; 3]>,
     step: f64,
+    /// Limits of the jerk, mm/s3.
+    jerks: Vec<f64>,
 }
 
-impl Planned {
-    fn of(program: &Program, machine: &Machine) -> Result<Self> {
+impl<const N: usize> Planned<N> {
+    fn of(program: &Program, machine: &Machine, jerks: Vec<f64>) -> Result<Self> {
         let step = machine.cycle / FINER as f64;
-        let mut planned = Self { states: vec![], step };
+        let mut planned = Self { states: vec![], step, jerks };
         let finer = Machine { cycle: step, ..machine.clone() };
         run(program, &finer, Precision::F64, &mut [&mut planned])?;
         ensure!(planned.states.len() > 1, "nothing moves");
@@ -214,18 +214,8 @@ impl Planned {
         ((time / self.step).max(0.0) as usize).min(self.states.len() - 1)
     }
 
-    /// Positions in every servo cycle.
-    fn places(&self) -> Vec<Vec<f64>> {
-        self.states.iter().step_by(FINER).map(|state| state[0].clone()).collect()
-    }
-
-    /// Servo cycle at a time.
-    fn cycle(&self, time: f64) -> usize {
-        self.interval(time) / FINER
-    }
-
     /// Position and its first four derivatives at a time.
-    fn at<const N: usize>(&self, time: f64) -> [[f64; N]; 5] {
+    fn at(&self, time: f64) -> [[f64; N]; 5] {
         let k = self.interval(time).min(self.states.len() - 2);
         let h = self.step;
         let t = (time - k as f64 * h).clamp(0.0, h);
@@ -246,21 +236,64 @@ impl Planned {
             all[0][i] = p + t * (v + 0.5 * t * c) + u * u * u * (x + u * (y + u * z));
             all[1][i] = v + t * c + u * u * (3.0 * x + u * (4.0 * y + u * 5.0 * z)) / h;
             all[2][i] = c + u * (6.0 * x + u * (12.0 * y + u * 20.0 * z)) / (h * h);
-            all[3][i] = (6.0 * x + u * (24.0 * y + u * 60.0 * z)) / (h * h * h);
-            all[4][i] = (24.0 * y + u * 120.0 * z) / (h * h * h * h);
+            let cube = h * h * h;
+            let jerk = |u: f64| (6.0 * x + u * (24.0 * y + u * 60.0 * z)) / cube;
+            all[3][i] = jerk(u);
+            all[4][i] = (24.0 * y + u * 120.0 * z) / (cube * h);
+            let between = if z == 0.0 { 0.0 } else { (-0.2 * y / z).clamp(0.0, 1.0) };
+            if [0.0, 1.0, between].iter().all(|u| jerk(*u).abs() <= self.jerks[i]) {
+                continue;
+            }
+            let leap = Leap::new([d, e, f], self.jerks[i] * cube);
+            let behind = (u - leap.at).max(0.0);
+            let bent = |k: i32| leap.before * u.powi(k) + leap.by * behind.powi(k);
+            all[0][i] = p + t * (v + 0.5 * t * c) + (bent(3) / 6.0) + u * leap.lost[0];
+            all[1][i] = v + t * c + (0.5 * bent(2) + u * leap.lost[1]) / h;
+            all[2][i] = c + bent(1) / (h * h);
+            all[3][i] = (leap.before + if u < leap.at { 0.0 } else { leap.by }) / cube;
+            all[4][i] = 0.0;
         }
         all
     }
 
-    fn state<const N: usize>(&self, time: f64) -> Values {
-        let [position, velocity, acceleration, ..] = self.at::<N>(time);
+    fn state(&self, time: f64) -> Values {
+        let [position, velocity, acceleration, ..] = self.at(time);
         [position, velocity, acceleration].map(|values| values.to_vec())
     }
 }
 
-impl Observer for Planned {
+/// How a motion goes between two states, in units of the time between them: its jerk leaps once.
+struct Leap {
+    /// When.
+    at: f64,
+    /// Jerk before, and by how much it leaps.
+    before: f64,
+    by: f64,
+    /// What is missing at the end, of place and velocity.
+    lost: [f64; 2],
+}
+
+impl Leap {
+    /// By what is missing at the end of the parabola from the first state on, of place, velocity and acceleration. Where one leap
+    /// between jerks within the limit does not explain it, the acceleration changes evenly: its mean change is within the limit
+    /// whatever the motion does.
+    fn new([d, e, f]: [f64; 3], jerk: f64) -> Self {
+        let lost = [d - f / 6.0, e - f / 2.0];
+        let left = 3.0 * lost[0] / lost[1] - 1.0;
+        let by = 2.0 * lost[1] / (left * (left - 1.0));
+        let before = f - by * left;
+        let explained = left > 0.0 && left < 1.0;
+        if explained && before.abs() <= jerk && (before + by).abs() <= jerk {
+            return Self { at: 1.0 - left, before, by, lost: [0.0; 2] };
+        }
+        Self { at: 1.0, before: f, by: 0.0, lost }
+    }
+}
+
+impl<const N: usize> Observer for Planned<N> {
     fn setpoint(&mut self, sample: &Sample<'_>) -> Result<()> {
-        let state = [sample.position, sample.velocity, sample.acceleration].map(<[f64]>::to_vec);
+        let state = [sample.position, sample.velocity, sample.acceleration]
+            .map(|values| core::array::from_fn(|i| values[i]));
         let rests = sample.activity != Activity::Running;
         match self.states.last_mut() {
             // From the last rest before the motion on, to the first behind it.
@@ -271,49 +304,60 @@ impl Observer for Planned {
     }
 }
 
-/// What of the planned motion lies behind a time, about an origin, with lines counted from one on.
+/// What of the planned motion lies behind a time, about an origin.
 struct Going<'a, const N: usize> {
-    motion: &'a Planned,
-    legs: &'a [usize],
+    motion: &'a Planned<N>,
     origin: [f64; N],
     clock: f64,
-    first: usize,
 }
 
 impl<const N: usize> Going<'_, N> {
-    fn leg<S: Scalar>(&self, time: S) -> usize {
-        self.legs[self.motion.cycle(self.clock + time.to_f64())]
-    }
-}
-
-impl<S: Scalar, const N: usize> Agreed<S, N> for Going<'_, N> {
-    fn at(&self, time: S) -> Onward<S, N> {
+    fn at<S: Scalar>(&self, time: S) -> Onward<S, N> {
         let time = self.clock + time.to_f64();
         if time >= self.motion.duration() {
-            let [end, ..] = self.motion.at::<N>(self.motion.duration());
+            let [end, ..] = self.motion.at(self.motion.duration());
             let end = core::array::from_fn(|i| S::of(end[i] - self.origin[i]));
             let none = [S::ZERO; N];
             return Onward { state: State::resting(end), jerk: none, snap: none };
         }
-        let all = self.motion.at::<N>(time);
+        let all = self.motion.at(time);
         let position = core::array::from_fn(|i| S::of(all[0][i] - self.origin[i]));
         let [velocity, acceleration, jerk, snap] =
             [all[1], all[2], all[3], all[4]].map(|values| values.map(S::of));
         Onward { state: State { position, velocity, acceleration }, jerk, snap }
     }
 
+    fn end<S: Scalar>(&self) -> S {
+        S::of(self.motion.duration() - self.clock)
+    }
+}
+
+/// The same with the lines that it is in.
+struct Placed<'a, S, const N: usize> {
+    going: &'a Going<'a, N>,
+    places: &'a Places<S, PLACES>,
+    lines: &'a [Line<S, N>],
+}
+
+impl<S: Scalar, const N: usize> Agreed<S, N> for Placed<'_, S, N> {
+    fn at(&self, time: S) -> Onward<S, N> {
+        self.going.at(time)
+    }
+
     fn line(&self, time: S) -> usize {
-        self.leg(time).saturating_sub(self.first)
+        let x = self.going.at(time).state.position;
+        self.places.line(self.lines, time, &x).unwrap_or(usize::MAX)
     }
 
     fn end(&self) -> S {
-        S::of(self.motion.duration() - self.clock)
+        self.going.end()
     }
 }
 
 /// What is run, cycle by cycle.
 struct Found {
-    states: Vec<Values>,
+    /// With whether a piece of motion has begun, and the rounding error of one operation.
+    states: Vec<(Values, (bool, f64))>,
     cycle: f64,
     time: f64,
 }
@@ -323,11 +367,13 @@ impl Found {
         Self { states: vec![], cycle, time: 0.0 }
     }
 
-    /// A stretch of so long, s.
-    fn stretch(&mut self, long: f64, at: impl Fn(f64) -> Values) {
+    /// A stretch of so long, s, with the rounding error of one operation: a piece of motion.
+    fn stretch(&mut self, long: f64, unit: f64, at: impl Fn(f64) -> Values) {
+        let mut began = true;
         while (self.states.len() as f64) * self.cycle < self.time + long {
             let time = self.states.len() as f64 * self.cycle - self.time;
-            self.states.push(at(time.max(0.0)));
+            self.states.push((at(time.max(0.0)), (began, unit)));
+            began = false;
         }
         self.time += long;
     }
@@ -335,6 +381,6 @@ impl Found {
     /// At rest from now on.
     fn rest(&mut self, position: Vec<f64>) {
         let none = vec![0.0; position.len()];
-        self.states.push([position, none.clone(), none]);
+        self.states.push(([position, none.clone(), none], (true, f64::EPSILON)));
     }
 }

@@ -369,7 +369,7 @@ impl Show<'_, '_> {
         let first = usize::from(!setpoints.is_empty());
         let states = motion.sampled(self.cycle);
         for (k, state) in states.iter().enumerate().skip(first) {
-            show(self.judge, self.time + k as f64 * self.cycle, state, f64::EPSILON)?;
+            show(self.judge, self.time + k as f64 * self.cycle, state, (true, f64::EPSILON))?;
             setpoints.push(state[0].clone());
         }
         self.time += (states.len() - 1) as f64 * self.cycle;
@@ -377,8 +377,13 @@ impl Show<'_, '_> {
     }
 }
 
-/// Shows a setpoint to the judge, with the rounding error of one operation.
-pub(crate) fn show(judge: &mut Judge<'_>, time: f64, state: &State, unit: f64) -> Result<()> {
+/// Shows a setpoint to the judge: whether a piece of motion has begun, and the rounding error of one operation.
+pub(crate) fn show(
+    judge: &mut Judge<'_>,
+    time: f64,
+    state: &State,
+    (began, unit): (bool, f64),
+) -> Result<()> {
     let [position, velocity, acceleration] = state;
     judge.setpoint(&Sample {
         time,
@@ -389,7 +394,7 @@ pub(crate) fn show(judge: &mut Judge<'_>, time: f64, state: &State, unit: f64) -
         speed: 0.0,
         tag: 0,
         activity: Activity::Running,
-        began: true,
+        began,
         unit,
         pace: Pace::FULL,
     })

@@ -102,7 +102,7 @@ impl Planner {
         let limits = machine.axes_of(program)?;
         let mut judge = Judge::new(&track, &limits, machine.cycle, machine.tolerance);
         for (k, state) in states.iter().enumerate() {
-            show(&mut judge, k as f64 * machine.cycle, state, f64::EPSILON)?;
+            show(&mut judge, k as f64 * machine.cycle, state, (true, f64::EPSILON))?;
         }
         Ok(Run { verdict: judge.verdict(), states })
     }
