@@ -68,8 +68,9 @@
 //!
 //! ## Shape and speed together: `reshape`
 //!
-//! With the feature `reshape`: a window of an agreed motion is made faster inside the band and the limits, as a spline in time. A
-//! kernel on its own so far: no planner calls it.
+//! With the feature `reshape`: a window of an agreed motion is made faster inside the band and the limits, as a spline in time. It knows
+//! lines with their bands and a motion, no planner; a planner that is given the memory for it (`Planner::reshape`) uses it while
+//! there is nothing else to do, and hands what it finds over as a plan like any other.
 //!
 //! ## What comes in: [`block`]
 //!
@@ -183,6 +184,8 @@ pub use machine::{AxisTravel, Travel};
 #[cfg(feature = "kinematics")]
 pub use machine::{Kinematics, Linear, MOTORS, Motor};
 pub use number::{Coord, RangeError, Scalar};
+#[cfg(feature = "reshape")]
+pub use planner::Reshaping;
 pub use planner::{Counters, Link, Planner, Progress};
 #[cfg(feature = "outputs")]
 pub use servo::Switched;

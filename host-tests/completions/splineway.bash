@@ -677,7 +677,7 @@ _splineway() {
             return 0
             ;;
         splineway__subcmd__simulate)
-            opts="-h --machine --feed --dialect --lenient --block-delete --tolerance --cycle --lookahead --sweeps --scalar --mode --lambda --segments --events --setpoints --report --plot --open --compare --json --quiet --help"
+            opts="-h --machine --feed --dialect --lenient --block-delete --tolerance --cycle --lookahead --sweeps --reshape --scalar --mode --lambda --segments --events --setpoints --report --plot --open --compare --json --quiet --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0

@@ -58,6 +58,7 @@ set edit:completion:arg-completer[splineway] = {|@words|
             cand --plot 'Writes a plot (.html, .svg or .png) [default: not written]'
             cand --lenient 'Leave out codes that cannot change where the tool goes, where they would be refused'
             cand --block-delete 'Leave out lines that begin with "/"'
+            cand --reshape 'Improves shape and speed of the motion together, inside the band [default: the machine''s]'
             cand --open 'Opens the plot; if --plot does not say where it goes, a page in the folder for temporary files'
             cand --compare 'Prints other speed laws on the same path beside this planner; the plot then shows their speeds along the way'
             cand --json 'Print the figures of the run as JSON'

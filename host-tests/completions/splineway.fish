@@ -64,6 +64,7 @@ complete -c splineway -n "__fish_splineway_using_subcommand simulate" -l report 
 complete -c splineway -n "__fish_splineway_using_subcommand simulate" -l plot -d 'Writes a plot (.html, .svg or .png) [default: not written]' -r -F
 complete -c splineway -n "__fish_splineway_using_subcommand simulate" -l lenient -d 'Leave out codes that cannot change where the tool goes, where they would be refused'
 complete -c splineway -n "__fish_splineway_using_subcommand simulate" -l block-delete -d 'Leave out lines that begin with "/"'
+complete -c splineway -n "__fish_splineway_using_subcommand simulate" -l reshape -d 'Improves shape and speed of the motion together, inside the band [default: the machine\'s]'
 complete -c splineway -n "__fish_splineway_using_subcommand simulate" -l open -d 'Opens the plot; if --plot does not say where it goes, a page in the folder for temporary files'
 complete -c splineway -n "__fish_splineway_using_subcommand simulate" -l compare -d 'Prints other speed laws on the same path beside this planner; the plot then shows their speeds along the way'
 complete -c splineway -n "__fish_splineway_using_subcommand simulate" -l json -d 'Print the figures of the run as JSON'

@@ -62,6 +62,7 @@ Register-ArgumentCompleter -Native -CommandName 'splineway' -ScriptBlock {
             [CompletionResult]::new('--plot', '--plot', [CompletionResultType]::ParameterName, 'Writes a plot (.html, .svg or .png) [default: not written]')
             [CompletionResult]::new('--lenient', '--lenient', [CompletionResultType]::ParameterName, 'Leave out codes that cannot change where the tool goes, where they would be refused')
             [CompletionResult]::new('--block-delete', '--block-delete', [CompletionResultType]::ParameterName, 'Leave out lines that begin with "/"')
+            [CompletionResult]::new('--reshape', '--reshape', [CompletionResultType]::ParameterName, 'Improves shape and speed of the motion together, inside the band [default: the machine''s]')
             [CompletionResult]::new('--open', '--open', [CompletionResultType]::ParameterName, 'Opens the plot; if --plot does not say where it goes, a page in the folder for temporary files')
             [CompletionResult]::new('--compare', '--compare', [CompletionResultType]::ParameterName, 'Prints other speed laws on the same path beside this planner; the plot then shows their speeds along the way')
             [CompletionResult]::new('--json', '--json', [CompletionResultType]::ParameterName, 'Print the figures of the run as JSON')

@@ -22,7 +22,7 @@
 //! with any of them, unless they say otherwise.
 
 pub(crate) mod blend;
-mod budget;
+pub mod budget;
 pub(crate) mod builder;
 mod check;
 mod chords;

@@ -17,6 +17,9 @@ const LEAST_ROOM: usize = 2 + ADDED;
 const QUIET_LEADS: f64 = 0.5;
 /// So many new cells are worth a plan.
 const LEAST_NEW: u32 = 4;
+/// So many are, where there is not enough to reshape.
+#[cfg(feature = "reshape")]
+const WANTED: u32 = 32;
 /// A stop is imminent when less than this many leads remain.
 const URGENT_LEADS: f64 = 4.0;
 
@@ -27,7 +30,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// was done.
     pub(super) fn build_one(&mut self) -> bool {
         // A cell may have to be split in two.
-        if self.horizon.window.room() < LEAST_ROOM {
+        if self.horizon.window.room() < self.least_room() {
             return false;
         }
         let Some(last) = self.horizon.window.last() else { return false };
@@ -59,6 +62,27 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         true
     }
 
+    /// Whether there is enough new for a plan that is wanted only to have more to reshape.
+    #[allow(clippy::unused_self)]
+    fn reshaping_wants(&self) -> bool {
+        #[cfg(feature = "reshape")]
+        if self.reshaping.as_ref().is_some_and(|memory| memory.wants) && self.new_cells() >= WANTED
+        {
+            return true;
+        }
+        false
+    }
+
+    /// Room that is kept in the window.
+    #[allow(clippy::unused_self)]
+    fn least_room(&self) -> usize {
+        #[cfg(feature = "reshape")]
+        if self.reshaping.is_some() {
+            return LEAST_ROOM + super::reshaping::reserve::<NODES>();
+        }
+        LEAST_ROOM
+    }
+
     /// Whether a plan may end at a node.
     fn may_rest_at(&self, serial: NodeSerial) -> bool {
         let rests = self
@@ -88,7 +112,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let since = since.unwrap_or(now);
         let config = &self.horizon.config;
         let waited = S::from_u32(now.since(since).unwrap_or(u32::MAX)) * config.cycle;
-        let full = self.builder.is_full() || self.horizon.window.room() < LEAST_ROOM;
+        let full = self.builder.is_full() || self.horizon.window.room() < self.least_room();
         if !(full || self.finished || waited >= config.start_delay) {
             self.phase = Phase::Resting(Rest::Ready { since: Some(since) });
             return Progress::NeedsBlocks;
@@ -163,7 +187,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.builder.hurry(&self.horizon.config);
         }
         if urgent
-            && self.horizon.window.room() >= LEAST_ROOM
+            && self.horizon.window.room() >= self.least_room()
             && !self.builder.is_full()
             && self.builder.len() > 0
             && self.is_quiet()
@@ -179,6 +203,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         let due = !at.is_before(now.checkpoint)
             || urgent
+            || self.reshaping_wants()
             || self.horizon.reaches_within(planned + lead, at, now.shown);
         if !due || self.is_vain(at) {
             return Progress::Waiting;

@@ -17,11 +17,19 @@ pub struct Effort<S> {
     pub plan: Work<S>,
     /// A stop, in all.
     pub stop: Work<S>,
+    /// A window that is reshaped.
+    #[cfg(feature = "reshape")]
+    pub shape: Work<S>,
 }
 
 impl<S: Scalar> Effort<S> {
     /// Nothing is known, or planning takes no time.
-    pub const NONE: Self = Self { plan: Work::NONE, stop: Work::NONE };
+    pub const NONE: Self = Self {
+        plan: Work::NONE,
+        stop: Work::NONE,
+        #[cfg(feature = "reshape")]
+        shape: Work::NONE,
+    };
 }
 
 /// Servo cycles that something takes for each of its parts. As much as the worst lately.

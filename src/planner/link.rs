@@ -99,6 +99,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Link<S,
                 horizon,
                 #[cfg(feature = "jog")]
                 jogging: &mut self.jogging,
+                #[cfg(feature = "reshape")]
+                reshaping: None,
                 phase: Phase::Resting(Rest::IDLE),
                 making: None,
                 effort: Effort::NONE,

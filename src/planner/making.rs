@@ -21,6 +21,8 @@ use super::command::retune::Retuning;
 use super::command::slowing::Slowing;
 use super::horizon::{Horizon, Proposal};
 use super::phase::{Halt, Phase};
+#[cfg(feature = "reshape")]
+use super::reshaping::Shaping;
 use super::{Planner, Progress};
 use crate::number::Scalar;
 use crate::number::serial::{CycleSerial, NodeSerial};
@@ -31,6 +33,9 @@ use crate::servo::control::{Overrides, Wish};
 use crate::servo::link::{Branch, Room};
 use core::ops::ControlFlow;
 
+/// Leads before its branch at which a plan that waits is handed over.
+#[cfg(feature = "reshape")]
+const RIPE_LEADS: f64 = 3.0;
 /// Pieces that are handed over in one slice.
 const PIECES: usize = 16;
 
@@ -47,6 +52,9 @@ pub enum Purpose {
     BlockEnd,
     /// To begin with what is asked for.
     Reaction(Overrides),
+    /// To make the agreed motion faster.
+    #[cfg(feature = "reshape")]
+    Shape,
 }
 
 /// A plan in the making.
@@ -57,6 +65,9 @@ pub struct Making<S> {
     /// Servo cycle in which it was begun, and where the motion was.
     began: CycleSerial,
     at: NodeSerial,
+    /// Whether its states have been found for long, and it waits until more of it can be reshaped.
+    #[cfg(feature = "reshape")]
+    ripe: bool,
     stage: Stage<S>,
 }
 
@@ -79,6 +90,12 @@ pub enum Stage<S> {
     Retuning(Retuning<S>),
     /// Pieces from this station on are handed over.
     Publishing { next: usize },
+    /// A window of it is reshaped.
+    #[cfg(feature = "reshape")]
+    Shaping(Shaping<S>),
+    /// Pieces of the agreed plan with stations replaced are handed over, from this one on.
+    #[cfg(feature = "reshape")]
+    Reshaped { next: usize },
 }
 
 impl<S> Stage<S> {
@@ -101,6 +118,18 @@ enum Failure {
 }
 
 impl<S: Scalar> Making<S> {
+    /// Whether a window of it is being reshaped.
+    #[cfg(feature = "reshape")]
+    pub(super) fn is_shaping(&self) -> bool {
+        matches!(self.stage, Stage::Shaping(_))
+    }
+
+    /// Whether its states are found, and nothing has been handed over.
+    #[cfg(feature = "reshape")]
+    fn stage_begins(&self) -> bool {
+        matches!(self.stage, Stage::Publishing { next } if next == self.proposal.stretch.first)
+    }
+
     /// A slice of looking for states, in the room for the plan; `Publishing` is the planner's.
     // By itself: what it needs of the stack is not added to what a stop needs that is handed over piece by piece.
     #[inline(never)]
@@ -177,6 +206,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// The next slice of the plan in the making.
     #[inline(never)]
     pub(super) fn go_on(&mut self) -> Progress {
+        #[cfg(feature = "reshape")]
+        if let Some(progress) = self.go_on_reshaping() {
+            return progress;
+        }
         let Some(making) = &mut self.making else { return Progress::Waiting };
         if let Stage::Publishing { next } = making.stage {
             let proposal = making.proposal;
@@ -187,6 +220,17 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 return Progress::Planning;
             }
             return self.made();
+        }
+        #[cfg(feature = "reshape")]
+        if let Stage::Reshaped { next } = making.stage {
+            let proposal = making.proposal;
+            let left = self
+                .reshaping(|planner, memory| planner.hand_over_reshaped(memory, proposal, next));
+            let Some(Some(next)) = left else { return self.made() };
+            if let Some(making) = &mut self.making {
+                making.stage = Stage::Reshaped { next };
+            }
+            return Progress::Planning;
         }
         let step = if let Stage::Slowing(slowing) = &mut making.stage {
             let side = &mut self.side;
@@ -218,15 +262,25 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// All pieces of a plan have been written: offers it.
-    fn made(&mut self) -> Progress {
-        let Some(Making { purpose, began, at, proposal, .. }) = self.making.take() else {
-            return Progress::Waiting;
-        };
+    pub(super) fn made(&mut self) -> Progress {
+        let Some(making) = self.making.take() else { return Progress::Waiting };
+        let Making { purpose, began, at, proposal, .. } = making;
+        #[cfg(feature = "reshape")]
+        let ripe = making.ripe;
         let cycles = self.side.cycles().since(began).unwrap_or(0);
         match purpose {
+            #[cfg(feature = "reshape")]
+            Purpose::Ahead if ripe => {}
             Purpose::Ahead => self.effort.plan.learn(self.cells_ahead(at), cycles),
             Purpose::Hold => self.effort.stop.learn(1, cycles),
+            #[cfg(feature = "reshape")]
+            Purpose::Shape => self.effort.shape.learn(1, cycles),
             _ => {}
+        }
+        #[cfg(feature = "reshape")]
+        if self.reshaping.as_ref().is_some_and(|memory| memory.change.is_some()) {
+            self.reshaping(|planner, memory| planner.offer_reshaped(memory, proposal));
+            return Progress::Planned;
         }
         self.offer(proposal);
         if matches!(purpose, Purpose::Reaction(_))
@@ -266,7 +320,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     ) -> bool {
         debug_assert!(self.making.is_none(), "one plan at a time");
         let began = self.side.cycles();
-        self.making = begun.map(|(proposal, stage)| Making { purpose, proposal, began, at, stage });
+        self.making = begun.map(|(proposal, stage)| Making {
+            purpose,
+            proposal,
+            began,
+            at,
+            #[cfg(feature = "reshape")]
+            ripe: false,
+            stage,
+        });
         self.making.is_some()
     }
 
@@ -276,9 +338,86 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         self.make((purpose, self.side.progress()), begun)
     }
 
+    /// Whether a plan ahead whose states are found may wait, because it leaves the agreed one in a while only: until then what comes
+    /// before can be reshaped with it.
+    #[cfg(feature = "reshape")]
+    fn may_ripen(&mut self) -> bool {
+        let lead = self.horizon.config.lead;
+        let Some(making) = &mut self.making else { return false };
+        let (Phase::Following(_), Branch::Node(branch)) = (self.phase, making.proposal.branch)
+        else {
+            return false;
+        };
+        if self.reshaping.is_none() {
+            return false;
+        }
+        let at = self.side.progress();
+        let planned = self.effort.shape.cycles(1) * self.horizon.config.cycle;
+        let soon = lead * S::of(RIPE_LEADS) + planned;
+        if branch == self.horizon.end() || self.horizon.reaches_within(soon, at, branch) {
+            return false;
+        }
+        if !making.ripe {
+            let cycles = self.side.cycles().since(making.began).unwrap_or(0);
+            let cells =
+                self.horizon.window.len() - 1 - self.horizon.window.clamped_index(making.at);
+            self.effort.plan.learn(cells, cycles);
+            making.ripe = true;
+        }
+        true
+    }
+
+    /// What is done for reshaping in this slice, if anything.
+    #[cfg(feature = "reshape")]
+    fn go_on_reshaping(&mut self) -> Option<Progress> {
+        let now = self.side.progress();
+        let making = self.making.as_ref()?;
+        let (mut proposal, at, ahead) =
+            (making.proposal, making.at, making.purpose == Purpose::Ahead);
+        if let Stage::Shaping(mut shaping) = making.stage {
+            let enough = if ahead { !self.may_ripen() } else { self.is_pressed(now) };
+            let went = if enough {
+                Some(false)
+            } else {
+                self.reshaping(|planner, memory| {
+                    planner.go_on_shaping(memory, &mut shaping, &mut proposal)
+                })?
+            };
+            let making = self.making.as_mut()?;
+            match went {
+                None => making.stage = Stage::Shaping(shaping),
+                Some(true) => {
+                    making.proposal = proposal;
+                    making.stage = Stage::Reshaped { next: 0 };
+                }
+                Some(false) if ahead => making.stage = Stage::publishing(&making.proposal),
+                Some(false) => self.abandon(),
+            }
+            return Some(Progress::Planning);
+        }
+        if !ahead || !making.stage_begins() {
+            return None;
+        }
+        let starts = matches!(self.phase, Phase::Resting(_)) && !making.ripe;
+        if (starts || self.may_ripen())
+            && let Some(Some(shaping)) = self
+                .reshaping(|planner, memory| planner.begin_shaping(memory, proposal.stretch, at))
+        {
+            let making = self.making.as_mut()?;
+            making.ripe = true;
+            making.stage = Stage::Shaping(shaping);
+            return Some(Progress::Planning);
+        }
+        self.may_ripen().then_some(Progress::Waiting)
+    }
+
     /// Drops the plan in the making, with all that it has changed.
     fn abandon(&mut self) {
         self.making = None;
+        #[cfg(feature = "reshape")]
+        if let Some(memory) = self.reshaping.as_deref_mut() {
+            memory.change = None;
+        }
         self.side.discard();
         self.horizon.drop_draft();
     }
@@ -299,6 +438,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             Purpose::Overrides => paced && !brakes,
             Purpose::Reaction(overrides) => !brakes && wish.overrides == overrides,
             Purpose::BlockEnd => paced && !brakes && (wish.stop || wish.single),
+            #[cfg(feature = "reshape")]
+            Purpose::Shape => paced && !brakes && !wish.stop && !wish.single,
         };
         let passed = match making.proposal.branch {
             Branch::Node(node) => node != self.horizon.end() && !at.is_before(node),
@@ -316,6 +457,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             let by_cycle = making.proposal.branch.is_by_cycle();
             if making.purpose == Purpose::Hold {
                 self.effort.stop.learn_late(1, cycles);
+            }
+            #[cfg(feature = "reshape")]
+            if making.purpose == Purpose::Shape {
+                self.effort.shape.learn_late(1, cycles);
+                self.abandon();
+                return;
             }
             self.late(by_cycle, stretch.last - stretch.first, cycles);
         }

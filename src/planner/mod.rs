@@ -26,6 +26,8 @@ mod offer;
 mod phase;
 #[cfg(feature = "probe")]
 mod probing;
+#[cfg(feature = "reshape")]
+mod reshaping;
 mod settings;
 #[cfg(feature = "outputs")]
 mod switches;
@@ -39,6 +41,8 @@ use self::horizon::Horizon;
 pub use self::link::Link;
 use self::making::{Making, Vain};
 use self::phase::{Phase, Rest};
+#[cfg(feature = "reshape")]
+pub use self::reshaping::Reshaping;
 
 use crate::block::{Block, PushError};
 use crate::machine::Limits;
@@ -115,6 +119,8 @@ pub struct Planner<
     horizon: &'a mut Horizon<S, N, NODES>,
     #[cfg(feature = "jog")]
     jogging: &'a mut jogging::Jogging<N>,
+    #[cfg(feature = "reshape")]
+    reshaping: Option<&'a mut Reshaping<S, N>>,
     phase: Phase,
     /// The plan in the making.
     making: Option<Making<S>>,
@@ -167,7 +173,13 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// Takes a block for which there is room, if the builder has any.
     fn take(&mut self, block: &Block<S, N>) -> Result<(), PushError> {
         self.builder.set_single(self.requests.is_single());
+        #[cfg(feature = "reshape")]
+        let from = *self.builder.end();
         self.builder.push(block, &self.horizon.config)?;
+        #[cfg(feature = "reshape")]
+        if let Some(memory) = self.reshaping.as_deref_mut() {
+            memory.note(&from, block, &self.horizon.config);
+        }
         self.finished = false;
         self.pushed = self.side.cycles();
         #[cfg(feature = "outputs")]
@@ -311,6 +323,10 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let wish = self.requests.read();
         self.builder.set_single(wish.single);
         self.drop_unwanted(&wish, at);
+        #[cfg(feature = "reshape")]
+        if !self.making.as_ref().is_some_and(Making::is_shaping) {
+            self.reshaping(|planner, memory| planner.keep_track(memory, at));
+        }
         let progress = if self.making.is_some() { self.go_on() } else { self.begin(&wish, at) };
         let has_draft = self.phase.offer().is_some() || self.making.is_some();
         debug_assert_eq!(has_draft, self.horizon.has_draft());
@@ -350,7 +366,18 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         match self.phase {
             Phase::Offered(_) => Progress::Waiting,
             _ if at == self.horizon.end() => self.poll_at_rest(at, wish.single),
-            _ => self.poll_moving(at),
+            _ => {
+                let progress = self.poll_moving(at);
+                #[cfg(feature = "reshape")]
+                if matches!(progress, Progress::Waiting | Progress::NeedsBlocks)
+                    && !(wish.stop || wish.single)
+                    && self.reshaping(|planner, memory| planner.begin_reshaping(memory, at))
+                        == Some(true)
+                {
+                    return Progress::Planning;
+                }
+                progress
+            }
         }
     }
 }

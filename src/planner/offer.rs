@@ -91,6 +91,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// Commits or drops the draft on offer, as it was decided; `None` if it has not been.
     fn decided(&mut self, offer: &Offer) -> Option<bool> {
         let taken = self.side.verdict()?;
+        #[cfg(feature = "reshape")]
+        self.reshaping(|planner, memory| planner.decide_reshaped(memory, taken));
         if taken {
             self.horizon.commit(offer.first, offer.end);
             let first = self.horizon.window.clamped_index(offer.first);

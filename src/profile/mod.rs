@@ -12,18 +12,18 @@
 //!
 //! A hold needs none of this: it runs the motion as agreed by a [`clock`] that slows down ([`slowed`]).
 
-mod barrier;
+pub(crate) mod barrier;
 pub(crate) mod bounds;
 pub(crate) mod clock;
 pub(crate) mod compile;
 mod descent;
-mod guess;
+pub(crate) mod guess;
 #[cfg(test)]
 mod hull;
 pub(crate) mod law;
 mod model;
 mod problem;
-mod relaxation;
+pub(crate) mod relaxation;
 pub(crate) mod rows;
 pub(crate) mod seeding;
 pub(crate) mod slowed;

@@ -182,6 +182,44 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
         self.stations.pop_back();
     }
 
+    /// Puts others in the place of some stations, for which there must be room; running numbers behind them change with their count.
+    #[cfg(feature = "reshape")]
+    pub fn replace(&mut self, old: Range<usize>, new: &[Station<S, N>]) {
+        let len = self.len();
+        debug_assert!(old.end <= len && len + new.len() <= NODES + old.len());
+        if new.len() >= old.len() {
+            let more = new.len() - old.len();
+            for _ in 0..more {
+                if let Some(last) = self.stations.back().copied() {
+                    let _ = self.stations.push_back(last);
+                }
+            }
+            for i in (old.end..len).rev() {
+                self.copy(i, i + more);
+            }
+        } else {
+            let fewer = old.len() - new.len();
+            for i in old.end..len {
+                self.copy(i, i - fewer);
+            }
+            self.stations.truncate(len - fewer);
+        }
+        for (i, station) in new.iter().enumerate() {
+            if let Some(slot) = self.stations.get_mut(old.start + i) {
+                *slot = *station;
+            }
+        }
+    }
+
+    #[cfg(feature = "reshape")]
+    fn copy(&mut self, from: usize, to: usize) {
+        if let Some(station) = self.stations.get(from).copied()
+            && let Some(slot) = self.stations.get_mut(to)
+        {
+            *slot = station;
+        }
+    }
+
     /// Forgets the stations behind the one at `index`, which then rests.
     pub fn truncate(&mut self, index: usize) {
         debug_assert!(index < self.len());

@@ -16,7 +16,7 @@ pub(super) struct Banded<S, const N: usize, const K: usize> {
 }
 
 impl<S: Scalar, const N: usize, const K: usize> Banded<S, N, K> {
-    pub(super) fn new() -> Self {
+    pub(super) const fn new() -> Self {
         Self { blocks: [[[[S::ZERO; N]; N]; COUPLED]; K] }
     }
 

@@ -32,7 +32,7 @@ mod window;
 pub use course::State;
 pub use placing::Places;
 pub use way::Line;
-pub use window::{Refused, Reshaped, Window};
+pub use window::{Improving, Refused, Reshaped, Window};
 
 use crate::AxisLimits;
 use crate::number::Scalar;
@@ -40,7 +40,7 @@ use crate::number::Scalar;
 /// Control points of a span, which are those that are coupled with each other.
 const COUPLED: usize = 4;
 /// Places of a span at which the band is looked at.
-const PLACES: usize = 4;
+pub(crate) const PLACES: usize = 4;
 
 /// What goes on as agreed, in time from the window's start.
 pub trait Agreed<S, const N: usize> {
@@ -87,6 +87,8 @@ struct Draft<S, const N: usize, const K: usize> {
 }
 
 impl<S: Scalar, const N: usize, const K: usize> Draft<S, N, K> {
+    const NONE: Self = Self { points: [[S::ZERO; N]; K], count: 3, h: S::ZERO, joins: S::ZERO };
+
     fn spans(&self) -> usize {
         self.count - 3
     }

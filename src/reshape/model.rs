@@ -66,7 +66,7 @@ pub(super) struct Ends<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize, const K: usize> Model<S, N, K> {
-    pub(super) fn new() -> Self {
+    pub(super) const fn new() -> Self {
         let none = [[S::ZERO; N]; K];
         Self {
             banded: Banded::new(),

@@ -40,9 +40,17 @@ pub struct Places<S, const P: usize> {
 }
 
 impl<S: Scalar, const P: usize> Places<S, P> {
+    /// None, no time apart: all zeros.
+    pub const NONE: Self = Self::new(S::ZERO);
+
     /// None; one every `step` s.
     pub const fn new(step: S) -> Self {
         Self { step, count: 0, lines: [0; P], passed: [0; P] }
+    }
+
+    /// None; one every `step` s.
+    pub fn set_step(&mut self, step: S) {
+        (self.step, self.count) = (step, 0);
     }
 
     /// Finds those of a motion that begins in the line `first`; `at` is the place that it has come to after a time, s, up to `end`.

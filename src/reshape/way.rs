@@ -39,6 +39,12 @@ impl<S: Scalar, const N: usize> Line<S, N> {
         along(&self.from, self.length, &self.direction)
     }
 
+    /// Distance of a point from it, and where on it the place next to that lies, mm from its start.
+    pub fn distance(&self, x: &[S; N]) -> (S, S) {
+        let way = dot(&minus(x, &self.from), &self.direction).greatest(S::ZERO).least(self.length);
+        (self.foot(x).square.sqrt(), way)
+    }
+
     /// The place of it next to a point.
     pub(super) fn foot(&self, x: &[S; N]) -> Foot<S, N> {
         let off = minus(x, &self.from);
@@ -93,4 +99,23 @@ pub(super) fn passes<S: Scalar, const N: usize>(
         line += 1;
     }
     line
+}
+
+/// How many bands a place may lie off a joint to be in either of its lines.
+const EITHER: f64 = 3.0;
+
+/// Whether a point may be in one of two lines as well as in the other: all joints between them are near. Far from them, where the
+/// path folds back, what lies between would be left out.
+pub(super) fn are_one<S: Scalar, const N: usize>(
+    lines: &[Line<S, N>],
+    one: usize,
+    other: usize,
+    x: &[S; N],
+) -> bool {
+    let (first, last) = if one < other { (one, other) } else { (other, one) };
+    last < lines.len()
+        && (first..last).all(|line| {
+            let near = lines[line].band * S::of(EITHER);
+            square(&minus(&lines[line].end(), x)) <= near * near
+        })
 }

@@ -6,9 +6,10 @@ use super::holding::{self, CHORDS};
 use super::model::{Ends, Model, Modelling, Value};
 use super::rows::rows;
 use super::vector::{along, minus};
-use super::way::passes;
+use super::way::{are_one, passes};
 use super::{Agreed, Bounds, Draft};
 use crate::number::Scalar;
+use core::ops::ControlFlow;
 
 /// What is left of the limits for rounding.
 const SHARE: f64 = 0.9995;
@@ -70,12 +71,45 @@ pub struct Window<S, const N: usize, const K: usize> {
     used: [S; K],
     /// Spans of the course that have been run.
     run: usize,
+    /// Spans that are used at most.
+    most: usize,
     h: S,
     band: S,
 }
 
+/// What is on the way to a better motion: plain data between two steps.
+#[derive(Clone, Copy, Debug)]
+pub struct Improving<S> {
+    free: Free,
+    /// Time that was left to the agreed motion's end, s.
+    before: S,
+    /// What is to be small, at first.
+    aim: S,
+    descent: Descent<S>,
+    narrowings: usize,
+    /// Steps of the descents before this one.
+    steps: usize,
+}
+
+/// A descent of Newton's method.
+#[derive(Clone, Copy, Debug)]
+struct Descent<S> {
+    mu: S,
+    /// Whether there is a motion that keeps all limits.
+    found: bool,
+    rises: usize,
+    steps: usize,
+    most: usize,
+}
+
+impl<S: Scalar> Descent<S> {
+    fn new(weight: f64, most: usize) -> Self {
+        Self { mu: S::of(weight), found: false, rises: 0, steps: 0, most }
+    }
+}
+
 /// Which number is free besides the control points.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Free {
     /// When the agreed motion is joined.
     Joining,
@@ -84,19 +118,31 @@ enum Free {
 }
 
 impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
+    /// The memory of one, to be [set](Self::set): all zeros.
+    pub const EMPTY: Self = Self {
+        course: Draft::NONE,
+        model: Model::new(),
+        draft: Draft::NONE,
+        best: Draft::NONE,
+        used: [S::ZERO; K],
+        run: 0,
+        most: 0,
+        h: S::ZERO,
+        band: S::ZERO,
+    };
+
     /// With knots every `h` s, using a share of the band.
     pub fn new(h: S, band: S) -> Self {
-        let none = Draft { points: [[S::ZERO; N]; K], count: 3, h, joins: S::ZERO };
-        Self {
-            course: none.clone(),
-            model: Model::new(),
-            draft: none.clone(),
-            best: none,
-            used: [band; K],
-            run: 0,
-            h,
-            band,
-        }
+        let mut window = Self::EMPTY;
+        window.set(h, band, K - 3);
+        window
+    }
+
+    /// Knots every `h` s, the share of the band that is used, and how many spans, `K - 3` at most.
+    pub fn set(&mut self, h: S, band: S, spans: usize) {
+        (self.h, self.band, self.used) = (h, band, [band; K]);
+        self.most = spans.min(K - 3);
+        (self.course.h, self.run) = (h, 0);
     }
 
     /// Spans of the course that have not been run yet.
@@ -181,9 +227,41 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         agreed: &impl Agreed<S, N>,
         bounds: &Bounds<'_, S, N>,
     ) -> Result<Reshaped<S>, Refused> {
+        let mut improving = self.begin_improving(agreed)?;
+        // Every turn is a step, a trial or a look between places: all are counted.
+        loop {
+            if let ControlFlow::Break(found) = self.go_on(&mut improving, agreed, bounds) {
+                return found;
+            }
+        }
+    }
+
+    /// Begins to improve what has not been run of the course, and what is agreed behind it.
+    ///
+    /// # Errors
+    /// The agreed motion ends too soon.
+    pub fn begin_improving(&mut self, agreed: &impl Agreed<S, N>) -> Result<Improving<S>, Refused> {
         let free = self.guess(agreed)?;
-        let start = self.state();
-        let before = Self::left(&self.draft, agreed);
+        Ok(Improving {
+            free,
+            before: Self::left(&self.draft, agreed),
+            aim: self.aim(&self.draft, free),
+            descent: Descent::new(MU.0, STEPS),
+            narrowings: 0,
+            steps: 0,
+        })
+    }
+
+    /// Goes on with that: a step of Newton's method, or a look between the places. Neither the course nor what is agreed may have changed
+    /// meanwhile.
+    ///
+    /// Cost: a factorisation and at most 9 sums over all rows; at most 65 times.
+    pub fn go_on(
+        &mut self,
+        improving: &mut Improving<S>,
+        agreed: &impl Agreed<S, N>,
+        bounds: &Bounds<'_, S, N>,
+    ) -> ControlFlow<Result<Reshaped<S>, Refused>> {
         let limits = bounds.limits.map(|limits| crate::AxisLimits {
             velocity: limits.velocity * S::of(SHARE),
             acceleration: limits.acceleration * S::of(SHARE),
@@ -191,26 +269,34 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
             ..limits
         });
         let bounds = Bounds { limits: &limits, ..*bounds };
-        let mut steps = self.descend(agreed, &bounds, &start, free, MU.0, STEPS)?;
-        for _ in 0..NARROWINGS {
-            let gain = before - Self::left(&self.best, agreed);
-            if !(gain > self.h * S::of(1.0e-4)) {
-                return Err(Refused::NoFaster);
-            }
-            let ends = agreed.line(self.best.joins);
-            if holding::narrow(&self.best, &bounds, self.band, ends, &mut self.used) {
-                self.course = self.best.clone();
-                self.run = 0;
-                return Ok(Reshaped { gain, steps });
-            }
-            if self.used.iter().any(|used| *used < S::of(NARROWEST) * self.band) {
-                break;
-            }
-            self.draft = self.best.clone();
-            steps += self.descend(agreed, &bounds, &start, free, MU.1 * 4.0, MENDING)?;
+        let start = self.state();
+        if self.step(improving, agreed, &bounds, &start) {
+            return ControlFlow::Continue(());
         }
-        self.used = [self.band; K];
-        Err(Refused::Outside)
+        improving.steps += improving.descent.steps;
+        if !improving.descent.found {
+            return ControlFlow::Break(Err(Refused::NoFaster));
+        }
+        let gain = improving.before - Self::left(&self.best, agreed);
+        if !(gain > self.h * S::of(1.0e-4)) {
+            return ControlFlow::Break(Err(Refused::NoFaster));
+        }
+        let ends = agreed.line(self.best.joins);
+        if holding::narrow(&self.best, &bounds, self.band, ends, &mut self.used) {
+            self.course = self.best.clone();
+            self.run = 0;
+            return ControlFlow::Break(Ok(Reshaped { gain, steps: improving.steps }));
+        }
+        improving.narrowings += 1;
+        if improving.narrowings == NARROWINGS
+            || self.used.iter().any(|used| *used < S::of(NARROWEST) * self.band)
+        {
+            self.used = [self.band; K];
+            return ControlFlow::Break(Err(Refused::Outside));
+        }
+        self.draft = self.best.clone();
+        improving.descent = Descent::new(MU.1 * 4.0, MENDING);
+        ControlFlow::Continue(())
     }
 
     /// Time that is left to the agreed motion's end, s.
@@ -227,13 +313,13 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
             self.course.points[self.course.count - 3..self.course.count].copy_from_slice(&end);
         }
         let time = S::from_u32(spans as u32) * self.course.h;
-        let whole = S::from_u32(K as u32 - 3) * self.h;
+        let whole = S::from_u32(self.most as u32) * self.h;
         let left = time + agreed.end() - self.course.joins;
         if !(left > self.h * S::of(4.0)) {
             return Err(Refused::TooShort);
         }
         let (free, count, h) = if left > whole {
-            (Free::Joining, K, self.h)
+            (Free::Joining, self.most + 3, self.h)
         } else {
             // As many spans as it takes: they become no longer than they were.
             let spans = (left / self.h).to_i64() as usize + 1;
@@ -287,94 +373,104 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         draft.points[count - 3..count].copy_from_slice(&end);
     }
 
-    /// Steps of Newton's method from the draft on, to the best that keeps all limits; how many.
-    fn descend(
+    /// What a draft is worth, and whether it keeps all limits.
+    fn weigh(
+        &self,
+        improving: &Improving<S>,
+        agreed: &impl Agreed<S, N>,
+        bounds: &Bounds<'_, S, N>,
+        mu: S,
+    ) -> (S, bool) {
+        let free = improving.free;
+        let barrier = Barrier::new(width(mu));
+        let mut value = Value::new(&barrier);
+        let line = rows(&self.draft, bounds, &self.used, &mut value);
+        let end = agreed.at(self.draft.joins).state.position;
+        let ends = are_one(bounds.lines, line, agreed.line(self.draft.joins), &end);
+        let keeps = value.worst <= S::ONE && ends;
+        (value.sum + (self.aim(&self.draft, free) - improving.aim) / mu, keeps)
+    }
+
+    /// Takes note of the draft if it `keeps` all limits and is the best so far.
+    fn note(&mut self, improving: &mut Improving<S>, keeps: bool) {
+        let free = improving.free;
+        let descent = &mut improving.descent;
+        if keeps && (!descent.found || self.aim(&self.draft, free) < self.aim(&self.best, free)) {
+            self.best = self.draft.clone();
+            descent.found = true;
+        }
+    }
+
+    /// A step of Newton's method from the draft on, to the best that keeps all limits. Whether there is another.
+    fn step(
         &mut self,
+        improving: &mut Improving<S>,
         agreed: &impl Agreed<S, N>,
         bounds: &Bounds<'_, S, N>,
         start: &State<S, N>,
-        free: Free,
-        weight: f64,
-        most: usize,
-    ) -> Result<usize, Refused> {
-        let mut mu = S::of(weight);
-        let (mut found, mut rises) = (false, 0);
-        let mut steps = 0;
-        let aim = self.aim(&self.draft, free);
-        let weigh = |window: &Self, draft: &Draft<S, N, K>, mu: S| {
-            let barrier = Barrier::new(width(mu));
-            let mut value = Value::new(&barrier);
-            let line = rows(draft, bounds, &window.used, &mut value);
-            let keeps = value.worst <= S::ONE && line == agreed.line(draft.joins);
-            (value.sum + (window.aim(draft, free) - aim) / mu, keeps)
+    ) -> bool {
+        let free = improving.free;
+        let mu = improving.descent.mu;
+        let (here, keeps) = self.weigh(improving, agreed, bounds, mu);
+        self.note(improving, keeps);
+        if improving.descent.steps == improving.descent.most {
+            return false;
+        }
+        improving.descent.steps += 1;
+        let Some((number, falls)) = self.model(agreed, bounds, start, free, mu) else {
+            return false;
         };
-        while steps < most {
-            let (here, keeps) = weigh(self, &self.draft, mu);
-            if keeps && (!found || self.aim(&self.draft, free) < self.aim(&self.best, free)) {
-                self.best = self.draft.clone();
-                found = true;
-            }
-            steps += 1;
-            let Some((number, falls)) = self.model(agreed, bounds, start, free, mu) else { break };
-            let last = mu <= S::of(MU.1);
-            let mut good = falls < S::of(ENOUGH);
-            if good && last {
-                break;
-            }
-            let cap = S::of(MOST) * self.h;
-            let mut by = if number.abs() > cap { cap / number.abs() } else { S::ONE };
-            if free == Free::Knots {
-                // They stay above half of what they are.
-                by = by.least(S::of(0.4) * self.draft.h / number.abs().greatest(S::EPSILON));
-            }
-            let from = self.draft.clone();
-            let mut went = false;
-            for _ in 0..TRIALS {
-                for k in 3..from.count - 3 {
-                    self.draft.points[k] = along(&from.points[k], by, &self.model.gradient[k]);
-                }
-                match free {
-                    Free::Joining => {
-                        self.draft.joins = (from.joins + by * number).least(agreed.end());
-                    }
-                    Free::Knots => self.draft.h = from.h + by * number,
-                }
-                Self::ends(&mut self.draft, agreed, start);
-                let (there, _) = weigh(self, &self.draft, mu);
-                if there <= here - S::of(GOOD) * by * falls {
-                    went = true;
-                    good |= by > S::of(0.5);
-                    break;
-                }
-                by = by * S::of(0.5);
-            }
-            if !went {
-                self.draft = from;
-                good = true;
-            }
-            if good && last && !went {
-                break;
-            }
-            if good {
-                mu = (mu * S::of(FALL)).greatest(S::of(MU.1));
-            }
-            if steps == most && !found && rises < RISES {
-                break;
-            }
-            if last && good && !found {
-                if rises == RISES {
-                    break;
-                }
-                rises += 1;
-                mu = mu * S::of(RISE);
-            }
+        let last = mu <= S::of(MU.1);
+        let mut good = falls < S::of(ENOUGH);
+        if good && last {
+            return false;
         }
-        let (_, keeps) = weigh(self, &self.draft, mu);
-        if keeps && (!found || self.aim(&self.draft, free) < self.aim(&self.best, free)) {
-            self.best = self.draft.clone();
-            found = true;
+        let cap = S::of(MOST) * self.h;
+        let mut by = if number.abs() > cap { cap / number.abs() } else { S::ONE };
+        if free == Free::Knots {
+            // They stay above half of what they are.
+            by = by.least(S::of(0.4) * self.draft.h / number.abs().greatest(S::EPSILON));
         }
-        if found { Ok(steps) } else { Err(Refused::NoFaster) }
+        let from = self.draft.clone();
+        let mut went = false;
+        for _ in 0..TRIALS {
+            for k in 3..from.count - 3 {
+                self.draft.points[k] = along(&from.points[k], by, &self.model.gradient[k]);
+            }
+            match free {
+                Free::Joining => {
+                    self.draft.joins = (from.joins + by * number).least(agreed.end());
+                }
+                Free::Knots => self.draft.h = from.h + by * number,
+            }
+            Self::ends(&mut self.draft, agreed, start);
+            let (there, _) = self.weigh(improving, agreed, bounds, mu);
+            if there <= here - S::of(GOOD) * by * falls {
+                went = true;
+                good |= by > S::of(0.5);
+                break;
+            }
+            by = by * S::of(0.5);
+        }
+        if !went {
+            self.draft = from;
+            if last {
+                return false;
+            }
+            good = true;
+        }
+        let descent = &mut improving.descent;
+        if good {
+            descent.mu = (mu * S::of(FALL)).greatest(S::of(MU.1));
+        }
+        if last && good && !descent.found {
+            if descent.rises == RISES {
+                return false;
+            }
+            descent.rises += 1;
+            descent.mu = descent.mu * S::of(RISE);
+        }
+        true
     }
 
     /// What is to be small, in knots.

@@ -122,6 +122,8 @@ pub struct Machine {
     pub lead: f64,
     /// Smoothing sweeps over a stretch of a run of short lines.
     pub sweeps: u16,
+    /// Whether the agreed motion is made faster, shape and speed together; look-ahead 64 or 256.
+    pub reshape: bool,
     /// Limits by axis letter; "default" stands for those that are not named.
     pub axes: BTreeMap<String, Axis>,
     /// Limits for quick stops by axis letter, or "default"; of an axis that is not named, its usual ones.
@@ -156,6 +158,7 @@ impl Default for Machine {
             lambda: 0.0,
             lead: defaults::LEAD,
             sweeps: defaults::SWEEPS,
+            reshape: false,
             axes: BTreeMap::from([("default".to_owned(), axis)]),
             stop: BTreeMap::new(),
             motor: Vec::new(),

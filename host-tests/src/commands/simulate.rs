@@ -50,6 +50,9 @@ pub struct Simulate {
     /// Smoothing sweeps over runs of short lines; 0 leaves them as they are laid [default: the machine's]
     #[arg(long, value_name = "COUNT", value_parser = whole(0_u16, 100))]
     pub sweeps: Option<u16>,
+    /// Improves shape and speed of the motion together, inside the band [default: the machine's]
+    #[arg(long)]
+    pub reshape: bool,
     /// Number type of the core
     #[arg(long, value_enum, default_value_t)]
     pub scalar: Precision,
@@ -124,6 +127,7 @@ impl Simulate {
         if let Some(sweeps) = self.sweeps {
             machine.sweeps = sweeps;
         }
+        machine.reshape |= self.reshape;
         Ok(machine)
     }
 

@@ -214,6 +214,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         #[cfg(feature = "outputs")]
         self.drop_switches();
+        #[cfg(feature = "reshape")]
+        if let Some(memory) = self.reshaping.as_deref_mut() {
+            memory.clear();
+        }
         self.finished = false;
     }
 }

@@ -168,8 +168,19 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// A station in the middle of the cell of station `i`, `t` seconds after its start, in the
     /// motion as agreed: the rest of the cell is run as if nothing had been cut.
     fn station_within(&self, i: usize, t: S) -> Option<Station<S, N>> {
+        self.station_between(i, t, self.window.get(i + 1)?.agreed)
+    }
+
+    /// The same in the motion of the draft.
+    #[cfg(feature = "reshape")]
+    pub fn station_on_the_way(&self, i: usize, t: S) -> Option<Station<S, N>> {
+        self.station_between(i, t, self.window.get(i + 1)?.state)
+    }
+
+    /// The same in the motion that arrives in a state at the next station.
+    fn station_between(&self, i: usize, t: S, arriving: PathState<S>) -> Option<Station<S, N>> {
         let (station, after) = self.window.pair(i)?;
-        let piece: Piece<S, N> = self.piece(i, after.agreed, Sequel::Motion)?;
+        let piece: Piece<S, N> = self.piece(i, arriving, Sequel::Motion)?;
         let here = piece.at(t);
         let distance = here.path_offset;
         if !(here.path_speed > self.crawl() * S::of(LEAST_SPEED)) {
@@ -212,13 +223,13 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         cut.arc_length = station.arc_length.plus(distance);
         cut.state = state;
         cut.agreed = state;
-        cut.lead_to(&after.node.at, after.agreed, piece.time - t);
+        cut.lead_to(&after.node.at, arriving, piece.time - t);
         (cut.cell.length > S::ZERO).then_some(cut)
     }
 
     /// Speed, mm/s, below which accelerations across the path are lost beside what jerk changes in
     /// a servo cycle.
-    fn crawl(&self) -> S {
+    pub fn crawl(&self) -> S {
         let jerk = self.config.limits.least_jerk();
         jerk * self.config.cycle * self.config.cycle * S::of(CRAWL)
     }

@@ -153,6 +153,34 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         })
     }
 
+    /// How long the plan in the making takes for the cell of station `i`, s; 0 if there is none.
+    #[cfg(feature = "reshape")]
+    pub fn time(&self, i: usize) -> S {
+        let Some((station, next)) = self.window.pair(i) else { return S::ZERO };
+        if station.cell.length > S::ZERO {
+            Law::new(station.cell.length, station.state, next.state).map_or(S::ZERO, |law| law.time)
+        } else {
+            station.cell.dwell
+        }
+    }
+
+    /// The last station that the next plan ahead leaves as it is: what it changes is felt no further back (see
+    /// `Problem::guess`).
+    #[cfg(feature = "reshape")]
+    pub fn settled_end(&self, end: usize) -> usize {
+        let brakes =
+            |i: &usize| self.window.get(*i).is_some_and(|station| station.state.a < S::ZERO);
+        let braking = (1..end).rev().take_while(brakes).count();
+        let mut time = self.config.limits.time_scale() * S::of(crate::profile::guess::FELT);
+        let mut station = end.saturating_sub(1 + braking);
+        while station > 0 && time > S::ZERO {
+            station -= 1;
+            time = time - self.time(station);
+        }
+        // Guesses take the mean of the speeds for a cell's.
+        station.saturating_sub(2)
+    }
+
     /// About what braking takes from a station, mm: v (v / A + A / J) / 2 and a fifth more.
     pub fn braking_distance(&self, i: usize) -> S {
         let Some(station) = self.window.get(i) else { return S::ZERO };

@@ -35,6 +35,13 @@ use crate::profile::window::Window;
 use crate::servo::control::Overrides;
 use crate::servo::link::{Branch, Timeline};
 use crate::servo::piece::{Piece, Sequel};
+#[cfg(feature = "reshape")]
+use crate::{
+    number::ArcLength,
+    profile::{
+        barrier::Slack, bounds::Bounds, relaxation::Relaxation, rows::rows, window::Station,
+    },
+};
 use core::ops::Range;
 
 /// Where the motion is, and when an answer to a command can take effect.
@@ -219,10 +226,60 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         self.piece_between(i, [self.window.get(i)?.state, to], sequel)
     }
 
+    /// The motion over a cell as it stands in the draft, between two stations of it.
+    #[cfg(feature = "reshape")]
+    pub fn piece_within(&self, i: usize) -> Option<Piece<S, N>> {
+        self.piece(i, self.window.get(i + 1)?.state, Sequel::Motion)
+    }
+
     /// The motion over a cell as agreed.
     pub fn agreed_piece(&self, i: usize) -> Option<Piece<S, N>> {
         let (station, after) = self.window.pair(i)?;
         self.piece_between(i, [station.agreed, after.agreed], Sequel::Motion)
+    }
+
+    /// The motion as agreed from a station to another, with its number, arc length and sequel.
+    #[cfg(feature = "reshape")]
+    pub fn piece_of(
+        &self,
+        station: &Station<S, N>,
+        (after, state): (&Station<S, N>, PathState<S>),
+        (serial, arc_length, sequel): (NodeSerial, ArcLength, Sequel),
+    ) -> Option<Piece<S, N>> {
+        let view = station.view(after, LimitSets::new(&self.config, &self.older));
+        let placement = Placement { serial, arc_length, sequel };
+        if !(station.cell.length > S::ZERO) {
+            return Some(compile::standstill(&view, placement));
+        }
+        let law = Law::new(station.cell.length, station.state, state)?;
+        Some(compile::piece(&view, &law, placement))
+    }
+
+    /// Bounds the cell from a station that is not in the window to another, and says whether the agreed motion keeps all limits.
+    #[cfg(feature = "reshape")]
+    pub fn keeps(&self, station: &mut Station<S, N>, after: &Station<S, N>) -> bool {
+        let pace = pace(&self.config, &self.older, self.overrides);
+        station.bounds = Bounds::new(&station.node, &station.cell, &after.node, &pace);
+        let Some(law) = Law::new(station.cell.length, station.state, after.state) else {
+            return false;
+        };
+        let [early, late] = law.inner_speeds();
+        let most = law.v0.greatest(law.v1).greatest(early.greatest(late));
+        if !(most <= station.bounds.speed * S::of(1.002)) {
+            return false;
+        }
+        station.bounds.speed = station.bounds.speed.greatest(most * S::of(1.0001));
+        let mut slack = Slack::new(Relaxation::STRICT);
+        rows(&station.view(after, LimitSets::new(&self.config, &self.older)), &law, &mut slack);
+        !slack.is_broken()
+    }
+
+    /// Puts other stations, with what is agreed for them, in the place of some from a node on.
+    #[cfg(feature = "reshape")]
+    pub fn replace(&mut self, first: NodeSerial, replaced: usize, stations: &[Station<S, N>]) {
+        let i = self.window.clamped_index(first);
+        self.window.replace(i..i + replaced, stations);
+        self.window.measure(i);
     }
 
     fn piece_between(

@@ -105,12 +105,18 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// Before a plan is offered whose pieces have been written: where the motion will be a time before the places that it passes.
     pub(in crate::planner) fn time_switches(&mut self, branch: Branch) {
+        self.time_switches_behind(branch, 0);
+    }
+
+    /// The same for a plan in which what lies behind it comes later by `longer`, in units of arc lengths.
+    pub(in crate::planner) fn time_switches_behind(&mut self, branch: Branch, longer: i64) {
         self.switches.branch = Some(branch);
         let (active, spare) = self.side.buffers();
         let board = self.side.board;
         if let Some(last) = self.horizon.window.last() {
             let end = self.switches.to.1;
-            board.set_shift(spare, last.arc_length.raw().wrapping_sub(end.raw()));
+            let shift = last.arc_length.raw().wrapping_sub(end.raw());
+            board.set_shift(spare, shift.wrapping_add(longer));
         }
         if self.switches.timed.is_empty() {
             return;

@@ -62,6 +62,13 @@ impl<S: Scalar> Switches<S> {
         events: 0,
     };
 
+    /// Whether anything has ever been asked for: then the path stays where it was cut.
+    #[cfg(feature = "reshape")]
+    pub fn are_used(&self) -> bool {
+        let written = self.lines.iter().chain([&self.powers]);
+        self.power.level > S::ZERO || written.into_iter().any(|line| line.next != EntrySerial::ZERO)
+    }
+
     /// The place on the path of one on the programmed path within the last cell, or at its end.
     fn place(&self, length: i64, share_before: impl Fn(S) -> S) -> ArcLength {
         let (whole, part) = (self.to.0.wrapping_sub(self.from.0), length.wrapping_sub(self.from.0));

@@ -68,6 +68,11 @@ impl Machine {
                 "smoothing of runs of short lines; 0 leaves them as they are laid",
             ),
             (
+                "reshape",
+                self.reshape.to_string(),
+                "whether shape and speed of the motion are improved together",
+            ),
+            (
                 "mode",
                 format!("\"{mode}\""),
                 "corners of lines: \"band\", or \"paper\" as in Guo, Yan, Wang 2023",

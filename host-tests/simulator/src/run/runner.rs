@@ -12,7 +12,7 @@ use crate::program::{Course, Move, Speed, Tape};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use splineway::{
     Activity, Block, Config, Coord, Counters, Feed, Link, Motion, Planner, Progress, PushError,
-    Scalar, Setpoint, Turn,
+    Reshaping, Scalar, Setpoint, Turn,
 };
 use std::time::Instant;
 
@@ -109,6 +109,11 @@ pub fn run_with(
     events: &Events,
     observers: &mut [&mut dyn Observer],
 ) -> Result<Stats> {
+    ensure!(
+        !machine.reshape || machine.lookahead >= 64,
+        "reshape: the look-ahead is {} blocks; with less than 64 there is no room for it",
+        machine.lookahead
+    );
     let setting = Setting { program, machine, events };
     match precision {
         Precision::F32 => run_scalar::<f32>(setting, observers),
@@ -155,6 +160,12 @@ fn link<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>()
     Box::new(Link::new())
 }
 
+/// The same for what reshaping remembers.
+#[inline(never)]
+fn reshaping<S: Scalar, const N: usize>() -> Box<Reshaping<S, N>> {
+    Box::new(Reshaping::new())
+}
+
 fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
     setting: Setting<'_>,
     observers: &mut [&mut dyn Observer],
@@ -166,7 +177,11 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     let mut stats = Stats { least_ahead: usize::MAX, ..Stats::default() };
     let start = coords::<N>(&program.start(), &axes).context("start point")?;
     let mut link = link::<S, N, BLOCKS, NODES>();
+    let mut reshaping = machine.reshape.then(reshaping::<S, N>);
     let (mut planner, mut interpolator) = link.split(config, start)?;
+    if let Some(memory) = reshaping.as_deref_mut() {
+        planner.reshape(memory);
+    }
     let controls = planner.controls();
     let mut moves = program.steps().peekable();
     let mut operator = Operator::new(events.list(), machine.seeker());

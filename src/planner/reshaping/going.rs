@@ -1,0 +1,83 @@
+//! The agreed motion as reshaping sees it: states by time, and the line that each is in.
+
+use crate::number::{Coord, Scalar};
+use crate::planner::horizon::Horizon;
+use crate::reshape::{Agreed, Line, Onward, Places, State};
+use heapless::Vec;
+
+/// Places at which the agreed motion is held against the lines.
+pub const PLACES: usize = 320;
+
+/// Times at which the cells of a stretch begin, s from its start.
+pub type Times<S, const NODES: usize> = Vec<S, NODES>;
+
+/// The agreed motion from a station on.
+pub struct Going<'a, S: Scalar, const N: usize, const NODES: usize> {
+    pub horizon: &'a Horizon<S, N, NODES>,
+    /// The station.
+    pub first: usize,
+    pub times: &'a Times<S, NODES>,
+    /// What positions are about.
+    pub origin: [Coord; N],
+    /// When it ends for this purpose, s from the station.
+    pub ends: S,
+    /// The lines, and which of them the motion is in when.
+    pub lines: &'a [Line<S, N>],
+    pub places: &'a Places<S, PLACES>,
+}
+
+impl<S: Scalar, const N: usize, const NODES: usize> Going<'_, S, N, NODES> {
+    /// The cell of a time from the station on, and how long after its start that is.
+    pub fn cell(&self, time: S) -> (usize, S) {
+        let mut cell = 0;
+        // At most the window.
+        while cell + 2 < self.times.len()
+            && self.times.get(cell + 1).is_some_and(|start| time >= *start)
+        {
+            cell += 1;
+        }
+        let begun = self.times.get(cell).copied().unwrap_or(S::ZERO);
+        (self.first + cell, (time - begun).greatest(S::ZERO))
+    }
+
+    /// State with jerk and its rate, a time from the station on.
+    pub fn state(&self, time: S) -> Onward<S, N> {
+        let (cell, t) = self.cell(time);
+        let none = [S::ZERO; N];
+        let Some(piece) = self.horizon.piece_within(cell) else {
+            let at = self.horizon.window.get(cell).map_or([Coord::ZERO; N], |at| at.node.at);
+            let position = core::array::from_fn(|i| at[i].minus(self.origin[i]));
+            return Onward { state: State::resting(position), jerk: none, snap: none };
+        };
+        let t = t.least(piece.time);
+        let mut onward = Onward { state: State::resting(none), jerk: none, snap: none };
+        let of = S::of;
+        for i in 0..N {
+            let [a, b, c, d, e] = piece.axes[i];
+            let start: S = piece.origin[i].minus(self.origin[i]);
+            let State { position, velocity, acceleration } = &mut onward.state;
+            position[i] = start + t * (a + t * (b + t * (c + t * (d + t * e))));
+            velocity[i] =
+                a + t * (of(2.0) * b + t * (of(3.0) * c + t * (of(4.0) * d + t * of(5.0) * e)));
+            acceleration[i] =
+                of(2.0) * b + t * (of(6.0) * c + t * (of(12.0) * d + t * of(20.0) * e));
+            onward.jerk[i] = of(6.0) * c + t * (of(24.0) * d + t * of(60.0) * e);
+            onward.snap[i] = of(24.0) * d + t * of(120.0) * e;
+        }
+        onward
+    }
+}
+
+impl<S: Scalar, const N: usize, const NODES: usize> Agreed<S, N> for Going<'_, S, N, NODES> {
+    fn at(&self, time: S) -> Onward<S, N> {
+        self.state(time.least(self.ends))
+    }
+
+    fn line(&self, time: S) -> usize {
+        self.places.line(self.lines, time, &self.state(time).state.position).unwrap_or(usize::MAX)
+    }
+
+    fn end(&self) -> S {
+        self.ends
+    }
+}
