@@ -90,7 +90,7 @@
 //!
 //! What a controller calls cannot panic: the images of `firmware/proof` call planner, interpolator, commands, checks, outputs,
 //! both ends of the wire, the reader of G-code and the interface for C, and link only if no panic can be reached. (Not in the
-//! proof: the texts of errors, which `core` formats. It holds for the sizes and the compiler of the images.)
+//! proof: the texts of errors, which `core` formats, and the feature `reshape`. It holds for the sizes and the compiler of the images.)
 //! The core's own `unsafe` is one instruction, the target's square root, and the border of the interface for C.
 //! Invariants between the layers are `debug_assert!`s: they stop a test, and cost a controller nothing.
 //!
