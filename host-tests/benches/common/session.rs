@@ -35,7 +35,10 @@ impl Machine {
 
 /// Reads a path.
 pub fn read(path: &Path) -> Result<Program> {
-    program::read(path, ReadOptions { feed: 100.0, segments: Some(500), ..ReadOptions::DEFAULT })
+    let options = ReadOptions { feed: 100.0, ..ReadOptions::DEFAULT };
+    // A NURBS curve as chords, all else as it is.
+    program::read(path, ReadOptions { segments: Some(500), ..options })
+        .or_else(|_| program::read(path, options))
 }
 
 fn frame(bytes: &mut Vec<u8>, message: &impl serde::Serialize) -> Result<()> {

@@ -7,11 +7,13 @@ use splineway_simulator::spline::SplineFile;
 
 fuzz_target!(|data: &[u8]| {
     let text = String::from_utf8_lossy(data);
-    let options = ReadOptions { feed: 50.0, segments: Some(8), ..ReadOptions::DEFAULT };
+    let options = ReadOptions { feed: 50.0, ..ReadOptions::DEFAULT };
     for ending in ["txt", "toml"] {
         if let Ok(file) = SplineFile::parse(&text, ending) {
             let _ = curve::parse_spline(&file, options);
         }
     }
-    let _ = curve::parse_json(&text, options);
+    for segments in [None, Some(8)] {
+        let _ = curve::parse_json(&text, ReadOptions { segments, ..options });
+    }
 });
