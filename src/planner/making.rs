@@ -9,7 +9,11 @@
 //!   Overrides:  Retuning ────────────────────────────────▶│
 //!   Reaction:   Reacting ────────────────────────────────▶│
 //!   BlockEnd:   Ending ───────────────────────────────────┘
+//!   Shape:      Shaping ──▶ Reshaped ─────────────────────▶ offered
 //! ```
+//!
+//! With memory for reshaping a plan ahead does not go on to Publishing at once: windows of it, and of what is agreed before it, are shaped
+//! first (Shaping, Reshaped), and while none can be it waits, as long as it may (`may_ripen`).
 //!
 //! What it has changed lies in the horizon as a draft ([`super::horizon`]), so it can be dropped after any slice: by
 //! a command that it does not serve, or because the motion has passed the place where it would have branched off.

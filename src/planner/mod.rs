@@ -11,6 +11,7 @@
 //! - `settings`: what may be changed at rest.
 //! - [`offer`]: plans handed over, and the interrupt's word on them.
 //! - `switches`: outputs in time with the path.
+//! - `reshaping`: what is agreed made faster, while there is nothing else to do.
 
 mod ahead;
 mod command;
