@@ -41,7 +41,7 @@ use core::ops::ControlFlow;
 #[cfg(feature = "reshape")]
 const RIPE_LEADS: f64 = 3.0;
 /// Pieces that are handed over in one slice.
-const PIECES: usize = 16;
+pub const PIECES: usize = 16;
 
 /// What a plan is made for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -266,7 +266,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// All pieces of a plan have been written: offers it.
-    pub(super) fn made(&mut self) -> Progress {
+    fn made(&mut self) -> Progress {
         let Some(making) = self.making.take() else { return Progress::Waiting };
         let Making { purpose, began, at, proposal, .. } = making;
         #[cfg(feature = "reshape")]
@@ -403,7 +403,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return None;
         }
         let starts = matches!(self.phase, Phase::Resting(_)) && !making.ripe;
-        if (starts || self.may_ripen())
+        let waits = self.may_ripen();
+        if (starts || waits)
             && let Some(Some(shaping)) = self
                 .reshaping(|planner, memory| planner.begin_shaping(memory, proposal.stretch, at))
         {
@@ -412,7 +413,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             making.stage = Stage::Shaping(shaping);
             return Some(Progress::Planning);
         }
-        self.may_ripen().then_some(Progress::Waiting)
+        waits.then_some(Progress::Waiting)
     }
 
     /// Drops the plan in the making, with all that it has changed.

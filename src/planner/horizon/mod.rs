@@ -31,17 +31,12 @@ use crate::profile::bounds::Pace;
 use crate::profile::compile::{self, Placement};
 use crate::profile::law::{Law, PathState};
 use crate::profile::solver::{Solver, Stretch};
-use crate::profile::window::Window;
+use crate::profile::window::{Station, Window};
+#[cfg(feature = "reshape")]
+use crate::profile::{barrier::Slack, bounds::Bounds, relaxation::Relaxation, rows::rows};
 use crate::servo::control::Overrides;
 use crate::servo::link::{Branch, Timeline};
 use crate::servo::piece::{Piece, Sequel};
-#[cfg(feature = "reshape")]
-use crate::{
-    number::ArcLength,
-    profile::{
-        barrier::Slack, bounds::Bounds, relaxation::Relaxation, rows::rows, window::Station,
-    },
-};
 use core::ops::Range;
 
 /// Where the motion is, and when an answer to a command can take effect.
@@ -238,23 +233,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         self.piece_between(i, [station.agreed, after.agreed], Sequel::Motion)
     }
 
-    /// The motion as agreed from a station to another, with its number, arc length and sequel.
-    #[cfg(feature = "reshape")]
-    pub fn piece_of(
-        &self,
-        station: &Station<S, N>,
-        (after, state): (&Station<S, N>, PathState<S>),
-        (serial, arc_length, sequel): (NodeSerial, ArcLength, Sequel),
-    ) -> Option<Piece<S, N>> {
-        let view = station.view(after, LimitSets::new(&self.config, &self.older));
-        let placement = Placement { serial, arc_length, sequel };
-        if !(station.cell.length > S::ZERO) {
-            return Some(compile::standstill(&view, placement));
-        }
-        let law = Law::new(station.cell.length, station.state, state)?;
-        Some(compile::piece(&view, &law, placement))
-    }
-
     /// Bounds the cell from a station that is not in the window to another, and says whether the agreed motion keeps all limits.
     #[cfg(feature = "reshape")]
     pub fn keeps(&self, station: &mut Station<S, N>, after: &Station<S, N>) -> bool {
@@ -285,14 +263,22 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     fn piece_between(
         &self,
         i: usize,
-        [from, to]: [PathState<S>; 2],
+        states: [PathState<S>; 2],
         sequel: Sequel,
     ) -> Option<Piece<S, N>> {
         let (station, after) = self.window.pair(i)?;
-        let sets = LimitSets::new(&self.config, &self.older);
-        let view = station.view(after, sets);
-        let placement =
-            Placement { serial: self.window.serial(i), arc_length: station.arc_length, sequel };
+        let (serial, arc_length) = (self.window.serial(i), station.arc_length);
+        self.piece_of([station, after], states, Placement { serial, arc_length, sequel })
+    }
+
+    /// The motion from a station to another, with states at both, in a place.
+    pub fn piece_of(
+        &self,
+        [station, after]: [&Station<S, N>; 2],
+        [from, to]: [PathState<S>; 2],
+        placement: Placement,
+    ) -> Option<Piece<S, N>> {
+        let view = station.view(after, LimitSets::new(&self.config, &self.older));
         if !(station.cell.length > S::ZERO) {
             return Some(compile::standstill(&view, placement));
         }

@@ -6,14 +6,13 @@ use crate::number::Scalar;
 use crate::number::vector::{dot, norm};
 use crate::path::budget;
 use crate::path::node::{Cell, Node};
+use crate::profile::bounds::LEAST_CYCLE_SHARE;
 use crate::profile::law::PathState;
 use crate::profile::window::Station;
 use crate::reshape::{Bounds, Window};
 use core::array::from_fn;
 use heapless::Vec;
 
-/// A cell takes at least this share of a servo cycle.
-const LEAST_CYCLES: f64 = 0.25;
 /// Halvings of a span, at most: where the motion is slow and turns, a cell is shorter.
 const HALVINGS: u32 = 3;
 /// Share of the band that is kept free for motions over a cell at other speeds than those that were found, with a rest in it too
@@ -94,7 +93,7 @@ fn joined<S: Scalar, const N: usize, const NODES: usize>(
 ) -> Option<(Station<S, N>, Option<Station<S, N>>)> {
     let horizon = going.horizon;
     let (time, cycle) = (horizon.time(cell), horizon.config.cycle);
-    if !(time - t >= cycle * S::of(LEAST_CYCLES)) {
+    if !(time - t >= cycle * S::of(LEAST_CYCLE_SHARE)) {
         return None;
     }
     let behind = horizon.window.get(cell + 1)?;

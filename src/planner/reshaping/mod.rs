@@ -16,7 +16,7 @@ mod lines;
 use self::going::{Going, PLACES, Times};
 use self::lines::{Lines, NEAR};
 use super::Planner;
-use super::making::{Purpose, Stage};
+use super::making::{PIECES, Purpose, Stage};
 use super::phase::{Following, Offer, Phase};
 use crate::block::{Block, Feed, Motion};
 #[cfg(feature = "shaping")]
@@ -28,6 +28,7 @@ use crate::number::serial::NodeSerial;
 use crate::number::{ArcLength, Coord, Scalar};
 use crate::path::budget;
 use crate::planner::horizon::Proposal;
+use crate::profile::compile::Placement;
 use crate::profile::law::PathState;
 use crate::profile::solver::Stretch;
 use crate::profile::window::Station;
@@ -55,8 +56,6 @@ const SEEN: f64 = 1.4;
 const LEAST_SPANS: f64 = 5.0;
 /// Cells ahead of the motion up to which lines are found if nothing else is done.
 const KEPT: usize = 2;
-/// Pieces that are handed over in one slice.
-const PIECES: usize = 16;
 /// Stations of a window: its knots, and where it joins the agreed motion.
 const STATIONS: usize = 72;
 /// Fewer spans than this are not worth a window; and what is added after one that took few stations.
@@ -99,7 +98,7 @@ pub struct Reshaping<S: Scalar, const N: usize> {
     track: Option<(NodeSerial, u32)>,
     /// Where the next window begins, at the earliest.
     next: Option<NodeSerial>,
-    /// Spans of the next window.
+    /// Spans of the next window, [`FEWEST`] to [`SPANS`].
     spans: usize,
     /// Whether more of the path must be planned before more can be done.
     pub(super) wants: bool,
@@ -178,13 +177,15 @@ fn is_plain<S: Scalar, const N: usize>(config: &Config<S, N>) -> bool {
 }
 
 /// A stretch of the agreed plan that may be reshaped.
-struct Place {
+struct Place<S, const NODES: usize> {
     /// Where it begins, and in which line that is.
     first: usize,
     line: u32,
     /// Station up to which it may be changed, and whether the motion rests there.
     limit: usize,
     rests: bool,
+    /// When its cells begin, s; the last is the time of `limit`.
+    times: Times<S, NODES>,
 }
 
 /// A window that is being reshaped.
@@ -244,7 +245,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// Begins to reshape a part of what leads to the end of a stretch.
     pub(super) fn begin_shaping(
-        &mut self,
+        &self,
         memory: &mut Reshaping<S, N>,
         stretch: Stretch,
         at: NodeSerial,
@@ -256,10 +257,9 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.switches.are_used() {
             return None;
         }
-        let Place { first, line, limit, rests } = self.place(memory, stretch, at)?;
-        let times = self.times(first, limit)?;
+        let Place { first, line, limit, rests, times } = self.place(memory, stretch, at)?;
         let all = *times.last()?;
-        let spans = memory.spans.clamp(FEWEST, SPANS);
+        let spans = memory.spans;
         let ends = all.least(S::of(KNOTS * SEEN) * S::from_u32(spans as u32));
         let until = (rests && !(ends < all)).then_some(limit);
         self.associate(memory, (first, line), &times, ends, until)?;
@@ -341,11 +341,11 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// What can be reshaped now of what leads to the end of a stretch.
     fn place(
-        &mut self,
+        &self,
         memory: &mut Reshaping<S, N>,
         stretch: Stretch,
         at: NodeSerial,
-    ) -> Option<Place> {
+    ) -> Option<Place<S, NODES>> {
         let window = &self.horizon.window;
         let end = stretch.last;
         let mut first = if matches!(self.phase, Phase::Following(_)) {
@@ -379,7 +379,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let limit = rest.unwrap_or_else(|| self.horizon.settled_end(end));
         let times = self.times(first, limit)?;
         let left = times.last().copied()?;
-        let whole = S::of(KNOTS) * S::from_u32(memory.spans.max(FEWEST) as u32);
+        let whole = S::of(KNOTS) * S::from_u32(memory.spans as u32);
         if rest.is_none() && left < whole * S::of(AHEAD) {
             memory.wants = true;
             return None;
@@ -389,7 +389,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             memory.next = Some(window.serial(limit));
             return None;
         }
-        Some(Place { first, line, limit, rests: rest.is_some() })
+        Some(Place { first, line, limit, rests: rest.is_some(), times })
     }
 
     /// When the cells from a station on to another begin, s; the last is the time of that; `None` if limits change between them.
@@ -527,8 +527,10 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 Sequel::Motion
             };
             let state = if at_end { PathState::REST } else { to.state };
-            let placed = (change.start.plus(k as u32), change.arc_length, sequel);
-            let Some(piece) = self.horizon.piece_of(from, (to, state), placed) else { break };
+            let (serial, arc_length) = (change.start.plus(k as u32), change.arc_length);
+            let placement = Placement { serial, arc_length, sequel };
+            let states = [from.state, state];
+            let Some(piece) = self.horizon.piece_of([from, to], states, placement) else { break };
             change.arc_length = change.arc_length.plus(from.cell.length);
             self.side.write(&piece);
         }
