@@ -156,7 +156,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         S::from_u32(cycles) * config.cycle >= config.lead * S::of(QUIET_LEADS)
     }
 
-    /// How long it will be until a plan made now can be taken up, s.
+    /// How long it takes to make a plan over all cells that lie ahead, s.
     fn planned(&self, at: NodeSerial) -> S {
         self.effort.plan.cycles(self.cells_ahead(at)) * self.horizon.config.cycle
     }
@@ -204,11 +204,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let due = !at.is_before(now.checkpoint)
             || urgent
             || self.reshaping_wants()
-            || self.horizon.reaches_within(planned + lead, at, now.shown);
+            // Early enough for a second try: one plan in some is hard to find.
+            || self.horizon.reaches_within(planned + planned + lead, at, now.shown);
         if !due || self.is_vain(at) {
             return Progress::Waiting;
         }
-        let Some(branch) = self.horizon.branch(at, planned) else { return Progress::Waiting };
+        let (work, cycle) = (self.effort.plan, self.horizon.config.cycle);
+        let Some(branch) = self.horizon.branch(at, |cells| work.cycles(cells) * cycle) else {
+            return Progress::Waiting;
+        };
         self.plan(branch, at, false)
     }
 

@@ -268,14 +268,14 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// All pieces of a plan have been written: offers it.
     fn made(&mut self) -> Progress {
         let Some(making) = self.making.take() else { return Progress::Waiting };
-        let Making { purpose, began, at, proposal, .. } = making;
+        let Making { purpose, began, proposal, .. } = making;
         #[cfg(feature = "reshape")]
         let ripe = making.ripe;
         let cycles = self.side.cycles().since(began).unwrap_or(0);
         match purpose {
             #[cfg(feature = "reshape")]
             Purpose::Ahead if ripe => {}
-            Purpose::Ahead => self.effort.plan.learn(self.cells_ahead(at), cycles),
+            Purpose::Ahead => self.effort.plan.learn(proposal.stretch.cells(), cycles),
             Purpose::Hold => self.effort.stop.learn(1, cycles),
             #[cfg(feature = "reshape")]
             Purpose::Shape => self.effort.shape.learn(1, cycles),
@@ -363,9 +363,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         if !making.ripe {
             let cycles = self.side.cycles().since(making.began).unwrap_or(0);
-            let cells =
-                self.horizon.window.len() - 1 - self.horizon.window.clamped_index(making.at);
-            self.effort.plan.learn(cells, cycles);
+            self.effort.plan.learn(making.proposal.stretch.cells(), cycles);
             making.ripe = true;
         }
         true
@@ -457,19 +455,25 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             if let (Purpose::BlockEnd, Phase::Following(now)) = (making.purpose, &mut self.phase) {
                 now.tried_block_end = false;
             }
-            let stretch = making.proposal.stretch;
+            let cells = making.proposal.stretch.cells();
             let cycles = self.side.cycles().since(making.began).unwrap_or(0);
-            let by_cycle = making.proposal.branch.is_by_cycle();
-            if making.purpose == Purpose::Hold {
-                self.effort.stop.learn_late(1, cycles);
+            let (purpose, by_cycle) = (making.purpose, making.proposal.branch.is_by_cycle());
+            match purpose {
+                Purpose::Ahead => {
+                    self.effort.plan.learn(cells, cycles);
+                    // With some more of the path it is another problem: the same one is as hard again.
+                    self.vain = Some(Vain { at, last: self.last_node() });
+                }
+                Purpose::Hold => self.effort.stop.learn(1, cycles),
+                #[cfg(feature = "reshape")]
+                Purpose::Shape => {
+                    self.effort.shape.learn(1, cycles);
+                    self.abandon();
+                    return;
+                }
+                _ => {}
             }
-            #[cfg(feature = "reshape")]
-            if making.purpose == Purpose::Shape {
-                self.effort.shape.learn_late(1, cycles);
-                self.abandon();
-                return;
-            }
-            self.late(by_cycle, stretch.last - stretch.first, cycles);
+            self.late(by_cycle);
         }
         if passed || !serves {
             self.abandon();

@@ -62,18 +62,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             if offer.by_cycle && offer.taken.halt != Some(Halt::Hold) {
                 self.pressing.reacted = None;
             }
-            self.late(offer.by_cycle, offer.end.since(offer.first).unwrap_or(0) as usize, 0);
+            self.late(offer.by_cycle);
         }
     }
 
-    /// A plan over so many cells, for which the motion has been too fast, after so many servo cycles: the next one
-    /// is given more time.
-    pub(super) fn late(&mut self, by_cycle: bool, cells: usize, cycles: u32) {
+    /// The motion has been too fast for a plan: an answer to a command is given more time next. (What others take is measured.)
+    pub(super) fn late(&mut self, by_cycle: bool) {
         self.counters.late += 1;
         if by_cycle {
             self.reaction = (2 * self.reaction + 1).min(self.most_reaction());
-        } else {
-            self.effort.plan.learn_late(cells, cycles);
         }
     }
 

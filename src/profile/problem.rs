@@ -45,6 +45,13 @@ pub struct Stretch {
     pub open: bool,
 }
 
+impl Stretch {
+    /// Cells in it.
+    pub const fn cells(&self) -> usize {
+        self.last.saturating_sub(self.first)
+    }
+}
+
 /// What there is to do, without the memory it is done in: a value that may be kept while the problem is laid
 /// aside.
 #[derive(Clone, Copy, Debug)]

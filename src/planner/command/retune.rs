@@ -62,7 +62,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 let moment = self.moment_of_answer(at);
                 self.horizon.begin_retune(overrides, halt, |horizon| horizon.cut_in(moment?))
             } else {
-                let node = self.horizon.branch(at, S::ZERO);
+                let node = self.horizon.branch(at, |_| S::ZERO);
                 let node = node.filter(|node| self.horizon.is_near(at, *node));
                 self.horizon.begin_retune(overrides, halt, |horizon| {
                     let node = node?;

@@ -29,9 +29,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// The node from which a new plan can branch off: a lead ahead of the motion, or half of what is left
-    /// of the plan if that is less; but not before `planned`, s from the end of the piece under way, when the plan will be
-    /// there. At its end the motion would rest.
-    pub fn branch(&self, at: NodeSerial, planned: S) -> Option<NodeSerial> {
+    /// of the plan if that is less; but not before the plan will be there, `planned` s from the end of the piece under way, of
+    /// the cells that it would be looked for over. At its end the motion would rest.
+    pub fn branch(&self, at: NodeSerial, planned: impl Fn(usize) -> S) -> Option<NodeSerial> {
         if self.is_slowed(at) {
             return Some(self.end);
         }
@@ -41,10 +41,11 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         for i in first..end {
             left += self.agreed_time(i);
         }
-        let lead = self.config.lead.least(left * S::of(0.5)).greatest(planned);
+        let lead = self.config.lead.least(left * S::of(0.5));
+        let last = self.window.len() - 1;
         let mut time = S::ZERO;
         for i in first..=end {
-            if time >= lead || i == end {
+            if time >= lead.greatest(planned(last - i)) || i == end {
                 return Some(if self.is_stopping(i) { self.end } else { self.window.serial(i) });
             }
             time += self.agreed_time(i);

@@ -350,7 +350,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let end = stretch.last;
         let mut first = if matches!(self.phase, Phase::Following(_)) {
             let planned = self.effort.shape.cycles(1) * self.horizon.config.cycle;
-            let branch = self.horizon.branch(at, planned)?;
+            let branch = self.horizon.branch(at, |_| planned)?;
             if branch == self.horizon.end() {
                 return None;
             }
