@@ -17,6 +17,9 @@ const LEAST_ROOM: usize = 2 + ADDED;
 const QUIET_LEADS: f64 = 0.5;
 /// So many new cells are worth a plan.
 const LEAST_NEW: u32 = 4;
+/// And this part of all that lie ahead, while more can be cut: on a Cortex-M4F a plan takes about as long as it takes to cut a fifth as
+/// many cells of dense lines. With fewer at a time planning starves the cutting: ever less of the path would be known.
+const NEW_PART: u32 = 4;
 /// So many are, where there is not enough to reshape.
 #[cfg(feature = "reshape")]
 const WANTED: u32 = 32;
@@ -138,7 +141,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     pub(super) fn is_pressed(&self, at: NodeSerial) -> bool {
         let Phase::Following(now) = self.phase else { return false };
         let until = self.planned(at) + self.horizon.config.lead;
-        self.new_cells() >= LEAST_NEW
+        self.new_cells() >= LEAST_NEW.max(self.cells_ahead(at) as u32 / NEW_PART)
             && !self.is_vain(at)
             && self.horizon.reaches_within(until, at, now.shown)
     }
