@@ -5,6 +5,10 @@ use crate::number::Scalar;
 /// Share of what is new in the mean, and in the mean deviation from it: as for times on a network (RFC 6298).
 const NEW_IN_MEAN: f64 = 0.125;
 const NEW_IN_DEVIATION: f64 = 0.25;
+/// The deviation of the first, as a share of it.
+const FIRST_DEVIATION: f64 = 0.5;
+/// What answers to a command take more than the mean of plans: one that comes too late is made again at once.
+const USUAL: f64 = 1.25;
 /// What an estimate adds to the mean: mean deviations, and servo cycles, since a count of them is rounded down at either end.
 const DEVIATIONS: f64 = 3.0;
 const RESERVE_CYCLES: f64 = 2.0;
@@ -47,7 +51,7 @@ impl<S: Scalar> Work<S> {
     pub fn learn(&mut self, parts: usize, cycles: u32) {
         let per_part = S::from_u32(cycles) / S::from_u32(parts.max(1) as u32);
         if !(self.mean > S::ZERO) {
-            *self = Self { mean: per_part, deviation: per_part * S::of(0.5) };
+            *self = Self { mean: per_part, deviation: per_part * S::of(FIRST_DEVIATION) };
             return;
         }
         let off = per_part - self.mean;
@@ -55,13 +59,20 @@ impl<S: Scalar> Work<S> {
         self.deviation += (off.abs() - self.deviation) * S::of(NEW_IN_DEVIATION);
     }
 
-    /// Servo cycles that so many parts will take; 0 if they take none.
+    /// Servo cycles within which so many parts are done but for one time in some; 0 if they take none.
     pub fn cycles(&self, parts: usize) -> S {
-        let per_part = self.mean + self.deviation * S::of(DEVIATIONS);
-        let cycles = per_part * S::from_u32(parts as u32);
-        // Less than a cycle in all: the clock does not move meanwhile.
-        if cycles < S::of(0.5) { S::ZERO } else { cycles + S::of(RESERVE_CYCLES) }
+        with_reserve((self.mean + self.deviation * S::of(DEVIATIONS)) * S::from_u32(parts as u32))
     }
+
+    /// Servo cycles that so many parts take as a rule; 0 if they take none.
+    pub fn usual(&self, parts: usize) -> S {
+        with_reserve(self.mean * S::of(USUAL) * S::from_u32(parts as u32))
+    }
+}
+
+fn with_reserve<S: Scalar>(cycles: S) -> S {
+    // Less than a cycle in all: the clock does not move meanwhile.
+    if cycles < S::of(0.5) { S::ZERO } else { cycles + S::of(RESERVE_CYCLES) }
 }
 
 #[cfg(test)]
@@ -73,7 +84,7 @@ mod tests {
         let mut effort = Work::<f64>::NONE;
         assert!(effort.cycles(64) == 0.0);
         effort.learn(10, 20);
-        assert!((effort.cycles(5) - 27.0).abs() < 1e-12);
+        assert!((effort.cycles(5) - 27.0).abs() < 1e-12 && (effort.usual(5) - 14.5).abs() < 1e-12);
         for _ in 0..40 {
             effort.learn(10, 20);
         }

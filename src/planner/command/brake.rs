@@ -42,7 +42,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.pressing.attempted = now;
         }
         let needed = self.effort.stop.cycles(1);
-        let needed = if needed > S::ZERO { needed } else { self.effort.plan.cycles(CELLS) };
+        let needed = if needed > S::ZERO { needed } else { self.effort.plan.usual(CELLS) };
         match self.horizon.begin_slowing(self.moment_after(needed), self.pressing.attempts, quick) {
             Begun::Attempt(begun) => self.make((Purpose::Hold, at), Some(begun)),
             // The rest that the plan comes to anyway may be nearer than any other.

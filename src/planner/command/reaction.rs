@@ -86,18 +86,18 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// The same for a plan at other overrides, or to the end of a block, with the motion at node `at`.
     pub(super) fn moment_of_answer(&self, at: NodeSerial) -> Option<Moment<S>> {
-        self.moment_after(self.effort.plan.cycles(PLANS * self.cells_ahead(at)))
+        self.moment_after(self.effort.plan.usual(PLANS * self.cells_ahead(at)))
     }
 
     /// Begins a first answer if the whole one takes long and there is none yet. Whether one is in the making.
     pub(super) fn react(&mut self, asked: Overrides, at: NodeSerial) -> bool {
-        let long = self.effort.plan.cycles(LONG) > S::of(AT_ONCE);
+        let long = self.effort.plan.usual(LONG) > S::of(AT_ONCE);
         if !long || self.pressing.reacted == Some(asked) {
             return false;
         }
         self.pressing.reacted = Some(asked);
         let halt = self.phase.halt();
-        let Some(moment) = self.moment_after(self.effort.plan.cycles(CELLS)) else { return false };
+        let Some(moment) = self.moment_after(self.effort.plan.usual(CELLS)) else { return false };
         let begun = self.horizon.begin_reaction(moment, asked, halt);
         self.make((Purpose::Reaction(asked), at), begun)
     }
