@@ -18,6 +18,8 @@ const TOLERANCE: f64 = 0.05;
 const CYCLE: f64 = 1.0e-3;
 /// A run that has not ended by then, s, never will.
 const LONGEST: f64 = 120.0;
+/// Nor will planning that takes more slices than that in a servo cycle.
+const MOST_SLICES: u32 = 2000;
 
 #[derive(Clone, Copy, Debug)]
 enum Press {
@@ -130,7 +132,7 @@ fn run<S: Scalar>(path: &Path, presses: &[(u32, Press)], pace: Pace) -> Result<(
         let mut progress = Progress::Planning;
         // With slices that take no time, as many as do something.
         let mut slices = 0;
-        while behind < 0.0 && progress == Progress::Planning && slices < 2000 {
+        while behind < 0.0 && progress == Progress::Planning {
             while next < blocks.len() {
                 match planner.push(&blocks[next]) {
                     Ok(()) => next += 1,
@@ -152,6 +154,9 @@ fn run<S: Scalar>(path: &Path, presses: &[(u32, Press)], pace: Pace) -> Result<(
                 behind += pace.slice * (seed >> 40) as f64 / f64::from(1 << 24);
             }
             slices += 1;
+            if slices > MOST_SLICES {
+                return Err(format!("cycle {cycle}: no end of planning: {:?}", planner.counters()));
+            }
         }
         behind = behind.max(-1.0);
         let setpoint = interpolator.tick();
