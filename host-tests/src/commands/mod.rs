@@ -38,7 +38,8 @@ pub struct Arguments {
 impl Arguments {
     /// Those of this process. What cannot be understood ends it.
     pub fn of_process() -> Self {
-        let matches = numbers::taking_negative(Self::command()).get_matches();
+        let words = numbers::joining_negative(std::env::args_os());
+        let matches = numbers::taking_negative(Self::command()).get_matches_from(words);
         Self::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
     }
 }
