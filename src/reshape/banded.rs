@@ -9,7 +9,8 @@ const ROUNDING: f64 = 2.0;
 /// `N` by `N` numbers.
 pub(super) type Square<S, const N: usize> = [[S; N]; N];
 
-/// Lower half: of each row of blocks the block on the diagonal and those up to three before it.
+/// Lower half: of each row of blocks the block on the diagonal and those up to three before it. Every block is symmetric, and until
+/// the matrix is factored only its lower half counts.
 #[derive(Clone, Debug)]
 pub(super) struct Banded<S, const N: usize, const K: usize> {
     pub(super) blocks: [[Square<S, N>; COUPLED]; K],
@@ -20,21 +21,21 @@ impl<S: Scalar, const N: usize, const K: usize> Banded<S, N, K> {
         Self { blocks: [[[[S::ZERO; N]; N]; COUPLED]; K] }
     }
 
-    pub(super) fn clear(&mut self) {
-        self.blocks = [[[[S::ZERO; N]; N]; COUPLED]; K];
+    /// The first `count` rows.
+    pub(super) fn clear(&mut self, count: usize) {
+        self.blocks[..count].fill([[[S::ZERO; N]; N]; COUPLED]);
     }
 
     /// Block (`row`, `column`), columns up to three before the row, times a vector, added to another.
     pub(super) fn times(&self, row: usize, column: usize, x: &[S; N], to: &mut [S; N]) {
-        let (low, high, turned) =
-            if row >= column { (column, row, false) } else { (row, column, true) };
+        let (low, high) = (row.min(column), row.max(column));
         if high - low >= COUPLED {
             return;
         }
         let block = &self.blocks[high][high - low];
         for i in 0..N {
             for j in 0..N {
-                to[i] += if turned { block[j][i] } else { block[i][j] } * x[j];
+                to[i] += block[i.max(j)][i.min(j)] * x[j];
             }
         }
     }
@@ -49,6 +50,11 @@ impl<S: Scalar, const N: usize, const K: usize> Banded<S, N, K> {
             for back in (0..=reach).rev() {
                 let column = row - back;
                 let mut block = self.blocks[row][back];
+                for i in 0..N {
+                    for j in i + 1..N {
+                        block[i][j] = block[j][i];
+                    }
+                }
                 let whole = block;
                 for before in back + 1..=reach {
                     // Column `row - before` of both rows.
@@ -105,34 +111,50 @@ impl<S: Scalar, const N: usize, const K: usize> Banded<S, N, K> {
         true
     }
 
-    /// Solves for a right side in `first..end`, in place; after [`Banded::factor`].
-    pub(super) fn solve(&self, first: usize, end: usize, x: &mut [[S; N]; K]) {
+    /// Solves for two right sides in `first..end`, in place, half the way: [`Banded::backward`] is the other half. After
+    /// [`Banded::factor`].
+    pub(super) fn forward(
+        &self,
+        first: usize,
+        end: usize,
+        x: &mut [[S; N]; K],
+        y: &mut [[S; N]; K],
+    ) {
         for row in first..end {
-            let mut sum = x[row];
+            let (mut a, mut b) = (x[row], y[row]);
             for back in 1..=(row - first).min(COUPLED - 1) {
                 let block = &self.blocks[row][back];
+                let (x, y) = (&x[row - back], &y[row - back]);
                 for i in 0..N {
                     for k in 0..N {
-                        sum[i] = sum[i] - block[i][k] * x[row - back][k];
+                        a[i] = a[i] - block[i][k] * x[k];
+                        b[i] = b[i] - block[i][k] * y[k];
                     }
                 }
             }
             let diagonal = &self.blocks[row][0];
             for i in 0..N {
                 for k in 0..i {
-                    sum[i] = sum[i] - diagonal[i][k] * sum[k];
+                    a[i] = a[i] - diagonal[i][k] * a[k];
+                    b[i] = b[i] - diagonal[i][k] * b[k];
                 }
-                sum[i] = sum[i] * diagonal[i][i];
+                a[i] = a[i] * diagonal[i][i];
+                b[i] = b[i] * diagonal[i][i];
             }
-            x[row] = sum;
+            (x[row], y[row]) = (a, b);
         }
+    }
+
+    /// The other half of the way, for one right side.
+    pub(super) fn backward(&self, first: usize, end: usize, x: &mut [[S; N]; K]) {
         for row in (first..end).rev() {
             let mut sum = x[row];
             for ahead in 1..COUPLED.min(end - row) {
                 let block = &self.blocks[row + ahead][ahead];
+                let x = &x[row + ahead];
                 for i in 0..N {
                     for k in 0..N {
-                        sum[i] = sum[i] - block[k][i] * x[row + ahead][k];
+                        sum[i] = sum[i] - block[k][i] * x[k];
                     }
                 }
             }
@@ -166,13 +188,12 @@ mod tests {
         for row in 0..K {
             for back in 0..COUPLED.min(row + 1) {
                 for i in 0..N {
-                    for j in 0..N {
+                    for j in 0..=i {
                         all.blocks[row][back][i][j] = next();
                     }
                 }
             }
             let block = &mut all.blocks[row][0];
-            block[0][1] = block[1][0];
             for i in 0..N {
                 block[i][i] += 5.0;
             }
@@ -186,16 +207,20 @@ mod tests {
             let all = random(seed);
             let (first, end) = (seed as usize % 4, K - seed as usize % 3);
             let right: [[f64; N]; K] = core::array::from_fn(|k| [k as f64 - 3.0, 1.0]);
-            let (mut factored, mut x) = (all.clone(), right);
+            let other = right.map(|[a, b]| [b, a * a]);
+            let (mut factored, mut x, mut y) = (all.clone(), right, other);
             assert!(factored.factor(first, end));
-            factored.solve(first, end, &mut x);
-            for row in first..end {
-                let mut sum = [0.0; N];
-                for column in first..end {
-                    all.times(row, column, &x[column], &mut sum);
-                }
-                for i in 0..N {
-                    assert!((sum[i] - right[row][i]).abs() < 1e-9, "{seed} {row}");
+            factored.forward(first, end, &mut x, &mut y);
+            for (right, mut x) in [(right, x), (other, y)] {
+                factored.backward(first, end, &mut x);
+                for row in first..end {
+                    let mut sum = [0.0; N];
+                    for column in first..end {
+                        all.times(row, column, &x[column], &mut sum);
+                    }
+                    for i in 0..N {
+                        assert!((sum[i] - right[row][i]).abs() < 1e-9, "{seed} {row}");
+                    }
                 }
             }
         }

@@ -1,9 +1,9 @@
 //! Whether a motion stays inside the band between the places that are looked at.
 
-use super::course::{mixed, weights};
+use super::course::Cubic;
 use super::vector::{minus, square};
 use super::way::{Joint, MOST_LINES, are_one};
-use super::{Bounds, Draft};
+use super::{Bounds, COUPLED, Draft};
 use crate::number::Scalar;
 
 /// Chords of a span.
@@ -29,10 +29,11 @@ pub(super) fn narrow<S: Scalar, const N: usize, const K: usize>(
 ) -> bool {
     let lines = bounds.lines;
     let mut line = bounds.line;
-    let mut before = mixed(&draft.points, &weights(S::ZERO));
+    let mut before = Cubic::new(&draft.points).at(S::ZERO);
     let mut inside = true;
     for span in 0..draft.spans() {
-        let four = &draft.points[span..span + 4];
+        let four = &draft.points[span..span + COUPLED];
+        let cubic = Cubic::new(four);
         // Second differences are what acceleration is in a span's time squared.
         let bend = |k: usize| {
             let (a, b) = (minus(&four[k + 1], &four[k]), minus(&four[k + 2], &four[k + 1]));
@@ -42,7 +43,7 @@ pub(super) fn narrow<S: Scalar, const N: usize, const K: usize>(
         let mut most = S::ZERO;
         for chord in 1..=CHORDS {
             let share = S::from_u32(chord) / S::from_u32(CHORDS);
-            let x = mixed(four, &weights(share));
+            let x = cubic.at(share);
             for _ in 0..MOST_LINES {
                 if line + 1 >= lines.len() {
                     break;

@@ -1,40 +1,35 @@
 //! The barrier's second-order model, over the control points and one number that its ends depend on.
 
-use super::banded::Banded;
-use super::barrier::Barrier;
-use super::rows::{AxisRow, LengthRow, Rows};
+use super::banded::{Banded, Square};
+use super::barrier::{Change, Tally};
+use super::course::weights;
+use super::rows::{AxisRows, LengthRow, PlaceRow, Rows};
 use super::vector::dot;
+use super::{COUPLED, PLACES};
 use crate::number::Scalar;
 
-/// Sum of the costs of all rows.
-pub(super) struct Value<'a, S> {
-    barrier: &'a Barrier<S>,
-    pub(super) sum: S,
-    /// Greatest share of a limit.
-    pub(super) worst: S,
-}
-
-impl<'a, S: Scalar> Value<'a, S> {
-    pub(super) fn new(barrier: &'a Barrier<S>) -> Self {
-        Self { barrier, sum: S::ZERO, worst: S::ZERO }
-    }
-
-    fn add(&mut self, share: S) {
-        self.sum += self.barrier.cost(share).value;
-        // What is no number is no share that is kept.
-        if !(share <= self.worst) {
-            self.worst = share;
+impl<S: Scalar, const N: usize> Rows<S, N> for Tally<S> {
+    fn axes(&mut self, rows: &AxisRows<'_, S, N>) {
+        for shares in &rows.shares {
+            for share in shares {
+                self.add(*share * *share);
+            }
         }
     }
-}
 
-impl<S: Scalar, const N: usize> Rows<S, N> for Value<'_, S> {
-    fn axis(&mut self, row: &AxisRow<'_, S>) {
-        self.add(row.y.abs());
+    fn place(&mut self, row: &PlaceRow<'_, S, N>) {
+        self.add(row.foot.square * row.inverse);
     }
 
-    fn length(&mut self, row: &LengthRow<'_, S, N>) {
-        self.add(row.square.sqrt() / row.limit);
+    fn places_end(&mut self, _: usize) {}
+
+    fn length<const W: usize>(
+        &mut self,
+        square: S,
+        inverse: S,
+        _: impl FnOnce() -> LengthRow<S, N, W>,
+    ) {
+        self.add(square * inverse);
     }
 }
 
@@ -50,11 +45,90 @@ pub(super) struct Model<S, const N: usize, const K: usize> {
     pub(super) curvature: S,
 }
 
-/// A model that takes rows; the distance of the knots, if that is what the ends depend on.
+/// What a place of a span adds to the model by the place.
+#[derive(Clone, Copy, Debug)]
+struct Pull<S, const N: usize> {
+    slope: [S; N],
+    /// Lower half.
+    curvature: Square<S, N>,
+}
+
+impl<S: Scalar, const N: usize> Pull<S, N> {
+    const NONE: Self = Self { slope: [S::ZERO; N], curvature: [[S::ZERO; N]; N] };
+}
+
+/// A model that takes rows.
 pub(super) struct Modelling<'a, S, const N: usize, const K: usize> {
-    pub(super) model: &'a mut Model<S, N, K>,
-    pub(super) barrier: &'a Barrier<S>,
-    pub(super) knots: Option<S>,
+    model: &'a mut Model<S, N, K>,
+    pub(super) tally: Tally<S>,
+    /// 1 over the distance of the knots, if that is what the ends depend on.
+    knots: Option<S>,
+    /// Weights of the control points at the places of a span.
+    weights: [[S; COUPLED]; PLACES],
+    /// The places of this span.
+    pulls: [Pull<S, N>; PLACES],
+}
+
+impl<'a, S: Scalar, const N: usize, const K: usize> Modelling<'a, S, N, K> {
+    pub(super) fn new(model: &'a mut Model<S, N, K>, tally: Tally<S>, knots: Option<S>) -> Self {
+        let at = |place: usize| weights(S::from_u32(place as u32 + 1) / S::from_u32(PLACES as u32));
+        let knots = knots.map(|h| S::ONE / h);
+        let (weights, pulls) = (core::array::from_fn(at), [Pull::NONE; PLACES]);
+        Self { model, tally, knots, weights, pulls }
+    }
+
+    /// Adds the rows of an axis.
+    fn axis(&mut self, rows: &AxisRows<'_, S, N>, axis: usize) {
+        let (two, three) = (S::of(2.0), S::of(3.0));
+        let (span, shares, scales) = (rows.span, &rows.shares[axis], &rows.scales[axis]);
+        // By the differences.
+        let (mut slopes, mut bent, mut borders) = ([S::ZERO; 3], [S::ZERO; 3], [S::ZERO; 3]);
+        for k in 0..3 {
+            let square = shares[k] * shares[k];
+            let change = self.add(square);
+            let curvature = change.slope + change.bent * square;
+            slopes[k] = change.slope * shares[k] * scales[k];
+            bent[k] = curvature * scales[k] * scales[k];
+            if let Some(per) = self.knots {
+                let degree = S::from_u32(k as u32 + 1) * per;
+                let (first, second) = (change.slope * square * degree, curvature * square * degree);
+                borders[k] = -(change.slope + curvature) * shares[k] * scales[k] * degree;
+                self.model.slope = self.model.slope - first;
+                self.model.curvature += second * degree + first * (degree + per);
+            }
+        }
+        let [v, a, j] = bent;
+        let (a2, j3) = (two * a, three * j);
+        let j9 = three * j3;
+        let blocks = &mut self.model.banded.blocks[span..span + COUPLED];
+        let mut add = |k: usize, back: usize, by: S| blocks[k][back][axis][axis] += by;
+        add(0, 0, v + a + j);
+        add(1, 0, v + two * a2 + j9);
+        add(1, 1, -(v + a2 + j3));
+        add(2, 0, a + j9);
+        add(2, 1, -(a2 + j9));
+        add(2, 2, a + j3);
+        add(3, 0, j);
+        add(3, 1, -j3);
+        add(3, 2, j3);
+        add(3, 3, -j);
+        let points = &mut self.model.gradient[span..span + COUPLED];
+        for (point, by) in points.iter_mut().zip(of_points(slopes)) {
+            point[axis] += by;
+        }
+        if self.knots.is_some() {
+            let points = &mut self.model.border[span..span + COUPLED];
+            for (point, by) in points.iter_mut().zip(of_points(borders)) {
+                point[axis] += by;
+            }
+        }
+    }
+
+    /// Adds a row, by the square of the share that it is of its limit; how its cost changes.
+    fn add(&mut self, square: S) -> Change<S> {
+        self.tally.add(square);
+        self.tally.barrier.change(square)
+    }
 }
 
 /// How the control points at both ends depend on the number: their first and second derivative.
@@ -77,10 +151,11 @@ impl<S: Scalar, const N: usize, const K: usize> Model<S, N, K> {
         }
     }
 
-    pub(super) fn clear(&mut self) {
-        self.banded.clear();
-        self.gradient = [[S::ZERO; N]; K];
-        self.border = [[S::ZERO; N]; K];
+    /// Of so many control points.
+    pub(super) fn clear(&mut self, count: usize) {
+        self.banded.clear(count);
+        self.gradient[..count].fill([S::ZERO; N]);
+        self.border[..count].fill([S::ZERO; N]);
         self.slope = S::ZERO;
         self.curvature = S::ZERO;
     }
@@ -124,104 +199,136 @@ impl<S: Scalar, const N: usize, const K: usize> Model<S, N, K> {
     /// the sum falls by.
     pub(super) fn step(&mut self, free: core::ops::Range<usize>, push: S) -> Option<(S, S)> {
         let (first, end) = (free.start, free.end);
-        let slope = self.slope + push;
         if !self.banded.factor(first, end) {
             return None;
         }
-        let (mut x, mut y) = (self.gradient, self.border);
-        self.banded.solve(first, end, &mut x);
-        self.banded.solve(first, end, &mut y);
-        let (mut pull, mut left, mut falls) = (slope, self.curvature, S::ZERO);
-        let mut scale = S::ZERO;
-        for k in first..end {
-            pull = pull - dot(&self.border[k], &x[k]);
-            let explained = dot(&self.border[k], &y[k]);
-            left = left - explained;
-            scale += explained.abs();
-            falls += dot(&self.gradient[k], &x[k]);
+        let (x, y) = (&mut self.gradient, &mut self.border);
+        self.banded.forward(first, end, x, y);
+        // Halfway to the solutions squares are what the whole way would give as products with the right sides.
+        let (mut pull, mut explained, mut falls) = (self.slope + push, S::ZERO, S::ZERO);
+        for (x, y) in x[first..end].iter().zip(&y[first..end]) {
+            falls += dot(x, x);
+            pull = pull - dot(x, y);
+            explained += dot(y, y);
         }
         // Rounding, or an end that would be bent away from: as much as is there counts at least.
-        left = left.greatest((scale + self.curvature.abs()) * S::of(1.0e-6));
+        let least = (explained + self.curvature.abs()) * S::of(1.0e-6);
+        let left = (self.curvature - explained).greatest(least);
         if !(left > S::ZERO) {
             return None;
         }
         let number = -pull / left;
         for k in first..end {
             for i in 0..N {
-                self.gradient[k][i] = -x[k][i] - number * y[k][i];
+                x[k][i] = -x[k][i] - number * y[k][i];
             }
         }
+        self.banded.backward(first, end, x);
         Some((number, falls - pull * number))
     }
 }
 
 impl<S: Scalar, const N: usize, const K: usize> Rows<S, N> for Modelling<'_, S, N, K> {
-    fn axis(&mut self, row: &AxisRow<'_, S>) {
-        let cost = self.barrier.cost(row.y.abs());
-        let model = &mut *self.model;
-        let slope = cost.slope * row.y;
-        let bent = cost.curvature * row.scale * row.scale;
-        let axis = row.axis;
-        for (k, weight) in row.weights.iter().enumerate() {
-            let at = row.first + k;
-            model.gradient[at][axis] += slope * row.scale * *weight;
-            for (back, other) in row.weights[..=k].iter().rev().enumerate() {
-                model.banded.blocks[at][back][axis][axis] += bent * *weight * *other;
-            }
-        }
-        let Some(h) = self.knots else { return };
-        let degree = S::from_u32(u32::from(row.degree));
-        let change = -degree * row.y / h;
-        model.slope += slope * change;
-        model.curvature +=
-            cost.curvature * change * change - slope * change * (degree + S::ONE) / h;
-        for (k, weight) in row.weights.iter().enumerate() {
-            model.border[row.first + k][axis] +=
-                *weight * row.scale * (cost.curvature * change - slope * degree / h);
+    fn axes(&mut self, rows: &AxisRows<'_, S, N>) {
+        for axis in 0..N {
+            self.axis(rows, axis);
         }
     }
 
-    fn length(&mut self, row: &LengthRow<'_, S, N>) {
-        let inverse = S::ONE / (row.limit * row.limit);
-        let square = row.square * inverse;
-        let cost = self.barrier.cost(square.sqrt());
-        let model = &mut *self.model;
-        let slope = cost.slope * inverse;
-        let bent = if square > S::of(1.0e-6) {
-            (cost.curvature - cost.slope) / square
-        } else {
-            S::of(4.0)
-        } * inverse
-            * inverse;
-        let mut block = row.stiffness;
+    fn place(&mut self, row: &PlaceRow<'_, S, N>) {
+        let &PlaceRow { place, foot, direction, inverse } = row;
+        let change = self.add(foot.square * inverse);
+        let (slope, bent) = (change.slope * inverse, change.bent * inverse * inverse);
+        let pull = &mut self.pulls[place];
         for i in 0..N {
-            for j in 0..N {
-                block[i][j] = slope * block[i][j] + bent * row.gradient[i] * row.gradient[j];
+            pull.slope[i] = slope * foot.off[i];
+            let (off, across) = (bent * foot.off[i], slope * direction[i]);
+            for j in 0..=i {
+                pull.curvature[i][j] = off * foot.off[j] - across * direction[j];
             }
+            pull.curvature[i][i] += slope;
         }
-        for (k, weight) in row.weights.iter().enumerate() {
-            let at = row.first + k;
+    }
+
+    fn places_end(&mut self, span: usize) {
+        let (weights, pulls) = (&self.weights, &self.pulls);
+        let points = &mut self.model.gradient[span..span + COUPLED];
+        let blocks = &mut self.model.banded.blocks[span..span + COUPLED];
+        for k in 0..COUPLED {
             for i in 0..N {
-                model.gradient[at][i] += slope * *weight * row.gradient[i];
+                let mut sum = points[k][i];
+                for place in 0..PLACES {
+                    sum += weights[place][k] * pulls[place].slope[i];
+                }
+                points[k][i] = sum;
             }
-            for (back, other) in row.weights[..=k].iter().rev().enumerate() {
-                let both = *weight * *other;
-                let to = &mut model.banded.blocks[at][back];
+            for other in 0..=k {
+                let both: [S; PLACES] =
+                    core::array::from_fn(|place| weights[place][k] * weights[place][other]);
+                let block = &mut blocks[k][k - other];
                 for i in 0..N {
-                    for j in 0..N {
-                        to[i][j] += both * block[i][j];
+                    for j in 0..=i {
+                        let mut sum = block[i][j];
+                        for place in 0..PLACES {
+                            sum += both[place] * pulls[place].curvature[i][j];
+                        }
+                        block[i][j] = sum;
                     }
                 }
             }
         }
-        let (Some(h), 1) = (self.knots, row.degree) else { return };
-        model.slope = model.slope - cost.slope * square / h;
-        model.curvature += (cost.curvature + S::of(2.0) * cost.slope) * square / (h * h);
-        let border = -(cost.curvature + cost.slope) * inverse / h;
-        for (k, weight) in row.weights.iter().enumerate() {
+        self.pulls[PLACES - 1] = Pull::NONE;
+    }
+
+    fn length<const W: usize>(
+        &mut self,
+        square: S,
+        inverse: S,
+        row: impl FnOnce() -> LengthRow<S, N, W>,
+    ) {
+        let LengthRow { first, weights, gradient, mut stiffness, stretches } = row();
+        let square = square * inverse;
+        let change = self.add(square);
+        let (slope, bent) = (change.slope * inverse, change.bent * inverse * inverse);
+        let model = &mut *self.model;
+        for i in 0..N {
+            let bent = bent * gradient[i];
+            for j in 0..=i {
+                stiffness[i][j] = slope * stiffness[i][j] + bent * gradient[j];
+            }
+        }
+        let points = &mut model.gradient[first..first + W];
+        let blocks = &mut model.banded.blocks[first..first + W];
+        for k in 0..W {
+            let by = slope * weights[k];
             for i in 0..N {
-                model.border[row.first + k][i] += border * *weight * row.gradient[i];
+                points[k][i] += by * gradient[i];
+            }
+            for other in 0..=k {
+                let both = weights[k] * weights[other];
+                let to = &mut blocks[k][k - other];
+                for i in 0..N {
+                    for j in 0..=i {
+                        to[i][j] += both * stiffness[i][j];
+                    }
+                }
+            }
+        }
+        let (Some(per), true) = (self.knots, stretches) else { return };
+        let curved = change.slope + change.bent * square;
+        model.slope = model.slope - change.slope * square * per;
+        model.curvature += (curved + S::of(2.0) * change.slope) * square * per * per;
+        let border = -(curved + change.slope) * inverse * per;
+        for k in 0..W {
+            for i in 0..N {
+                model.border[first + k][i] += border * weights[k] * gradient[i];
             }
         }
     }
+}
+
+/// What belongs to first, second and third differences, by the four control points.
+fn of_points<S: Scalar>([first, second, third]: [S; 3]) -> [S; COUPLED] {
+    let three = S::of(3.0) * third;
+    [second - first - third, first - second - second + three, second - three, third]
 }

@@ -1,9 +1,9 @@
 //! A window of the motion, and how it is improved.
 
-use super::barrier::Barrier;
-use super::course::{State, mixed, state, weights, within};
+use super::barrier::{Barrier, Tally};
+use super::course::{Cubic, State, state, within};
 use super::holding::{self, CHORDS};
-use super::model::{Ends, Model, Modelling, Value};
+use super::model::{Ends, Model, Modelling};
 use super::rows::rows;
 use super::vector::{along, minus};
 use super::way::{are_one, passes};
@@ -183,11 +183,11 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
     pub fn advance(&mut self, bounds: &Bounds<'_, S, N>) -> usize {
         let mut line = bounds.line;
         if self.run < self.course.spans() {
-            let four = &self.course.points[self.run..self.run + 4];
+            let cubic = Cubic::new(&self.course.points[self.run..self.run + 4]);
             // As the motion was followed when it was shown to stay inside the band.
             for chord in 1..=CHORDS {
                 let share = S::from_u32(chord) / S::from_u32(CHORDS);
-                line = passes(bounds.lines, line, &mixed(four, &weights(share)));
+                line = passes(bounds.lines, line, &cubic.at(share));
             }
             self.run += 1;
         }
@@ -373,22 +373,22 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         draft.points[count - 3..count].copy_from_slice(&end);
     }
 
-    /// What a draft is worth, and whether it keeps all limits.
-    fn weigh(
+    /// What the draft is worth.
+    fn weigh(&self, improving: &Improving<S>, bounds: &Bounds<'_, S, N>, mu: S) -> S {
+        let mut tally = Tally::new(Barrier::new(width(mu)));
+        rows(&self.draft, bounds, &self.used, &mut tally);
+        tally.sum() + (self.aim(&self.draft, improving.free) - improving.aim) / mu
+    }
+
+    /// Whether the draft, whose end is in a line, ends in the line in which the agreed motion goes on.
+    fn joins_line(
         &self,
-        improving: &Improving<S>,
         agreed: &impl Agreed<S, N>,
         bounds: &Bounds<'_, S, N>,
-        mu: S,
-    ) -> (S, bool) {
-        let free = improving.free;
-        let barrier = Barrier::new(width(mu));
-        let mut value = Value::new(&barrier);
-        let line = rows(&self.draft, bounds, &self.used, &mut value);
+        line: usize,
+    ) -> bool {
         let end = agreed.at(self.draft.joins).state.position;
-        let ends = are_one(bounds.lines, line, agreed.line(self.draft.joins), &end);
-        let keeps = value.worst <= S::ONE && ends;
-        (value.sum + (self.aim(&self.draft, free) - improving.aim) / mu, keeps)
+        are_one(bounds.lines, line, agreed.line(self.draft.joins), &end)
     }
 
     /// Takes note of the draft if it `keeps` all limits and is the best so far.
@@ -411,13 +411,15 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
     ) -> bool {
         let free = improving.free;
         let mu = improving.descent.mu;
-        let (here, keeps) = self.weigh(improving, agreed, bounds, mu);
+        let (tally, line) = self.model_rows(bounds, free, mu);
+        let here = tally.sum() + (self.aim(&self.draft, free) - improving.aim) / mu;
+        let keeps = tally.keeps && self.joins_line(agreed, bounds, line);
         self.note(improving, keeps);
         if improving.descent.steps == improving.descent.most {
             return false;
         }
         improving.descent.steps += 1;
-        let Some((number, falls)) = self.model(agreed, bounds, start, free, mu) else {
+        let Some((number, falls)) = self.model(agreed, start, free, mu) else {
             return false;
         };
         let last = mu <= S::of(MU.1);
@@ -444,7 +446,7 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
                 Free::Knots => self.draft.h = from.h + by * number,
             }
             Self::ends(&mut self.draft, agreed, start);
-            let (there, _) = self.weigh(improving, agreed, bounds, mu);
+            let there = self.weigh(improving, bounds, mu);
             if there <= here - S::of(GOOD) * by * falls {
                 went = true;
                 good |= by > S::of(0.5);
@@ -481,21 +483,25 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         }
     }
 
-    /// The model at the draft and the step to its least: that of the number, and by how much it falls.
+    /// The rows of the model at the draft: their sum, and the line that the draft ends in.
+    fn model_rows(&mut self, bounds: &Bounds<'_, S, N>, free: Free, mu: S) -> (Tally<S>, usize) {
+        self.model.clear(self.draft.count);
+        let tally = Tally::new(Barrier::new(width(mu)));
+        let knots = (free == Free::Knots).then_some(self.draft.h);
+        let mut modelling = Modelling::new(&mut self.model, tally, knots);
+        let line = rows(&self.draft, bounds, &self.used, &mut modelling);
+        (modelling.tally, line)
+    }
+
+    /// The step to the model's least: that of the number, and by how much it falls.
     fn model(
         &mut self,
         agreed: &impl Agreed<S, N>,
-        bounds: &Bounds<'_, S, N>,
         start: &State<S, N>,
         free: Free,
         mu: S,
     ) -> Option<(S, S)> {
         let (draft, h) = (&self.draft, self.draft.h);
-        self.model.clear();
-        let barrier = Barrier::new(width(mu));
-        let knots = (free == Free::Knots).then_some(h);
-        let mut modelling = Modelling { model: &mut self.model, barrier: &barrier, knots };
-        rows(draft, bounds, &self.used, &mut modelling);
         let (ends, push) = match free {
             Free::Joining => {
                 let onward = agreed.at(draft.joins);
