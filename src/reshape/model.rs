@@ -7,6 +7,7 @@ use super::rows::{AxisRows, LengthRow, PlaceRow, Rows};
 use super::vector::dot;
 use super::{COUPLED, PLACES};
 use crate::number::Scalar;
+use core::array::from_fn;
 
 impl<S: Scalar, const N: usize> Rows<S, N> for Tally<S> {
     fn axes(&mut self, rows: &AxisRows<'_, S, N>) {
@@ -63,18 +64,21 @@ pub(super) struct Modelling<'a, S, const N: usize, const K: usize> {
     pub(super) tally: Tally<S>,
     /// 1 over the distance of the knots, if that is what the ends depend on.
     knots: Option<S>,
-    /// Weights of the control points at the places of a span.
-    weights: [[S; COUPLED]; PLACES],
+    /// Weights of the control points at the places of a span, and those of any two multiplied.
+    weights: [[S; PLACES]; COUPLED],
+    products: [[[S; PLACES]; COUPLED]; COUPLED],
     /// The places of this span.
     pulls: [Pull<S, N>; PLACES],
 }
 
 impl<'a, S: Scalar, const N: usize, const K: usize> Modelling<'a, S, N, K> {
     pub(super) fn new(model: &'a mut Model<S, N, K>, tally: Tally<S>, knots: Option<S>) -> Self {
-        let at = |place: usize| weights(S::from_u32(place as u32 + 1) / S::from_u32(PLACES as u32));
-        let knots = knots.map(|h| S::ONE / h);
-        let (weights, pulls) = (core::array::from_fn(at), [Pull::NONE; PLACES]);
-        Self { model, tally, knots, weights, pulls }
+        let at: [[S; COUPLED]; PLACES] =
+            from_fn(|place| weights(S::from_u32(place as u32 + 1) / S::from_u32(PLACES as u32)));
+        let weights = from_fn(|k| from_fn(|place| at[place][k]));
+        let products = from_fn(|k| from_fn(|l| from_fn(|place| at[place][k] * at[place][l])));
+        let (knots, pulls) = (knots.map(|h| S::ONE / h), [Pull::NONE; PLACES]);
+        Self { model, tally, knots, weights, products, pulls }
     }
 
     /// Adds the rows of an axis.
@@ -251,28 +255,20 @@ impl<S: Scalar, const N: usize, const K: usize> Rows<S, N> for Modelling<'_, S, 
     }
 
     fn places_end(&mut self, span: usize) {
-        let (weights, pulls) = (&self.weights, &self.pulls);
+        let pulls = &self.pulls;
         let points = &mut self.model.gradient[span..span + COUPLED];
         let blocks = &mut self.model.banded.blocks[span..span + COUPLED];
         for k in 0..COUPLED {
+            let weights = &self.weights[k];
             for i in 0..N {
-                let mut sum = points[k][i];
-                for place in 0..PLACES {
-                    sum += weights[place][k] * pulls[place].slope[i];
-                }
-                points[k][i] = sum;
+                points[k][i] += mixed(weights, |place| pulls[place].slope[i]);
             }
             for other in 0..=k {
-                let both: [S; PLACES] =
-                    core::array::from_fn(|place| weights[place][k] * weights[place][other]);
+                let products = &self.products[k][other];
                 let block = &mut blocks[k][k - other];
                 for i in 0..N {
                     for j in 0..=i {
-                        let mut sum = block[i][j];
-                        for place in 0..PLACES {
-                            sum += both[place] * pulls[place].curvature[i][j];
-                        }
-                        block[i][j] = sum;
+                        block[i][j] += mixed(products, |place| pulls[place].curvature[i][j]);
                     }
                 }
             }
@@ -325,6 +321,15 @@ impl<S: Scalar, const N: usize, const K: usize> Rows<S, N> for Modelling<'_, S, 
             }
         }
     }
+}
+
+/// What belongs to the places of a span, by their weights.
+fn mixed<S: Scalar>(weights: &[S; PLACES], of: impl Fn(usize) -> S) -> S {
+    let mut sum = weights[0] * of(0);
+    for place in 1..PLACES {
+        sum += weights[place] * of(place);
+    }
+    sum
 }
 
 /// What belongs to first, second and third differences, by the four control points.

@@ -194,16 +194,6 @@ impl<S: Scalar> Feeds<S> {
     }
 }
 
-/// What is across a direction.
-fn across<S: Scalar, const N: usize>(direction: &[S; N], to: &mut [[S; N]; N]) {
-    for i in 0..N {
-        for j in 0..N {
-            let own = if i == j { S::ONE } else { S::ZERO };
-            to[i][j] = own - direction[i] * direction[j];
-        }
-    }
-}
-
 /// Where the motion crosses the plane in which two lines are equally near it has to be in the bands of both: the square of its
 /// distance from either is that from the joint less that along the line. As the motion changes the crossing moves along it.
 fn crossing<S: Scalar, const N: usize>(
@@ -214,34 +204,36 @@ fn crossing<S: Scalar, const N: usize>(
     limit: S,
     to: &mut impl Rows<S, N>,
 ) {
-    let oblique = S::of(OBLIQUE * OBLIQUE) * square(&joint.across);
-    let crosses = |slope: &[S; N]| {
-        let speed = dot(slope, &joint.across);
-        (speed * speed > oblique * square(slope) && speed > S::ZERO).then_some(speed)
-    };
-    let Some(speed) = crosses(&cubic.slope(share)) else { return };
-    // Nearer to the plane.
-    let share = (share - joint.passed(&cubic.at(share)) / speed).greatest(S::ZERO).least(S::ONE);
-    let (x, slope) = (cubic.at(share), cubic.slope(share));
-    let Some(speed) = crosses(&slope) else { return };
-    let off = minus(&x, joint.at);
+    let slope = cubic.slope(share);
+    let speed = dot(&slope, &joint.across);
+    let oblique = S::of(OBLIQUE * OBLIQUE) * square(&slope) * square(&joint.across);
+    if !(speed * speed > oblique && speed > S::ZERO) {
+        return;
+    }
+    // On to the plane, as straight as it is near.
+    let per = S::ONE / speed;
+    let x = cubic.at(share);
+    let ahead = -joint.passed(&x) * per;
+    let off = minus(&along(&x, ahead, &slope), joint.at);
     let way = dot(&off, direction).least(S::ZERO);
     let off = along(&off, -way, direction);
     to.length(square(&off), S::ONE / (limit * limit), || {
-        // The point moves by `d - slope (across . d) / speed` when its control points move it by `d`.
-        let per = S::ONE / speed;
-        let moved = |v: &[S; N]| along(v, -dot(v, &slope) * per, &joint.across);
-        let mut flat = [[S::ZERO; N]; N];
-        across(direction, &mut flat);
-        let half = flat.map(|row| moved(&row));
+        // The point moves by `d - slope (across . d) / speed` when its control points move it by `d`: of both sides of what is across
+        // the line that leaves itself, less a product with `across` on either side.
+        let way = dot(&slope, direction);
+        let flat = along(&slope, -way, direction).map(|x| x * per);
+        let half = along(&flat, S::of(-0.5) * per * dot(&flat, &slope), &joint.across);
         let mut stiffness = [[S::ZERO; N]; N];
-        for j in 0..N {
-            let column = moved(&half.map(|row| row[j]));
-            for i in j..N {
-                stiffness[i][j] = column[i];
+        for i in 0..N {
+            for j in 0..=i {
+                stiffness[i][j] = -direction[i] * direction[j]
+                    - half[i] * joint.across[j]
+                    - joint.across[i] * half[j];
             }
+            stiffness[i][i] += S::ONE;
         }
-        let (weights, gradient) = (weights(share), moved(&off));
+        let gradient = along(&off, -dot(&off, &slope) * per, &joint.across);
+        let weights = weights((share + ahead).greatest(S::ZERO).least(S::ONE));
         LengthRow { first: span, weights, gradient, stiffness, stretches: false }
     });
 }
