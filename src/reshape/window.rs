@@ -14,7 +14,7 @@ use core::ops::ControlFlow;
 /// What is left of the limits for rounding.
 const SHARE: f64 = 0.9995;
 /// Weight of the barrier at first, at last, and by how much it falls after a good step.
-const MU: (f64, f64) = (2.0e-2, 1.5e-3);
+const MU: (f64, f64) = (5.0e-3, 5.0e-4);
 const FALL: f64 = 0.4;
 /// By how much it rises when nothing feasible is found, and how often.
 const RISE: f64 = 3.0;
@@ -23,14 +23,16 @@ const RISES: usize = 2;
 /// further from its limit than that.
 const WIDTH: f64 = 20.0;
 /// Steps of Newton's method, and trials of a step.
-const STEPS: usize = 40;
+const STEPS: usize = 24;
 const TRIALS: usize = 7;
 /// So many of these without a break.
 const AT_ONCE: usize = 2;
 /// A step is good if it gains this much of what the model says.
 const GOOD: f64 = 0.1;
 /// It is enough when the model says that no more is to be gained than this many weights.
-const ENOUGH: f64 = 4.0;
+const ENOUGH: f64 = 8.0;
+/// A whole step is good enough to go on with less weight if no more was to be gained than this many weights.
+const CLOSE: f64 = 20.0;
 /// The time at which the end joins changes in a step by no more than so many knots.
 const MOST: f64 = 3.0;
 /// How often the band is narrowed where it is left between places, and what is left of it at least.
@@ -255,7 +257,7 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
 
     /// Improves what has not been run of the course, and what is agreed behind it.
     ///
-    /// Cost: at most 40 steps of Newton's method and three times 8 more, each of a factorisation and up to 7 sums over all rows.
+    /// Cost: at most 24 steps of Newton's method and twice 8 more, each of a factorisation and up to 8 sums over all rows.
     ///
     /// # Errors
     /// Nothing better was found: the course is what it was.
@@ -290,10 +292,10 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         })
     }
 
-    /// Goes on with that: a step of Newton's method is found, or gone, or the motion is looked at between the places. Neither the course
-    /// nor what is agreed may have changed meanwhile.
+    /// Goes on with that: the motion is modelled, or a step of Newton's method is found by that and tried, or tried on, or the motion is
+    /// looked at between the places. Neither the course nor what is agreed may have changed meanwhile.
     ///
-    /// Cost: a factorisation and a sum over all rows with their derivatives, or two sums; at most 400 times.
+    /// Cost: a sum over all rows with its derivatives, or a factorisation and two sums without, or 32 places of every span; at most 210 times.
     pub fn go_on(
         &mut self,
         improving: &mut Improving<S>,
@@ -496,7 +498,8 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         let Some((number, falls)) = self.model_step(agreed, free, improving.descent.mu) else {
             return Next::Look;
         };
-        if falls < S::of(ENOUGH) && improving.descent.is_last() {
+        // Where nothing keeps all limits yet, the last bit may.
+        if falls < S::of(ENOUGH) && improving.descent.is_last() && improving.descent.found {
             return Next::Look;
         }
         let cap = S::of(MOST) * self.h;
@@ -526,7 +529,7 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
             self.move_draft(improving.free, &trial, by, agreed);
             let there = self.weigh(improving, bounds);
             if there <= here - S::of(GOOD) * by * falls {
-                let good = falls < S::of(ENOUGH) || by > S::of(0.5);
+                let good = falls < S::of(ENOUGH) || (by > S::of(0.5) && falls < S::of(CLOSE));
                 return self.went(improving, good);
             }
             trial.by = by * S::of(0.5);
