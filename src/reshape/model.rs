@@ -337,3 +337,82 @@ fn of_points<S: Scalar>([first, second, third]: [S; 3]) -> [S; COUPLED] {
     let three = S::of(3.0) * third;
     [second - first - third, first - second - second + three, second - three, third]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::AxisLimits;
+    use crate::reshape::barrier::Barrier;
+    use crate::reshape::rows::rows;
+    use crate::reshape::vector::{minus, square};
+    use crate::reshape::{Bounds, Draft, Line};
+
+    const N: usize = 3;
+    const K: usize = 14;
+
+    /// A motion that cuts the corners of some lines, one that bends gently among them, with limits that it uses by half or more.
+    fn case() -> (Draft<f64, N, K>, [Line<f64, N>; 4]) {
+        let corners =
+            [[0.0; N], [2.0, 0.0, 0.1], [3.0, 0.3, 0.1], [3.5, 2.0, 0.0], [1.0, 3.0, 0.2]];
+        let lines = core::array::from_fn(|k| {
+            let way = minus(&corners[k + 1], &corners[k]);
+            let length = square(&way).sqrt();
+            let direction = way.map(|x| x / length);
+            Line { from: corners[k], direction, length, band: 0.4, feed: 90.0 }
+        });
+        let mut draft = Draft { points: [[0.0; N]; K], count: K, h: 8.0e-3, joins: 1.0 };
+        let (mut line, mut left) = (0, 0.1);
+        for k in 0..K {
+            let along: [f64; N] = from_fn(|i| {
+                lines[line].from[i]
+                    + left * lines[line].direction[i]
+                    + 0.02 * ((k * 7 + i * 3) % 5) as f64
+            });
+            draft.points[k] = along;
+            left += 0.45;
+            if left > lines[line].length {
+                left -= lines[line].length;
+                line += 1;
+            }
+        }
+        (draft, lines)
+    }
+
+    #[test]
+    fn a_model_is_that_of_the_sum_and_its_slopes_are_the_sum_s() {
+        let (draft, lines) = case();
+        let limits = [AxisLimits::linear(200.0, 20_000.0, 5.0e6); N];
+        let bounds = Bounds { limits: &limits, lines: &lines, line: 0 };
+        let used = [0.9; K];
+        let tally = || Tally::new(Barrier::new(0.02));
+        let sum = |draft: &Draft<f64, N, K>| {
+            let mut tally = tally();
+            assert_eq!(rows(draft, &bounds, &used, &mut tally), 3);
+            tally.sum()
+        };
+        let mut model = Model::<f64, N, K>::new();
+        let mut modelling = Modelling::new(&mut model, tally(), Some(draft.h));
+        rows(&draft, &bounds, &used, &mut modelling);
+        assert!((modelling.tally.sum() - sum(&draft)).abs() < 1e-9 * sum(&draft));
+        let step = 1e-7;
+        for k in 0..K {
+            for i in 0..N {
+                let [less, more] = [-step, step].map(|by| {
+                    let mut other = draft.clone();
+                    other.points[k][i] += by;
+                    sum(&other)
+                });
+                let (slope, found) = ((more - less) / (2.0 * step), model.gradient[k][i]);
+                // A crossing is come to in a straight line.
+                assert!(
+                    (slope - found).abs() < 2e-3 * (1.0 + slope.abs()),
+                    "{k} {i}: {slope} {found}"
+                );
+            }
+        }
+        let [less, more] =
+            [-1.0, 1.0].map(|by| sum(&Draft { h: draft.h * (1.0 + by * step), ..draft.clone() }));
+        let slope = (more - less) / (2.0 * step * draft.h);
+        assert!((slope - model.slope).abs() < 1e-4 * slope.abs(), "{slope} {}", model.slope);
+    }
+}

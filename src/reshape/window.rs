@@ -25,8 +25,6 @@ const WIDTH: f64 = 20.0;
 /// Steps of Newton's method, and trials of a step.
 const STEPS: usize = 24;
 const TRIALS: usize = 7;
-/// So many of these without a break.
-const AT_ONCE: usize = 2;
 /// A step is good if it gains this much of what the model says.
 const GOOD: f64 = 0.1;
 /// It is enough when the model says that no more is to be gained than this many weights.
@@ -295,7 +293,7 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
     /// Goes on with that: the motion is modelled, or a step of Newton's method is found by that and tried, or tried on, or the motion is
     /// looked at between the places. Neither the course nor what is agreed may have changed meanwhile.
     ///
-    /// Cost: a sum over all rows with its derivatives, or a factorisation and two sums without, or 32 places of every span; at most 210 times.
+    /// Cost: a sum over all rows with its derivatives, or a factorisation and a sum without, or 32 places of every span; at most 330 times.
     pub fn go_on(
         &mut self,
         improving: &mut Improving<S>,
@@ -516,7 +514,7 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         Next::Trial(Trial { here, falls, from, number, by, left: TRIALS })
     }
 
-    /// Goes a step as far as it is good.
+    /// Tries to go a step; where that is not good, half as far next time.
     fn go(
         &mut self,
         improving: &mut Improving<S>,
@@ -524,25 +522,23 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         agreed: &impl Agreed<S, N>,
         bounds: &Bounds<'_, S, N>,
     ) -> Next<S> {
-        for _ in 0..AT_ONCE {
-            let Trial { here, falls, by, .. } = trial;
-            self.move_draft(improving.free, &trial, by, agreed);
-            let there = self.weigh(improving, bounds);
-            if there <= here - S::of(GOOD) * by * falls {
-                let good = falls < S::of(ENOUGH) || (by > S::of(0.5) && falls < S::of(CLOSE));
-                return self.went(improving, good);
-            }
-            trial.by = by * S::of(0.5);
-            trial.left -= 1;
-            if trial.left == 0 {
-                self.move_draft(improving.free, &trial, S::ZERO, agreed);
-                if improving.descent.is_last() {
-                    return Next::Look;
-                }
-                return self.went(improving, true);
-            }
+        let Trial { here, falls, by, .. } = trial;
+        self.move_draft(improving.free, &trial, by, agreed);
+        let there = self.weigh(improving, bounds);
+        if there <= here - S::of(GOOD) * by * falls {
+            let close = by > S::of(0.5) && falls < S::of(CLOSE);
+            return self.went(improving, close || falls < S::of(ENOUGH));
         }
-        Next::Trial(trial)
+        trial.by = by * S::of(0.5);
+        trial.left -= 1;
+        if trial.left > 0 {
+            return Next::Trial(trial);
+        }
+        self.move_draft(improving.free, &trial, S::ZERO, agreed);
+        if improving.descent.is_last() {
+            return Next::Look;
+        }
+        self.went(improving, true)
     }
 
     /// Puts the draft so far from where a step begins.
