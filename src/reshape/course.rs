@@ -1,5 +1,6 @@
 //! A motion as a uniform cubic B-spline in time, and states.
 
+use super::COUPLED;
 use super::vector::along;
 use crate::number::Scalar;
 
@@ -30,7 +31,7 @@ impl<S: Scalar, const N: usize> State<S, N> {
 }
 
 /// Weights of the four control points of a span, a share of it behind its start.
-pub(super) fn weights<S: Scalar>(share: S) -> [S; 4] {
+pub(super) fn weights<S: Scalar>(share: S) -> [S; COUPLED] {
     let (u, v) = (share, S::ONE - share);
     let (sixth, two_thirds, half) = (S::of(1.0 / 6.0), S::of(2.0 / 3.0), S::of(0.5));
     [
@@ -41,31 +42,54 @@ pub(super) fn weights<S: Scalar>(share: S) -> [S; 4] {
     ]
 }
 
-/// The same, of the change per span.
-pub(super) fn slopes<S: Scalar>(share: S) -> [S; 4] {
-    let (u, v) = (share, S::ONE - share);
-    let (half, threehalf, two) = (S::of(0.5), S::of(1.5), S::of(2.0));
-    [-v * v * half, u * (threehalf * u - two), v * (two - threehalf * v), u * u * half]
-}
+/// A span as a polynomial of the share of it that lies behind: its coefficients.
+pub(super) struct Cubic<S, const N: usize>([[S; N]; COUPLED]);
 
-/// Four control points by weights.
-pub(super) fn mixed<S: Scalar, const N: usize>(points: &[[S; N]], weights: &[S; 4]) -> [S; N] {
-    core::array::from_fn(|i| {
-        weights[0] * points[0][i]
-            + weights[1] * points[1][i]
-            + weights[2] * points[2][i]
-            + weights[3] * points[3][i]
-    })
+impl<S: Scalar, const N: usize> Cubic<S, N> {
+    /// Of four control points.
+    pub(super) fn new(four: &[[S; N]]) -> Self {
+        let (half, sixth) = (S::of(0.5), S::of(1.0 / 6.0));
+        let mut of = [[S::ZERO; N]; COUPLED];
+        for i in 0..N {
+            let [first, second, third] =
+                [four[1][i] - four[0][i], four[2][i] - four[1][i], four[3][i] - four[2][i]];
+            let bend = second - first;
+            of[0][i] = four[1][i] + bend * sixth;
+            of[1][i] = (first + second) * half;
+            of[2][i] = bend * half;
+            of[3][i] = (third - second - bend) * sixth;
+        }
+        Self(of)
+    }
+
+    /// Position.
+    pub(super) fn at(&self, share: S) -> [S; N] {
+        let [a, b, c, d] = &self.0;
+        core::array::from_fn(|i| a[i] + share * (b[i] + share * (c[i] + share * d[i])))
+    }
+
+    /// Its change per span.
+    pub(super) fn slope(&self, share: S) -> [S; N] {
+        let [_, b, c, d] = &self.0;
+        let (two, three) = (S::of(2.0), S::of(3.0));
+        core::array::from_fn(|i| b[i] + share * (two * c[i] + share * three * d[i]))
+    }
+
+    /// The change of that.
+    pub(super) fn bend(&self, share: S) -> [S; N] {
+        let [.., c, d] = &self.0;
+        let (two, six) = (S::of(2.0), S::of(6.0));
+        core::array::from_fn(|i| two * c[i] + six * share * d[i])
+    }
 }
 
 /// State a share of the span of four control points behind its start.
 pub(super) fn within<S: Scalar, const N: usize>(four: &[[S; N]], h: S, share: S) -> State<S, N> {
-    let (two, three) = (S::of(2.0), S::of(3.0));
-    let bend = [S::ONE - share, three * share - two, S::ONE - three * share, share];
+    let cubic = Cubic::new(four);
     State {
-        position: mixed(four, &weights(share)),
-        velocity: mixed(four, &slopes(share)).map(|x| x / h),
-        acceleration: mixed(four, &bend).map(|x| x / (h * h)),
+        position: cubic.at(share),
+        velocity: cubic.slope(share).map(|x| x / h),
+        acceleration: cubic.bend(share).map(|x| x / (h * h)),
     }
 }
 
@@ -100,13 +124,21 @@ mod tests {
     }
 
     #[test]
-    fn weights_sum_to_one_and_slopes_are_their_changes() {
+    fn weights_and_polynomials_are_of_one_motion() {
+        let four = [[1.0, -3.0], [2.5, 0.5], [-1.0, 4.0], [0.3, 0.2]];
+        let cubic = Cubic::new(&four);
         for k in 0..=10 {
-            let (u, step) = (f64::from(k) * 0.1, 1e-6);
-            let (a, b, slopes) = (weights(u - step), weights(u + step), slopes(u));
-            assert!((weights(u).iter().sum::<f64>() - 1.0).abs() < 1e-14);
-            for i in 0..4 {
-                assert!(((b[i] - a[i]) / (2.0 * step) - slopes[i]).abs() < 1e-9, "{u} {i}");
+            let (u, step) = (f64::from(k) * 0.1, 1e-5);
+            let weights = weights(u);
+            assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-14);
+            let (before, after) = (cubic.at(u - step), cubic.at(u + step));
+            for i in 0..2 {
+                let mixed = (0..4).map(|k| weights[k] * four[k][i]).sum::<f64>();
+                let (here, slope) = (cubic.at(u)[i], (after[i] - before[i]) / (2.0 * step));
+                let bend = (after[i] - 2.0 * here + before[i]) / (step * step);
+                assert!((here - mixed).abs() < 1e-14, "{u} {i}");
+                assert!((cubic.slope(u)[i] - slope).abs() < 1e-8, "{u} {i}");
+                assert!((cubic.bend(u)[i] - bend).abs() < 1e-4, "{u} {i}");
             }
         }
     }

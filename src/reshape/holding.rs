@@ -1,9 +1,9 @@
 //! Whether a motion stays inside the band between the places that are looked at.
 
-use super::course::{mixed, weights};
-use super::vector::{minus, square};
+use super::course::Cubic;
+use super::vector::{along, minus, square};
 use super::way::{Joint, MOST_LINES, are_one};
-use super::{Bounds, Draft};
+use super::{Bounds, COUPLED, Draft};
 use crate::number::Scalar;
 
 /// Chords of a span.
@@ -29,25 +29,27 @@ pub(super) fn narrow<S: Scalar, const N: usize, const K: usize>(
 ) -> bool {
     let lines = bounds.lines;
     let mut line = bounds.line;
-    let mut before = mixed(&draft.points, &weights(S::ZERO));
+    let mut before = Cubic::new(&draft.points).at(S::ZERO);
     let mut inside = true;
     for span in 0..draft.spans() {
-        let four = &draft.points[span..span + 4];
+        let four = &draft.points[span..span + COUPLED];
+        let cubic = Cubic::new(four);
         // Second differences are what acceleration is in a span's time squared.
         let bend = |k: usize| {
             let (a, b) = (minus(&four[k + 1], &four[k]), minus(&four[k + 2], &four[k + 1]));
             square(&minus(&b, &a))
         };
         let sagitta = bend(0).greatest(bend(1)).sqrt() / S::from_u32(8 * CHORDS * CHORDS);
+        let share_of = |farthest: S, line: usize| (farthest.sqrt() + sagitta) / lines[line].band;
         let mut most = S::ZERO;
+        // Square of the greatest distance from the line that the motion is in.
+        let mut farthest = S::ZERO;
         for chord in 1..=CHORDS {
             let share = S::from_u32(chord) / S::from_u32(CHORDS);
-            let x = mixed(four, &weights(share));
+            let x = cubic.at(share);
             for _ in 0..MOST_LINES {
-                if line + 1 >= lines.len() {
-                    break;
-                }
-                let joint = Joint::new(&lines[line], &lines[line + 1]);
+                let Some([here, next]) = lines.get(line..line + 2) else { break };
+                let joint = Joint::new(here, next);
                 let passed = joint.passed(&x);
                 if !(passed > S::ZERO) {
                     break;
@@ -57,20 +59,23 @@ pub(super) fn narrow<S: Scalar, const N: usize, const K: usize>(
                     break;
                 }
                 let behind = joint.passed(&before).least(S::ZERO);
-                let cross = behind / (behind - passed);
-                let at = core::array::from_fn(|i| before[i] + cross * (x[i] - before[i]));
-                for line in &lines[line..line + 2] {
-                    most = most.greatest((line.foot(&at).square.sqrt() + sagitta) / line.band);
-                }
+                let at = along(&before, behind / (behind - passed), &minus(&x, &before));
+                farthest = farthest.greatest(here.foot(&at).square);
+                most = most.greatest(share_of(farthest, line));
+                farthest = next.foot(&at).square;
                 before = at;
                 line += 1;
             }
-            let off = lines[line].foot(&x).square.sqrt() + sagitta;
-            // What is no number is outside.
-            let off = off / lines[line].band;
-            most = if off.is_finite() { most.greatest(off) } else { S::of(2.0) };
+            let off = lines[line].foot(&x).square;
+            if off.is_finite() {
+                farthest = farthest.greatest(off);
+            } else {
+                // What is no number is outside.
+                most = S::of(2.0);
+            }
             before = x;
         }
+        most = most.greatest(share_of(farthest, line));
         if most > band + S::of(MORE) {
             used[span] = used[span] * (band / most) - S::of(LESS);
             inside = false;

@@ -1,9 +1,9 @@
 //! The rows of a window: every limit, and how near a draft is to it.
 
-use super::course::{mixed, slopes, weights};
+use super::course::{Cubic, weights};
 use super::vector::{along, dot, minus, square};
-use super::way::{Foot, Joint, Line, MOST_LINES};
-use super::{Bounds, Draft, PLACES};
+use super::way::{Foot, Joint, Line, MOST_LINES, turn};
+use super::{Bounds, COUPLED, Draft, PLACES};
 use crate::number::Scalar;
 
 /// A joint counts of its own where the band, between the places on both sides of it, may be left by this share of it.
@@ -11,34 +11,50 @@ const BUMP: f64 = 0.03;
 /// Of a crossing so oblique to its plane nothing is said about where it lies, as a share of the speed.
 const OBLIQUE: f64 = 0.05;
 
-/// A bound on one axis: `y` is the share of the limit that is used, with a sign; the sum of `weights` times control points from
-/// `first` on, times `scale`, which goes with the distance of the knots to the power of `-degree`.
-pub(super) struct AxisRow<'a, S> {
-    pub(super) first: usize,
-    pub(super) weights: &'a [S],
-    pub(super) axis: usize,
-    pub(super) scale: S,
-    pub(super) degree: u8,
-    pub(super) y: S,
+/// Bounds on velocity, acceleration and jerk of every axis: the first, second and third difference of control points from `span` on.
+pub(super) struct AxisRows<'a, S, const N: usize> {
+    pub(super) span: usize,
+    /// Shares of the limits that are used, with a sign.
+    pub(super) shares: [[S; 3]; N],
+    /// What a difference is to be multiplied by for that: goes with the distance of the knots to the power of -1, -2 and -3.
+    pub(super) scales: &'a [[S; 3]; N],
 }
 
-/// A bound on a length: of `off`, `square` its square, of `weights` times control points from `first` on; by the point that
-/// these make the square's half changes as `gradient`, and that as `stiffness`.
-pub(super) struct LengthRow<'a, S, const N: usize> {
+/// A bound on the distance from a line, at the same place of every span.
+pub(super) struct PlaceRow<'a, S, const N: usize> {
+    /// 0 is the first behind the span's start.
+    pub(super) place: usize,
+    pub(super) foot: &'a Foot<S, N>,
+    pub(super) direction: &'a [S; N],
+    /// 1 over the limit's square.
+    pub(super) inverse: S,
+}
+
+/// How the length of what `weights` times control points from `first` on make changes with them.
+pub(super) struct LengthRow<S, const N: usize, const W: usize> {
     pub(super) first: usize,
-    pub(super) weights: &'a [S],
+    pub(super) weights: [S; W],
+    /// Of the length's square, the half.
     pub(super) gradient: [S; N],
+    /// Lower half.
     pub(super) stiffness: [[S; N]; N],
-    pub(super) square: S,
-    pub(super) limit: S,
-    /// As of [`AxisRow`]: 1 if the limit goes with the distance of the knots.
-    pub(super) degree: u8,
+    /// Whether the limit goes with the distance of the knots.
+    pub(super) stretches: bool,
 }
 
 /// What takes the rows.
 pub(super) trait Rows<S, const N: usize> {
-    fn axis(&mut self, row: &AxisRow<'_, S>);
-    fn length(&mut self, row: &LengthRow<'_, S, N>);
+    fn axes(&mut self, rows: &AxisRows<'_, S, N>);
+    fn place(&mut self, row: &PlaceRow<'_, S, N>);
+    /// All places of a span have been given; at its end the last has none.
+    fn places_end(&mut self, span: usize);
+    /// A bound on a length: the square of it, and 1 over that of the limit.
+    fn length<const W: usize>(
+        &mut self,
+        square: S,
+        inverse: S,
+        row: impl FnOnce() -> LengthRow<S, N, W>,
+    );
 }
 
 /// Goes through all rows of a draft. The line that its end is in.
@@ -50,150 +66,131 @@ pub(super) fn rows<S: Scalar, const N: usize, const K: usize>(
     used: &[S; K],
     to: &mut impl Rows<S, N>,
 ) -> usize {
-    differences(draft, bounds, to);
-    let mut feeds = [S::of(Line::<S, N>::RAPID); K];
-    let line = band(draft, bounds, used, &mut feeds, to);
-    feed(draft, &feeds, to);
-    line
-}
-
-/// Velocity, acceleration and jerk of every axis.
-fn differences<S: Scalar, const N: usize, const K: usize>(
-    draft: &Draft<S, N, K>,
-    bounds: &Bounds<'_, S, N>,
-    to: &mut impl Rows<S, N>,
-) {
-    let (one, two, three) = (S::ONE, S::of(2.0), S::of(3.0));
-    let h = draft.h;
-    let points = &draft.points[..draft.count];
-    for axis in 0..N {
-        let limits = &bounds.limits[axis];
-        let scales = [
-            one / (limits.velocity * h),
-            one / (limits.acceleration * h * h),
-            one / (limits.jerk * h * h * h),
-        ];
-        for first in 0..points.len() - 1 {
-            let of = |k: usize| points[first + k][axis];
-            let mut row = |weights: &[S], degree: u8, sum: S| {
-                let scale = scales[usize::from(degree) - 1];
-                to.axis(&AxisRow { first, weights, axis, scale, degree, y: sum * scale });
-            };
-            // The very first are given.
-            let change = of(1) - of(0);
-            if first + 3 < points.len() {
-                let next = of(2) - of(1);
-                let last = of(3) - of(2);
-                if first > 0 {
-                    row(&[-one, one], 1, change);
-                    row(&[one, -two, one], 2, next - change);
-                }
-                row(&[-one, three, -three, one], 3, (last - next) - (next - change));
-            }
-        }
-    }
-}
-
-/// Speed along the path, by the hull of the velocity.
-fn feed<S: Scalar, const N: usize, const K: usize>(
-    draft: &Draft<S, N, K>,
-    feeds: &[S; K],
-    to: &mut impl Rows<S, N>,
-) {
-    let spans = draft.spans();
-    let mut stiffness = [[S::ZERO; N]; N];
-    for i in 0..N {
-        stiffness[i][i] = S::ONE;
-    }
-    for first in 2..draft.count - 3 {
-        // The change to the next control point counts in the spans from two before it on.
-        let feed = (first - 2..=first)
-            .filter(|span| *span < spans)
-            .fold(S::of(Line::<S, N>::RAPID), |least, span| least.least(feeds[span]));
-        if feed >= S::of(Line::<S, N>::RAPID) {
-            continue;
-        }
-        let off = minus(&draft.points[first + 1], &draft.points[first]);
-        to.length(&LengthRow {
-            first,
-            weights: &[-S::ONE, S::ONE],
-            gradient: off,
-            stiffness,
-            square: square(&off),
-            limit: feed * draft.h,
-            degree: 1,
-        });
-    }
-}
-
-/// The band, at some places of every span and where lines are left for the next; the least feed of every span. The line of the end.
-fn band<S: Scalar, const N: usize, const K: usize>(
-    draft: &Draft<S, N, K>,
-    bounds: &Bounds<'_, S, N>,
-    used: &[S; K],
-    feeds: &mut [S; K],
-    to: &mut impl Rows<S, N>,
-) -> usize {
-    let (lines, points) = (bounds.lines, &draft.points);
+    let lines = bounds.lines;
+    let scales = scales(bounds, draft.h);
+    // The very first differences are given, but for the third.
+    let first = scales.map(|[_, _, third]| [S::ZERO, S::ZERO, third]);
+    let part = S::ONE / S::from_u32(PLACES as u32);
     let mut line = bounds.line;
-    let mut before = mixed(points, &weights(S::ZERO));
+    let mut feeds = Feeds::new(draft.h);
+    let mut before = Cubic::new(&draft.points).at(S::ZERO);
     for span in 0..draft.spans() {
-        let four = &points[span..span + 4];
-        feeds[span] = feeds[span].least(lines[line].feed);
-        for place in 1..=PLACES {
-            let start = S::from_u32(place as u32 - 1) / S::from_u32(PLACES as u32);
-            let share = S::from_u32(place as u32) / S::from_u32(PLACES as u32);
-            let at = weights(share);
-            let x = mixed(four, &at);
+        let four = &draft.points[span..span + COUPLED];
+        differences(four, span, if span > 0 { &scales } else { &first }, to);
+        let cubic = Cubic::new(four);
+        feeds.next(lines[line].feed);
+        let mut inverse = band(&lines[line], used[span]);
+        for place in 0..PLACES {
+            let start = part * S::from_u32(place as u32);
+            let share = part * S::from_u32(place as u32 + 1);
+            let x = cubic.at(share);
             for _ in 0..MOST_LINES {
-                if line + 1 >= lines.len() {
-                    break;
-                }
-                let joint = Joint::new(&lines[line], &lines[line + 1]);
+                let Some([here, next]) = lines.get(line..line + 2) else { break };
+                let joint = Joint::new(here, next);
                 let passed = joint.passed(&x);
                 if !(passed > S::ZERO) {
                     break;
                 }
-                let step = square(&minus(&x, &before));
-                let bump = joint.band * S::of(BUMP);
-                if step * joint.turn > bump * bump {
+                let turn = turn(here, next);
+                let band_there = here.band.least(next.band);
+                let bump = band_there * S::of(BUMP);
+                if square(&minus(&x, &before)) * turn > bump * bump {
                     let behind = joint.passed(&before).least(S::ZERO);
-                    let cross = start + (share - start) * (behind / (behind - passed));
-                    crossing(span, four, cross, &joint, &lines[line].direction, used[span], to);
+                    let cross = start + part * (behind / (behind - passed));
+                    let limit = band_there * used[span];
+                    crossing(span, &cubic, cross, (&joint, &here.direction), limit, to);
                 }
                 line += 1;
-                feeds[span] = feeds[span].least(lines[line].feed);
+                feeds.also(next.feed);
+                inverse = band(next, used[span]);
             }
             before = x;
-            if span + 1 == draft.spans() && place == PLACES {
-                break;
+            // The end is given.
+            if span + 1 < draft.spans() || place + 1 < PLACES {
+                let Line { direction, .. } = &lines[line];
+                to.place(&PlaceRow { place, foot: &lines[line].foot(&x), direction, inverse });
             }
-            let Foot { off, square } = lines[line].foot(&x);
-            let mut stiffness = [[S::ZERO; N]; N];
-            across(&lines[line].direction, &mut stiffness);
-            let limit = lines[line].band * used[span];
-            let weights = &at;
-            to.length(&LengthRow {
-                first: span,
-                weights,
-                gradient: off,
-                stiffness,
-                square,
-                limit,
-                degree: 0,
-            });
+        }
+        to.places_end(span);
+        if span > 1 {
+            feeds.row(&draft.points, span, to);
         }
     }
     line
 }
 
-/// What is across a direction.
-fn across<S: Scalar, const N: usize>(direction: &[S; N], to: &mut [[S; N]; N]) {
-    for i in 0..N {
-        for j in 0..N {
-            let own = if i == j { S::ONE } else { S::ZERO };
-            to[i][j] = own - direction[i] * direction[j];
+/// What differences are to be multiplied by, axis by axis.
+fn scales<S: Scalar, const N: usize>(bounds: &Bounds<'_, S, N>, h: S) -> [[S; 3]; N] {
+    core::array::from_fn(|i| {
+        let limits = &bounds.limits[i];
+        let first = S::ONE / h;
+        let second = first * first;
+        [first / limits.velocity, second / limits.acceleration, second * first / limits.jerk]
+    })
+}
+
+/// 1 over the square of the limit in the band of a line.
+fn band<S: Scalar, const N: usize>(line: &Line<S, N>, used: S) -> S {
+    let limit = line.band * used;
+    S::ONE / (limit * limit)
+}
+
+/// Velocity, acceleration and jerk in a span.
+fn differences<S: Scalar, const N: usize>(
+    four: &[[S; N]],
+    span: usize,
+    scales: &[[S; 3]; N],
+    to: &mut impl Rows<S, N>,
+) {
+    let shares = core::array::from_fn(|i| {
+        let [a, b, c, d] = [four[0][i], four[1][i], four[2][i], four[3][i]];
+        let (first, next, last) = (b - a, c - b, d - c);
+        let bend = next - first;
+        let third = (last - next) - bend;
+        [first * scales[i][0], bend * scales[i][1], third * scales[i][2]]
+    });
+    to.axes(&AxisRows { span, shares, scales });
+}
+
+/// Speed along the path, by the hull of the velocity.
+struct Feeds<S> {
+    /// The least of this span and of the two before it.
+    last: [S; 3],
+    h: S,
+}
+
+impl<S: Scalar> Feeds<S> {
+    fn new(h: S) -> Self {
+        Self { last: [S::of(Line::<S, 1>::RAPID); 3], h }
+    }
+
+    /// The next span begins in a line of this feed.
+    fn next(&mut self, feed: S) {
+        let [_, before, last] = self.last;
+        self.last = [before, last, S::of(Line::<S, 1>::RAPID).least(feed)];
+    }
+
+    /// The span is in a line of this feed too.
+    fn also(&mut self, feed: S) {
+        self.last[2] = self.last[2].least(feed);
+    }
+
+    /// The change to the next control point counts in the spans from two before it on.
+    fn row<const N: usize>(&self, points: &[[S; N]], first: usize, to: &mut impl Rows<S, N>) {
+        let feed = self.last[0].least(self.last[1]).least(self.last[2]);
+        if feed >= S::of(Line::<S, N>::RAPID) {
+            return;
         }
+        let off = minus(&points[first + 1], &points[first]);
+        let limit = feed * self.h;
+        to.length(square(&off), S::ONE / (limit * limit), || {
+            let mut stiffness = [[S::ZERO; N]; N];
+            for i in 0..N {
+                stiffness[i][i] = S::ONE;
+            }
+            let weights = [-S::ONE, S::ONE];
+            LengthRow { first, weights, gradient: off, stiffness, stretches: true }
+        });
     }
 }
 
@@ -201,53 +198,42 @@ fn across<S: Scalar, const N: usize>(direction: &[S; N], to: &mut [[S; N]; N]) {
 /// distance from either is that from the joint less that along the line. As the motion changes the crossing moves along it.
 fn crossing<S: Scalar, const N: usize>(
     span: usize,
-    four: &[[S; N]],
-    mut share: S,
-    joint: &Joint<S, N>,
-    direction: &[S; N],
-    used: S,
+    cubic: &Cubic<S, N>,
+    share: S,
+    (joint, direction): (&Joint<'_, S, N>, &[S; N]),
+    limit: S,
     to: &mut impl Rows<S, N>,
 ) {
-    let mut x = mixed(four, &weights(share));
-    let mut slope = mixed(four, &slopes(share));
-    let mut speed = dot(&slope, &joint.across);
+    let slope = cubic.slope(share);
+    let speed = dot(&slope, &joint.across);
     let oblique = S::of(OBLIQUE * OBLIQUE) * square(&slope) * square(&joint.across);
     if !(speed * speed > oblique && speed > S::ZERO) {
         return;
     }
-    // Nearer to the plane.
-    share = (share - joint.passed(&x) / speed).greatest(S::ZERO).least(S::ONE);
-    x = mixed(four, &weights(share));
-    slope = mixed(four, &slopes(share));
-    speed = dot(&slope, &joint.across);
-    if !(speed * speed > oblique && speed > S::ZERO) {
-        return;
-    }
-    let off = minus(&x, &joint.at);
+    // On to the plane, as straight as it is near.
+    let per = S::ONE / speed;
+    let x = cubic.at(share);
+    let ahead = -joint.passed(&x) * per;
+    let off = minus(&along(&x, ahead, &slope), joint.at);
     let way = dot(&off, direction).least(S::ZERO);
     let off = along(&off, -way, direction);
-    // The point moves by `d - slope (across . d) / speed` when its control points move it by `d`.
-    let moved = |v: &[S; N]| along(v, -dot(v, &slope) / speed, &joint.across);
-    let mut flat = [[S::ZERO; N]; N];
-    across(direction, &mut flat);
-    let mut half = [[S::ZERO; N]; N];
-    for i in 0..N {
-        half[i] = moved(&flat[i]);
-    }
-    let mut stiffness = [[S::ZERO; N]; N];
-    for j in 0..N {
-        let column = moved(&core::array::from_fn(|i| half[i][j]));
+    to.length(square(&off), S::ONE / (limit * limit), || {
+        // The point moves by `d - slope (across . d) / speed` when its control points move it by `d`: of both sides of what is across
+        // the line that leaves itself, less a product with `across` on either side.
+        let way = dot(&slope, direction);
+        let flat = along(&slope, -way, direction).map(|x| x * per);
+        let half = along(&flat, S::of(-0.5) * per * dot(&flat, &slope), &joint.across);
+        let mut stiffness = [[S::ZERO; N]; N];
         for i in 0..N {
-            stiffness[i][j] = column[i];
+            for j in 0..=i {
+                stiffness[i][j] = -direction[i] * direction[j]
+                    - half[i] * joint.across[j]
+                    - joint.across[i] * half[j];
+            }
+            stiffness[i][i] += S::ONE;
         }
-    }
-    to.length(&LengthRow {
-        first: span,
-        weights: &weights(share),
-        gradient: moved(&off),
-        stiffness,
-        square: square(&off),
-        limit: joint.band * used,
-        degree: 0,
+        let gradient = along(&off, -dot(&off, &slope) * per, &joint.across);
+        let weights = weights((share + ahead).greatest(S::ZERO).least(S::ONE));
+        LengthRow { first: span, weights, gradient, stiffness, stretches: false }
     });
 }

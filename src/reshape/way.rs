@@ -56,33 +56,28 @@ impl<S: Scalar, const N: usize> Line<S, N> {
 
 /// Where one line of the path follows the other.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Joint<S, const N: usize> {
+pub(super) struct Joint<'a, S, const N: usize> {
     /// mm.
-    pub(super) at: [S; N],
+    pub(super) at: &'a [S; N],
     /// Across the plane in which both lines are equally near.
     pub(super) across: [S; N],
-    /// Half the width of the narrower band, mm.
-    pub(super) band: S,
-    /// Square of half the turn's sine.
-    pub(super) turn: S,
 }
 
-impl<S: Scalar, const N: usize> Joint<S, N> {
-    pub(super) fn new(before: &Line<S, N>, after: &Line<S, N>) -> Self {
-        let mut across = before.direction;
-        let mut turn = S::ZERO;
-        for i in 0..N {
-            across[i] += after.direction[i];
-            let half = (after.direction[i] - before.direction[i]) * S::of(0.5);
-            turn += half * half;
-        }
-        Self { at: before.end(), across, band: before.band.least(after.band), turn }
+impl<'a, S: Scalar, const N: usize> Joint<'a, S, N> {
+    pub(super) fn new(before: &Line<S, N>, after: &'a Line<S, N>) -> Self {
+        let across = along(&before.direction, S::ONE, &after.direction);
+        Self { at: &after.from, across }
     }
 
     /// How far a point lies behind it, in a measure that is mm where the path goes straight on, times 2.
     pub(super) fn passed(&self, x: &[S; N]) -> S {
-        dot(&minus(x, &self.at), &self.across)
+        dot(&minus(x, self.at), &self.across)
     }
+}
+
+/// Square of the sine of half the turn from one line to the next.
+pub(super) fn turn<S: Scalar, const N: usize>(before: &Line<S, N>, after: &Line<S, N>) -> S {
+    square(&minus(&after.direction, &before.direction)) * S::of(0.25)
 }
 
 /// The line in which a point is that comes after others in `line`.

@@ -1,9 +1,9 @@
 //! A window of the motion, and how it is improved.
 
-use super::barrier::Barrier;
-use super::course::{State, mixed, state, weights, within};
+use super::barrier::{Barrier, Tally};
+use super::course::{Cubic, State, state, within};
 use super::holding::{self, CHORDS};
-use super::model::{Ends, Model, Modelling, Value};
+use super::model::{Ends, Model, Modelling};
 use super::rows::rows;
 use super::vector::{along, minus};
 use super::way::{are_one, passes};
@@ -14,21 +14,23 @@ use core::ops::ControlFlow;
 /// What is left of the limits for rounding.
 const SHARE: f64 = 0.9995;
 /// Weight of the barrier at first, at last, and by how much it falls after a good step.
-const MU: (f64, f64) = (1.0e-2, 5.0e-4);
+const MU: (f64, f64) = (5.0e-3, 5.0e-4);
 const FALL: f64 = 0.4;
 /// By how much it rises when nothing feasible is found, and how often.
-const RISE: f64 = 5.0;
-const RISES: usize = 3;
+const RISE: f64 = 3.0;
+const RISES: usize = 2;
 /// The parabola of the barrier begins so far from the limit at a weight of 1, and with the power 3/2 of the weight: what binds lies
 /// further from its limit than that.
 const WIDTH: f64 = 20.0;
 /// Steps of Newton's method, and trials of a step.
-const STEPS: usize = 40;
+const STEPS: usize = 24;
 const TRIALS: usize = 7;
 /// A step is good if it gains this much of what the model says.
 const GOOD: f64 = 0.1;
 /// It is enough when the model says that no more is to be gained than this many weights.
-const ENOUGH: f64 = 0.03;
+const ENOUGH: f64 = 8.0;
+/// A whole step is good enough to go on with less weight if no more was to be gained than this many weights.
+const CLOSE: f64 = 20.0;
 /// The time at which the end joins changes in a step by no more than so many knots.
 const MOST: f64 = 3.0;
 /// How often the band is narrowed where it is left between places, and what is left of it at least.
@@ -89,6 +91,36 @@ pub struct Improving<S> {
     narrowings: usize,
     /// Steps of the descents before this one.
     steps: usize,
+    next: Next<S>,
+}
+
+/// What is to be done next.
+#[derive(Clone, Copy, Debug)]
+enum Next<S> {
+    /// The draft is to be modelled.
+    Model,
+    /// A step of Newton's method is to be found by the model of a draft that is worth so much.
+    Step(S),
+    /// It is to be gone.
+    Trial(Trial<S>),
+    /// The best is to be looked at between the places.
+    Look,
+}
+
+/// A step of Newton's method that is to be gone as far as it is good. The model's gradient is its direction, and the border where it
+/// begins.
+#[derive(Clone, Copy, Debug)]
+struct Trial<S> {
+    /// What the draft was worth, and what the model says is gained.
+    here: S,
+    falls: S,
+    /// The number where it begins, and its direction.
+    from: S,
+    number: S,
+    /// How far it is to be gone.
+    by: S,
+    /// Trials that are left.
+    left: usize,
 }
 
 /// A descent of Newton's method.
@@ -105,6 +137,11 @@ struct Descent<S> {
 impl<S: Scalar> Descent<S> {
     fn new(weight: f64, most: usize) -> Self {
         Self { mu: S::of(weight), found: false, rises: 0, steps: 0, most }
+    }
+
+    /// Whether the barrier has the weight that it is to have at last.
+    fn is_last(&self) -> bool {
+        self.mu <= S::of(MU.1)
     }
 }
 
@@ -183,11 +220,11 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
     pub fn advance(&mut self, bounds: &Bounds<'_, S, N>) -> usize {
         let mut line = bounds.line;
         if self.run < self.course.spans() {
-            let four = &self.course.points[self.run..self.run + 4];
+            let cubic = Cubic::new(&self.course.points[self.run..self.run + 4]);
             // As the motion was followed when it was shown to stay inside the band.
             for chord in 1..=CHORDS {
                 let share = S::from_u32(chord) / S::from_u32(CHORDS);
-                line = passes(bounds.lines, line, &mixed(four, &weights(share)));
+                line = passes(bounds.lines, line, &cubic.at(share));
             }
             self.run += 1;
         }
@@ -218,7 +255,7 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
 
     /// Improves what has not been run of the course, and what is agreed behind it.
     ///
-    /// Cost: at most 40 steps of Newton's method and three times 8 more, each of a factorisation and up to 7 sums over all rows.
+    /// Cost: at most 24 steps of Newton's method and twice 8 more, each of a factorisation and up to 8 sums over all rows.
     ///
     /// # Errors
     /// Nothing better was found: the course is what it was.
@@ -249,13 +286,14 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
             descent: Descent::new(MU.0, STEPS),
             narrowings: 0,
             steps: 0,
+            next: Next::Model,
         })
     }
 
-    /// Goes on with that: a step of Newton's method, or a look between the places. Neither the course nor what is agreed may have changed
-    /// meanwhile.
+    /// Goes on with that: the motion is modelled, or a step of Newton's method is found by that and tried, or tried on, or the motion is
+    /// looked at between the places. Neither the course nor what is agreed may have changed meanwhile.
     ///
-    /// Cost: a factorisation and at most 9 sums over all rows; at most 65 times.
+    /// Cost: a sum over all rows with its derivatives, or a factorisation and a sum without, or 32 places of every span; at most 330 times.
     pub fn go_on(
         &mut self,
         improving: &mut Improving<S>,
@@ -269,10 +307,28 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
             ..limits
         });
         let bounds = Bounds { limits: &limits, ..*bounds };
-        let start = self.state();
-        if self.step(improving, agreed, &bounds, &start) {
-            return ControlFlow::Continue(());
-        }
+        improving.next = match improving.next {
+            Next::Model => self.model(improving, agreed, &bounds),
+            Next::Step(here) => match self.step(improving, here, agreed) {
+                Next::Trial(trial) => self.go(improving, trial, agreed, &bounds),
+                next => next,
+            },
+            Next::Trial(trial) => self.go(improving, trial, agreed, &bounds),
+            Next::Look => {
+                self.look(improving, agreed, &bounds)?;
+                Next::Model
+            }
+        };
+        ControlFlow::Continue(())
+    }
+
+    /// Looks at the best that was found between the places. Where it leaves the band there, that is narrowed for another descent.
+    fn look(
+        &mut self,
+        improving: &mut Improving<S>,
+        agreed: &impl Agreed<S, N>,
+        bounds: &Bounds<'_, S, N>,
+    ) -> ControlFlow<Result<Reshaped<S>, Refused>> {
         improving.steps += improving.descent.steps;
         if !improving.descent.found {
             return ControlFlow::Break(Err(Refused::NoFaster));
@@ -282,7 +338,7 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
             return ControlFlow::Break(Err(Refused::NoFaster));
         }
         let ends = agreed.line(self.best.joins);
-        if holding::narrow(&self.best, &bounds, self.band, ends, &mut self.used) {
+        if holding::narrow(&self.best, bounds, self.band, ends, &mut self.used) {
             self.course = self.best.clone();
             self.run = 0;
             return ControlFlow::Break(Ok(Reshaped { gain, steps: improving.steps }));
@@ -373,22 +429,27 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         draft.points[count - 3..count].copy_from_slice(&end);
     }
 
-    /// What a draft is worth, and whether it keeps all limits.
-    fn weigh(
+    /// What the draft is worth by a sum over all rows.
+    fn worth(&self, improving: &Improving<S>, tally: &Tally<S>) -> S {
+        let gone = self.aim(&self.draft, improving.free) - improving.aim;
+        tally.sum() + gone / improving.descent.mu
+    }
+
+    fn weigh(&self, improving: &Improving<S>, bounds: &Bounds<'_, S, N>) -> S {
+        let mut tally = Tally::new(Barrier::new(width(improving.descent.mu)));
+        rows(&self.draft, bounds, &self.used, &mut tally);
+        self.worth(improving, &tally)
+    }
+
+    /// Whether the draft, whose end is in a line, ends in the line in which the agreed motion goes on.
+    fn joins_line(
         &self,
-        improving: &Improving<S>,
         agreed: &impl Agreed<S, N>,
         bounds: &Bounds<'_, S, N>,
-        mu: S,
-    ) -> (S, bool) {
-        let free = improving.free;
-        let barrier = Barrier::new(width(mu));
-        let mut value = Value::new(&barrier);
-        let line = rows(&self.draft, bounds, &self.used, &mut value);
+        line: usize,
+    ) -> bool {
         let end = agreed.at(self.draft.joins).state.position;
-        let ends = are_one(bounds.lines, line, agreed.line(self.draft.joins), &end);
-        let keeps = value.worst <= S::ONE && ends;
-        (value.sum + (self.aim(&self.draft, free) - improving.aim) / mu, keeps)
+        are_one(bounds.lines, line, agreed.line(self.draft.joins), &end)
     }
 
     /// Takes note of the draft if it `keeps` all limits and is the best so far.
@@ -401,76 +462,115 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         }
     }
 
-    /// A step of Newton's method from the draft on, to the best that keeps all limits. Whether there is another.
-    fn step(
+    /// Models the draft, and takes note of it.
+    fn model(
         &mut self,
         improving: &mut Improving<S>,
         agreed: &impl Agreed<S, N>,
         bounds: &Bounds<'_, S, N>,
-        start: &State<S, N>,
-    ) -> bool {
-        let free = improving.free;
-        let mu = improving.descent.mu;
-        let (here, keeps) = self.weigh(improving, agreed, bounds, mu);
+    ) -> Next<S> {
+        let (free, mu) = (improving.free, improving.descent.mu);
+        self.model.clear(self.draft.count);
+        let tally = Tally::new(Barrier::new(width(mu)));
+        let knots = (free == Free::Knots).then_some(self.draft.h);
+        let mut modelling = Modelling::new(&mut self.model, tally, knots);
+        let line = rows(&self.draft, bounds, &self.used, &mut modelling);
+        let tally = modelling.tally;
+        let keeps = tally.keeps && self.joins_line(agreed, bounds, line);
         self.note(improving, keeps);
         if improving.descent.steps == improving.descent.most {
-            return false;
+            return Next::Look;
         }
+        Next::Step(self.worth(improving, &tally))
+    }
+
+    /// Finds a step of Newton's method from the draft on, which is worth `here`.
+    fn step(
+        &mut self,
+        improving: &mut Improving<S>,
+        here: S,
+        agreed: &impl Agreed<S, N>,
+    ) -> Next<S> {
+        let free = improving.free;
         improving.descent.steps += 1;
-        let Some((number, falls)) = self.model(agreed, bounds, start, free, mu) else {
-            return false;
+        let Some((number, falls)) = self.model_step(agreed, free, improving.descent.mu) else {
+            return Next::Look;
         };
-        let last = mu <= S::of(MU.1);
-        let mut good = falls < S::of(ENOUGH);
-        if good && last {
-            return false;
+        // Where nothing keeps all limits yet, the last bit may.
+        if falls < S::of(ENOUGH) && improving.descent.is_last() && improving.descent.found {
+            return Next::Look;
         }
         let cap = S::of(MOST) * self.h;
         let mut by = if number.abs() > cap { cap / number.abs() } else { S::ONE };
-        if free == Free::Knots {
-            // They stay above half of what they are.
-            by = by.least(S::of(0.4) * self.draft.h / number.abs().greatest(S::EPSILON));
+        let from = match free {
+            Free::Joining => self.draft.joins,
+            Free::Knots => {
+                // They stay above half of what they are.
+                by = by.least(S::of(0.4) * self.draft.h / number.abs().greatest(S::EPSILON));
+                self.draft.h
+            }
+        };
+        self.model.border = self.draft.points;
+        Next::Trial(Trial { here, falls, from, number, by, left: TRIALS })
+    }
+
+    /// Tries to go a step; where that is not good, half as far next time.
+    fn go(
+        &mut self,
+        improving: &mut Improving<S>,
+        mut trial: Trial<S>,
+        agreed: &impl Agreed<S, N>,
+        bounds: &Bounds<'_, S, N>,
+    ) -> Next<S> {
+        let Trial { here, falls, by, .. } = trial;
+        self.move_draft(improving.free, &trial, by, agreed);
+        let there = self.weigh(improving, bounds);
+        if there <= here - S::of(GOOD) * by * falls {
+            let close = by > S::of(0.5) && falls < S::of(CLOSE);
+            return self.went(improving, close || falls < S::of(ENOUGH));
         }
-        let from = self.draft.clone();
-        let mut went = false;
-        for _ in 0..TRIALS {
-            for k in 3..from.count - 3 {
-                self.draft.points[k] = along(&from.points[k], by, &self.model.gradient[k]);
-            }
-            match free {
-                Free::Joining => {
-                    self.draft.joins = (from.joins + by * number).least(agreed.end());
-                }
-                Free::Knots => self.draft.h = from.h + by * number,
-            }
-            Self::ends(&mut self.draft, agreed, start);
-            let (there, _) = self.weigh(improving, agreed, bounds, mu);
-            if there <= here - S::of(GOOD) * by * falls {
-                went = true;
-                good |= by > S::of(0.5);
-                break;
-            }
-            by = by * S::of(0.5);
+        trial.by = by * S::of(0.5);
+        trial.left -= 1;
+        if trial.left > 0 {
+            return Next::Trial(trial);
         }
-        if !went {
-            self.draft = from;
-            if last {
-                return false;
-            }
-            good = true;
+        self.move_draft(improving.free, &trial, S::ZERO, agreed);
+        if improving.descent.is_last() {
+            return Next::Look;
         }
+        self.went(improving, true)
+    }
+
+    /// Puts the draft so far from where a step begins.
+    fn move_draft(&mut self, free: Free, trial: &Trial<S>, by: S, agreed: &impl Agreed<S, N>) {
+        let start = self.state();
+        for k in 3..self.draft.count - 3 {
+            self.draft.points[k] = along(&self.model.border[k], by, &self.model.gradient[k]);
+        }
+        let number = trial.from + by * trial.number;
+        match free {
+            Free::Joining => self.draft.joins = number.least(agreed.end()),
+            Free::Knots => self.draft.h = number,
+        }
+        Self::ends(&mut self.draft, agreed, &start);
+    }
+
+    /// After a step: the barrier gets less weight if that was `good`, and more where nothing was found that keeps all limits.
+    fn went(&self, improving: &mut Improving<S>, good: bool) -> Next<S> {
+        let slower = !(self.aim(&self.draft, improving.free) < improving.aim);
         let descent = &mut improving.descent;
-        if good {
+        let mu = descent.mu;
+        if good && !descent.is_last() {
             descent.mu = (mu * S::of(FALL)).greatest(S::of(MU.1));
-        }
-        if last && good && !descent.found {
-            if descent.rises == RISES {
-                return false;
+        } else if good && !descent.found {
+            // With more weight it would be slower still.
+            if descent.rises == RISES || slower {
+                return Next::Look;
             }
             descent.rises += 1;
-            descent.mu = descent.mu * S::of(RISE);
+            descent.mu = mu * S::of(RISE);
         }
-        true
+        Next::Model
     }
 
     /// What is to be small, in knots.
@@ -481,21 +581,10 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         }
     }
 
-    /// The model at the draft and the step to its least: that of the number, and by how much it falls.
-    fn model(
-        &mut self,
-        agreed: &impl Agreed<S, N>,
-        bounds: &Bounds<'_, S, N>,
-        start: &State<S, N>,
-        free: Free,
-        mu: S,
-    ) -> Option<(S, S)> {
+    /// The step to the model's least: that of the number, and by how much it falls.
+    fn model_step(&mut self, agreed: &impl Agreed<S, N>, free: Free, mu: S) -> Option<(S, S)> {
+        let start = self.state();
         let (draft, h) = (&self.draft, self.draft.h);
-        self.model.clear();
-        let barrier = Barrier::new(width(mu));
-        let knots = (free == Free::Knots).then_some(h);
-        let mut modelling = Modelling { model: &mut self.model, barrier: &barrier, knots };
-        rows(draft, bounds, &self.used, &mut modelling);
         let (ends, push) = match free {
             Free::Joining => {
                 let onward = agreed.at(draft.joins);
