@@ -146,6 +146,17 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             && self.horizon.reaches_within(until, at, now.shown)
     }
 
+    /// Whether a plan from station `first` on, which is decided on there, would leave no time for another that goes further, before the
+    /// motion shows that the present one ends.
+    #[cfg(feature = "reshape")]
+    pub(super) fn leaves_no_time(&self, first: usize, at: NodeSerial) -> bool {
+        let Phase::Following(now) = self.phase else { return false };
+        let until = self.planned(at) * S::of(2.0) + self.horizon.config.lead;
+        let shown = self.horizon.window.clamped_index(now.shown);
+        self.last_node() != self.horizon.end()
+            && self.horizon.window.takes_less(first..shown.max(first), until)
+    }
+
     /// Cells behind the end of the agreed plan.
     fn new_cells(&self) -> u32 {
         self.last_node().since(self.horizon.end()).unwrap_or(0)

@@ -2,7 +2,7 @@
 
 use super::course::Cubic;
 use super::vector::{along, minus, square};
-use super::way::{Joint, MOST_LINES, are_one};
+use super::way::{Joint, MOST_LINES, are_one, passes};
 use super::{Bounds, COUPLED, Draft};
 use crate::number::Scalar;
 
@@ -12,11 +12,13 @@ pub(super) const CHORDS: u32 = 32;
 const MORE: f64 = 0.008;
 /// How much less of the band is used than what was too much.
 const LESS: f64 = 0.003;
+/// Share of the feed up to which a speed has it.
+const FEED: f64 = 1.0005;
 /// Between lines that turn further, cosine of half the turn, nothing can be said.
 const SHARPEST: f64 = 0.13;
 
 /// Whether all of the motion is inside the band, line after line up to that in which it is to end; else `used` is made less where it is not,
-/// as a share of the band.
+/// as a share of the band. What each span was found to stay within is written to `stays`, as such a share.
 ///
 /// The motion is followed by chords, each within the band of one line, or crossing from one line's band into the next's in a place that
 /// lies in both: a band is convex. The motion leaves a chord by no more than its acceleration allows.
@@ -25,7 +27,7 @@ pub(super) fn narrow<S: Scalar, const N: usize, const K: usize>(
     bounds: &Bounds<'_, S, N>,
     band: S,
     ends: usize,
-    used: &mut [S; K],
+    [used, stays]: [&mut [S; K]; 2],
 ) -> bool {
     let lines = bounds.lines;
     let mut line = bounds.line;
@@ -76,6 +78,7 @@ pub(super) fn narrow<S: Scalar, const N: usize, const K: usize>(
             before = x;
         }
         most = most.greatest(share_of(farthest, line));
+        stays[span] = most;
         if most > band + S::of(MORE) {
             used[span] = used[span] * (band / most) - S::of(LESS);
             inside = false;
@@ -87,4 +90,20 @@ pub(super) fn narrow<S: Scalar, const N: usize, const K: usize>(
         inside = false;
     }
     inside
+}
+
+/// Whether the first span keeps the feed: its speed is bounded by a hull elsewhere, but here that is given with the state in which
+/// the motion begins.
+pub(super) fn keeps_feed<S: Scalar, const N: usize, const K: usize>(
+    draft: &Draft<S, N, K>,
+    bounds: &Bounds<'_, S, N>,
+) -> bool {
+    let cubic = Cubic::new(&draft.points);
+    let mut line = bounds.line;
+    (1..=CHORDS).all(|chord| {
+        let share = S::from_u32(chord) / S::from_u32(CHORDS);
+        line = passes(bounds.lines, line, &cubic.at(share));
+        let most = bounds.lines[line].feed * draft.h * S::of(FEED);
+        square(&cubic.slope(share)) <= most * most
+    })
 }

@@ -48,6 +48,9 @@ pub trait Agreed<S, const N: usize> {
     fn at(&self, time: S) -> Onward<S, N>;
     /// The line that it is in then, of those that are given, by [`Places`]; one that there is not, where that is not known.
     fn line(&self, time: S) -> usize;
+    /// The latest time, s, not behind another, at which it can be joined: the beginning of one of its pieces, or not so shortly before
+    /// the end of one that what is left of it would be nothing but rounding.
+    fn can_be_joined(&self, time: S) -> S;
     /// When it ends, s.
     fn end(&self) -> S;
 }

@@ -201,7 +201,11 @@ impl<S: Scalar, const N: usize, const K: usize> Model<S, N, K> {
     /// The step to the least of the model, for the control points of `free` and the number, with `push` added to the slope
     /// over that; none if it is not convex enough. It is left in the gradient; the number's is returned, with how much
     /// the sum falls by.
-    pub(super) fn step(&mut self, free: core::ops::Range<usize>, push: S) -> Option<(S, S)> {
+    pub(super) fn step(
+        &mut self,
+        free: core::ops::Range<usize>,
+        push: Option<S>,
+    ) -> Option<(S, S)> {
         let (first, end) = (free.start, free.end);
         if !self.banded.factor(first, end) {
             return None;
@@ -209,19 +213,23 @@ impl<S: Scalar, const N: usize, const K: usize> Model<S, N, K> {
         let (x, y) = (&mut self.gradient, &mut self.border);
         self.banded.forward(first, end, x, y);
         // Halfway to the solutions squares are what the whole way would give as products with the right sides.
-        let (mut pull, mut explained, mut falls) = (self.slope + push, S::ZERO, S::ZERO);
+        let (mut pull, mut explained, mut falls) = (self.slope, S::ZERO, S::ZERO);
         for (x, y) in x[first..end].iter().zip(&y[first..end]) {
             falls += dot(x, x);
             pull = pull - dot(x, y);
             explained += dot(y, y);
         }
-        // Rounding, or an end that would be bent away from: as much as is there counts at least.
-        let least = (explained + self.curvature.abs()) * S::of(1.0e-6);
-        let left = (self.curvature - explained).greatest(least);
-        if !(left > S::ZERO) {
-            return None;
+        let mut number = S::ZERO;
+        if let Some(push) = push {
+            pull += push;
+            // Rounding, or an end that would be bent away from: as much as is there counts at least.
+            let least = (explained + self.curvature.abs()) * S::of(1.0e-6);
+            let left = (self.curvature - explained).greatest(least);
+            if !(left > S::ZERO) {
+                return None;
+            }
+            number = -pull / left;
         }
-        let number = -pull / left;
         for k in first..end {
             for i in 0..N {
                 x[k][i] = -x[k][i] - number * y[k][i];
@@ -354,7 +362,7 @@ mod tests {
     fn case() -> (Draft<f64, N, K>, [Line<f64, N>; 4]) {
         let corners =
             [[0.0; N], [2.0, 0.0, 0.1], [3.0, 0.3, 0.1], [3.5, 2.0, 0.0], [1.0, 3.0, 0.2]];
-        let lines = core::array::from_fn(|k| {
+        let lines = from_fn(|k| {
             let way = minus(&corners[k + 1], &corners[k]);
             let length = square(&way).sqrt();
             let direction = way.map(|x| x / length);

@@ -37,6 +37,10 @@ pub struct Places<S, const P: usize> {
     lines: [usize; P],
     /// The lines, from the first that is looked at on, that are come to from the one before in the same place.
     passed: [u64; P],
+    /// While they are looked for: up to when, s, the line that is the most likely at the last of them, and what each costs there.
+    end: S,
+    likely: usize,
+    costs: [S; LOOKED],
 }
 
 impl<S: Scalar, const P: usize> Places<S, P> {
@@ -45,7 +49,8 @@ impl<S: Scalar, const P: usize> Places<S, P> {
 
     /// None; one every `step` s.
     pub const fn new(step: S) -> Self {
-        Self { step, count: 0, lines: [0; P], passed: [0; P] }
+        let (lines, passed) = ([0; P], [0; P]);
+        Self { step, count: 0, lines, passed, end: S::ZERO, likely: 0, costs: [S::ZERO; LOOKED] }
     }
 
     /// None; one every `step` s.
@@ -63,27 +68,46 @@ impl<S: Scalar, const P: usize> Places<S, P> {
         end: S,
         at: impl Fn(S) -> [S; N],
     ) {
-        self.count = 0;
-        if P == 0 || first >= lines.len() {
-            return;
+        self.begin(first, end);
+        self.go_on(lines, P, at);
+    }
+
+    /// Begins with that.
+    pub fn begin(&mut self, first: usize, end: S) {
+        self.costs = [S::of(NEVER); LOOKED];
+        self.costs[0] = S::ZERO;
+        (self.end, self.likely, self.count) = (end, first, 0);
+    }
+
+    /// Goes on with it, by at most `most` places. Whether all are found.
+    pub fn go_on<const N: usize>(
+        &mut self,
+        lines: &[Line<S, N>],
+        most: usize,
+        at: impl Fn(S) -> [S; N],
+    ) -> bool {
+        if P == 0 || self.likely >= lines.len() {
+            self.count = 0;
+            return true;
+        }
+        if self.count == 0 {
+            (self.lines[0], self.passed[0], self.count) = (self.likely, 0, 1);
         }
         let never = S::of(NEVER);
-        let (mut base, mut likely) = (first, first);
-        let mut costs = [never; LOOKED];
-        costs[0] = S::ZERO;
-        let mut before = at(S::ZERO);
-        self.lines[0] = first;
-        self.passed[0] = 0;
-        self.count = 1;
-        for k in 1..P {
-            let time = S::from_u32(k as u32) * self.step;
+        let time = |k: usize| S::from_u32(k as u32) * self.step;
+        let mut before = at(time(self.count - 1));
+        for _ in 0..most {
+            let k = self.count;
             // One place behind the end, so that every time up to it has one.
-            if time > end + self.step {
-                break;
+            if k == P || time(k) > self.end + self.step {
+                self.trace(self.likely);
+                return true;
             }
-            let x = at(time);
-            let ahead = likely.saturating_sub(BEHIND).max(base) - base;
+            let x = at(time(k));
+            let mut base = self.lines[k - 1];
+            let ahead = self.likely.saturating_sub(BEHIND).max(base) - base;
             base += ahead;
+            let costs = &mut self.costs;
             costs.copy_within(ahead.min(LOOKED).., 0);
             costs[LOOKED - ahead.min(LOOKED)..].fill(never);
             let kept = costs.iter().fold(never, |least, cost| least.least(*cost));
@@ -111,7 +135,7 @@ impl<S: Scalar, const P: usize> Places<S, P> {
                 }
                 *cost = came + off(line, &before, &x);
                 if *cost < least {
-                    (least, likely) = (*cost, base + q);
+                    (least, self.likely) = (*cost, base + q);
                 }
             }
             self.lines[k] = base;
@@ -119,7 +143,7 @@ impl<S: Scalar, const P: usize> Places<S, P> {
             self.count = k + 1;
             before = x;
         }
-        self.trace(likely);
+        false
     }
 
     /// From the last place back.

@@ -24,6 +24,8 @@ struct Stops {
     clock: f64,
     origin: [f64; N],
     first: usize,
+    /// It can be joined in the first half of every so long a time only, s; at any time if 0.
+    grid: f64,
 }
 
 impl Stops {
@@ -59,6 +61,14 @@ impl<S: Scalar> Agreed<S, N> for Stops {
 
     fn line(&self, time: S) -> usize {
         self.leg(self.clock + time.to_f64()).saturating_sub(self.first)
+    }
+
+    fn can_be_joined(&self, time: S) -> S {
+        if !(self.grid > 0.0) {
+            return time;
+        }
+        let behind = (self.clock + time.to_f64()) % self.grid - self.grid / 2.0;
+        if behind > 1.0e-6 { time - S::of(behind) } else { time }
     }
 
     fn end(&self) -> S {
@@ -112,7 +122,8 @@ fn case(seed: u32) -> Case {
             next(-2.5, 2.5)
         };
     }
-    Case { stops: Stops { lines, times, clock: 0.0, origin: [0.0; N], first: 0 }, limits }
+    let grid = if seed % 4 == 1 { next(2.0e-3, 12.0e-3) } else { 0.0 };
+    Case { stops: Stops { lines, times, clock: 0.0, origin: [0.0; N], first: 0, grid }, limits }
 }
 
 /// What was run: states every quarter of a span, and how much earlier it ended.
@@ -120,6 +131,8 @@ struct Ran {
     states: Vec<(f64, State<f64, N>)>,
     gain: f64,
     found: usize,
+    /// Windows that were joined where they can be, and others.
+    joined: [usize; 2],
 }
 
 fn ran<S: Scalar>(case: &mut Case) -> Ran {
@@ -130,6 +143,7 @@ fn ran<S: Scalar>(case: &mut Case) -> Ran {
     });
     let mut window = Window::<S, N, POINTS>::new(S::of(H), S::of(0.99));
     let (mut time, mut line, mut found) = (0.0, 0, 0);
+    let mut joined = [0; 2];
     let mut states = Vec::new();
     stops.origin = stops.lines[0].from;
     window.begin(&Agreed::<S, N>::at(stops, S::ZERO).state, S::ZERO);
@@ -153,7 +167,13 @@ fn ran<S: Scalar>(case: &mut Case) -> Ran {
             })
             .collect();
         let mut bounds = Bounds { limits: &limits, lines: &lines, line: 0 };
-        found += usize::from(window.improve(&*stops, &bounds).is_ok());
+        let is_found = window.improve(&*stops, &bounds).is_ok();
+        found += usize::from(is_found);
+        let joins = window.joins();
+        if is_found && stops.grid > 0.0 && joins < Agreed::<S, N>::end(stops) {
+            let can = Agreed::<S, N>::can_be_joined(stops, joins);
+            joined[usize::from(can < joins)] += 1;
+        }
         let left = last - stops.clock - window.joins().to_f64();
         if window.spans() == 0 {
             // As agreed.
@@ -176,10 +196,10 @@ fn ran<S: Scalar>(case: &mut Case) -> Ran {
         }
         let spans = if left < 1.0e-9 { window.spans() } else { RUN.min(window.spans()) };
         for _ in 0..spans {
-            let (h, base) = (window.knots().to_f64(), window.base());
+            let h = window.knots().to_f64();
             for k in 0..4 {
                 let share = f64::from(k) / 4.0;
-                let state = window.within(S::of(share));
+                let (base, state) = window.within(S::of(share));
                 let position = core::array::from_fn(|i| {
                     stops.origin[i] + base[i].to_f64() + state.position[i].to_f64()
                 });
@@ -197,7 +217,7 @@ fn ran<S: Scalar>(case: &mut Case) -> Ran {
     }
     let end = stops.lines[stops.lines.len() - 1].end();
     states.push((time, State::resting(end)));
-    Ran { states, gain: last - time, found }
+    Ran { states, gain: last - time, found, joined }
 }
 
 /// What is broken, if anything: by how much more than rounding explains.
@@ -295,6 +315,7 @@ fn skipped(case: &Case, ran: &Ran, unit: f64) -> Option<usize> {
 
 fn all<S: Scalar>(cases: u32) {
     let (mut found, mut gain, mut whole) = (0, 0.0, 0.0);
+    let (mut joined, mut not) = (0, 0);
     for seed in 0..cases {
         let mut case = case(seed);
         let ran = ran::<S>(&mut case);
@@ -303,10 +324,14 @@ fn all<S: Scalar>(cases: u32) {
         }
         assert!(ran.gain > -1.0e-6, "{} case {seed}: {}", S::NAME, ran.gain);
         found += ran.found;
+        joined += ran.joined[0];
+        not += ran.joined[1];
         gain += ran.gain;
         whole += case.stops.times[case.stops.lines.len()];
     }
     assert!(found as u32 > cases && gain > 0.2 * whole, "{found} {gain} {whole}");
+    // Where it is not, the planner sees to it.
+    assert!(joined > 4 * not && joined > 50, "{joined} {not}");
 }
 
 #[test]

@@ -7,12 +7,13 @@ use super::model::{Ends, Model, Modelling};
 use super::rows::rows;
 use super::vector::{along, minus};
 use super::way::{are_one, passes};
-use super::{Agreed, Bounds, Draft};
+use super::{Agreed, Bounds, COUPLED, Draft};
 use crate::number::Scalar;
 use core::ops::ControlFlow;
 
-/// What is left of the limits for rounding.
+/// What is left of the limits for rounding; and of the jerk less by so many roundings: of what it changes.
 const SHARE: f64 = 0.9995;
+const ROUNDINGS: f64 = 25.0e3;
 /// Weight of the barrier at first, at last, and by how much it falls after a good step.
 const MU: (f64, f64) = (5.0e-3, 5.0e-4);
 const FALL: f64 = 0.4;
@@ -33,6 +34,8 @@ const ENOUGH: f64 = 8.0;
 const CLOSE: f64 = 20.0;
 /// The time at which the end joins changes in a step by no more than so many knots.
 const MOST: f64 = 3.0;
+/// Weight of the barrier, and steps, to where the agreed motion can be joined.
+const LANDING: (f64, usize) = (4.0e-3, 6);
 /// How often the band is narrowed where it is left between places, and what is left of it at least.
 const NARROWINGS: usize = 3;
 const NARROWEST: f64 = 0.8;
@@ -71,6 +74,8 @@ pub struct Window<S, const N: usize, const K: usize> {
     best: Draft<S, N, K>,
     /// Share of the band that is used, span by span.
     used: [S; K],
+    /// Share of the band within which the course was shown to stay, span by span.
+    stays: [S; K],
     /// Spans of the course that have been run.
     run: usize,
     /// Spans that are used at most.
@@ -88,10 +93,27 @@ pub struct Improving<S> {
     /// What is to be small, at first.
     aim: S,
     descent: Descent<S>,
+    landing: Landing,
     narrowings: usize,
     /// Steps of the descents before this one.
     steps: usize,
     next: Next<S>,
+}
+
+impl<S: Scalar> Improving<S> {
+    /// Weight of the barrier.
+    fn weight(&self) -> S {
+        if self.landing == Landing::Before { self.descent.mu } else { S::of(LANDING.0) }
+    }
+}
+
+/// How far the end of what was found has been brought to where the agreed motion can be joined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Landing {
+    Before,
+    /// It is there; so many steps are left for the rest.
+    Steps(usize),
+    Done,
 }
 
 /// What is to be done next.
@@ -162,6 +184,7 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         draft: Draft::NONE,
         best: Draft::NONE,
         used: [S::ZERO; K],
+        stays: [S::ZERO; K],
         run: 0,
         most: 0,
         h: S::ZERO,
@@ -202,18 +225,32 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         state(&self.course.points[self.run..self.run + 3], self.course.h)
     }
 
-    /// Position, velocity and acceleration a share of the next span behind its start; the position about [`Window::base`], which
-    /// is near it: so it is as exact as its change.
-    pub fn within(&self, share: S) -> State<S, N> {
-        let base = self.base();
-        let four = &self.course.points[self.run..self.run + 4];
-        let four: [[S; N]; 4] = core::array::from_fn(|k| minus(&four[k], &base));
-        within(&four, self.course.h, share)
+    /// Position, velocity and acceleration a share of the next span behind its start, the position about a point near by, which is
+    /// returned too: so it is as exact as its change. A knot is seen alike from the spans on both sides of it.
+    pub fn within(&self, share: S) -> ([S; N], State<S, N>) {
+        let (course, k) = (&self.course, self.run);
+        if !(share < S::ONE) {
+            return self.knot(k + 1);
+        }
+        let base = course.points[k + 1];
+        let four: [[S; N]; COUPLED] = core::array::from_fn(|i| minus(&course.points[k + i], &base));
+        (base, within(&four, course.h, share))
     }
 
-    /// The point about which [`Window::within`] gives positions.
-    pub fn base(&self) -> [S; N] {
-        self.course.points[self.run + 1]
+    /// The same where the course ends.
+    pub fn end(&self) -> ([S; N], State<S, N>) {
+        self.knot(self.course.spans())
+    }
+
+    fn knot(&self, k: usize) -> ([S; N], State<S, N>) {
+        let three = &self.course.points[k..k + 3];
+        let about: [[S; N]; 3] = core::array::from_fn(|i| minus(&three[i], &three[1]));
+        (three[1], state(&about, self.course.h))
+    }
+
+    /// Share of the band within which the next span was shown to stay.
+    pub fn stays(&self) -> S {
+        self.stays[self.run]
     }
 
     /// Goes on to the next span; the line in which that begins, if this one began in the line of `bounds`.
@@ -284,6 +321,7 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
             before: Self::left(&self.draft, agreed),
             aim: self.aim(&self.draft, free),
             descent: Descent::new(MU.0, STEPS),
+            landing: Landing::Before,
             narrowings: 0,
             steps: 0,
             next: Next::Model,
@@ -293,7 +331,7 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
     /// Goes on with that: the motion is modelled, or a step of Newton's method is found by that and tried, or tried on, or the motion is
     /// looked at between the places. Neither the course nor what is agreed may have changed meanwhile.
     ///
-    /// Cost: a sum over all rows with its derivatives, or a factorisation and a sum without, or 32 places of every span; at most 330 times.
+    /// Cost: a sum over all rows with its derivatives, or a factorisation and a sum without, or 32 places of every span; at most 380 times.
     pub fn go_on(
         &mut self,
         improving: &mut Improving<S>,
@@ -303,17 +341,19 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         let limits = bounds.limits.map(|limits| crate::AxisLimits {
             velocity: limits.velocity * S::of(SHARE),
             acceleration: limits.acceleration * S::of(SHARE),
-            jerk: limits.jerk * S::of(SHARE),
+            jerk: limits.jerk * (S::of(SHARE) - S::EPSILON * S::of(ROUNDINGS)),
             ..limits
         });
         let bounds = Bounds { limits: &limits, ..*bounds };
-        improving.next = match improving.next {
+        let next = improving.next;
+        improving.next = match next {
             Next::Model => self.model(improving, agreed, &bounds),
             Next::Step(here) => match self.step(improving, here, agreed) {
                 Next::Trial(trial) => self.go(improving, trial, agreed, &bounds),
                 next => next,
             },
             Next::Trial(trial) => self.go(improving, trial, agreed, &bounds),
+            Next::Look if self.begin_landing(improving, agreed) => Next::Model,
             Next::Look => {
                 self.look(improving, agreed, &bounds)?;
                 Next::Model
@@ -334,11 +374,11 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
             return ControlFlow::Break(Err(Refused::NoFaster));
         }
         let gain = improving.before - Self::left(&self.best, agreed);
-        if !(gain > self.h * S::of(1.0e-4)) {
+        if !(gain > self.h * S::of(1.0e-4) && holding::keeps_feed(&self.best, bounds)) {
             return ControlFlow::Break(Err(Refused::NoFaster));
         }
         let ends = agreed.line(self.best.joins);
-        if holding::narrow(&self.best, bounds, self.band, ends, &mut self.used) {
+        if holding::narrow(&self.best, bounds, self.band, ends, [&mut self.used, &mut self.stays]) {
             self.course = self.best.clone();
             self.run = 0;
             return ControlFlow::Break(Ok(Reshaped { gain, steps: improving.steps }));
@@ -352,7 +392,38 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         }
         self.draft = self.best.clone();
         improving.descent = Descent::new(MU.1 * 4.0, MENDING);
+        improving.landing = Landing::Before;
         ControlFlow::Continue(())
+    }
+
+    /// Where the agreed motion cannot be joined when the best ends: a draft that ends where it can be, somewhat before. It is gone along
+    /// more slowly, by ever more, so that hardly a limit is broken.
+    fn begin_landing(&mut self, improving: &mut Improving<S>, agreed: &impl Agreed<S, N>) -> bool {
+        if improving.landing != Landing::Before
+            || !improving.descent.found
+            || improving.free == Free::Knots
+        {
+            return false;
+        }
+        let to = agreed.can_be_joined(self.best.joins);
+        if !(to < self.best.joins) {
+            return false;
+        }
+        let (count, h) = (self.best.count, self.best.h);
+        let back = (self.best.joins - to) / h;
+        for k in 3..count - 3 {
+            let u = S::from_u32(k as u32 - 2) / S::from_u32(count as u32 - 5);
+            let smooth = u * u * u * (S::of(10.0) - u * (S::of(15.0) - S::of(6.0) * u));
+            let at = (S::from_u32(k as u32 - 1) - back * smooth).greatest(S::ZERO);
+            let knot = at.to_i64() as usize;
+            let four = &self.best.points[knot..knot + COUPLED];
+            self.draft.points[k] = within(four, h, at - S::from_u32(knot as u32)).points(h)[1];
+        }
+        self.draft.joins = to;
+        let start = self.state();
+        Self::ends(&mut self.draft, agreed, &start);
+        improving.landing = Landing::Steps(LANDING.1);
+        true
     }
 
     /// Time that is left to the agreed motion's end, s.
@@ -469,7 +540,8 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         agreed: &impl Agreed<S, N>,
         bounds: &Bounds<'_, S, N>,
     ) -> Next<S> {
-        let (free, mu) = (improving.free, improving.descent.mu);
+        let free = improving.free;
+        let mu = improving.weight();
         self.model.clear(self.draft.count);
         let tally = Tally::new(Barrier::new(width(mu)));
         let knots = (free == Free::Knots).then_some(self.draft.h);
@@ -477,6 +549,17 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         let line = rows(&self.draft, bounds, &self.used, &mut modelling);
         let tally = modelling.tally;
         let keeps = tally.keeps && self.joins_line(agreed, bounds, line);
+        if let Landing::Steps(left) = improving.landing {
+            if keeps {
+                self.best = self.draft.clone();
+            }
+            if keeps || left == 0 {
+                improving.landing = Landing::Done;
+                return Next::Look;
+            }
+            improving.landing = Landing::Steps(left - 1);
+            return Next::Step(S::ZERO);
+        }
         self.note(improving, keeps);
         if improving.descent.steps == improving.descent.most {
             return Next::Look;
@@ -492,10 +575,21 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         agreed: &impl Agreed<S, N>,
     ) -> Next<S> {
         let free = improving.free;
-        improving.descent.steps += 1;
-        let Some((number, falls)) = self.model_step(agreed, free, improving.descent.mu) else {
+        let lands = improving.landing != Landing::Before;
+        let Some((number, falls)) = self.model_step(agreed, free, improving.weight(), lands) else {
+            if lands {
+                improving.landing = Landing::Done;
+            }
             return Next::Look;
         };
+        improving.descent.steps += 1;
+        if lands {
+            for k in 3..self.draft.count - 3 {
+                self.draft.points[k] =
+                    along(&self.draft.points[k], S::ONE, &self.model.gradient[k]);
+            }
+            return Next::Model;
+        }
         // Where nothing keeps all limits yet, the last bit may.
         if falls < S::of(ENOUGH) && improving.descent.is_last() && improving.descent.found {
             return Next::Look;
@@ -582,7 +676,13 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
     }
 
     /// The step to the model's least: that of the number, and by how much it falls.
-    fn model_step(&mut self, agreed: &impl Agreed<S, N>, free: Free, mu: S) -> Option<(S, S)> {
+    fn model_step(
+        &mut self,
+        agreed: &impl Agreed<S, N>,
+        free: Free,
+        mu: S,
+        lands: bool,
+    ) -> Option<(S, S)> {
         let start = self.state();
         let (draft, h) = (&self.draft, self.draft.h);
         let (ends, push) = match free {
@@ -618,8 +718,13 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
                 (Ends { first: 0, slopes, curvatures }, push)
             }
         };
+        let points = 3..draft.count - 3;
+        if lands {
+            // The end stays where it is.
+            return self.model.step(points, None);
+        }
         self.model.follow(&ends);
-        self.model.step(3..draft.count - 3, push / mu)
+        self.model.step(points, Some(push / mu))
     }
 }
 

@@ -7,23 +7,48 @@ use cortex_m_rt::{entry, exception};
 use cortex_m_semihosting::hprintln;
 use panic_semihosting as _;
 use splineway::wire::{Events, Inlet};
-use splineway::{Coord, Link};
+use splineway::{BLOCKS, Coord, Link};
 use splineway_realtime::{AXES, EVENTS, Line, Loop, Servo, Setup, round};
 use splineway_semihosting::{Bytes, File, end};
 
-/// Counts of the system timer in a second.
-const SYSTEM_HZ: f32 = 168.0e6;
-/// A round that takes less has found nothing to do, ns.
-const SHORT: u32 = 100_000;
-/// Counter of TIM2. In QEMU it counts nanoseconds.
-const COUNTER: *const u32 = 0x4000_0024 as *const u32;
+/// Counts of the timers in a second, and ns of one.
+const CLOCK_HZ: f32 = 25.0e6;
+const COUNT: u32 = 40;
+/// A timer that counts down (CMSDK APB timer): bit 0 of its control switches it on, and it begins again with its reload.
+const CONTROL: *mut u32 = 0x4000_0000 as *mut u32;
+const VALUE: *const u32 = 0x4000_0004 as *const u32;
+const RELOAD: *mut u32 = 0x4000_0008 as *mut u32;
+
+/// Starts the timer.
+fn start_timer() {
+    // SAFETY: registers of a timer that nothing else uses.
+    unsafe {
+        RELOAD.write_volatile(u32::MAX);
+        CONTROL.write_volatile(1);
+    }
+}
 
 /// ns since the start, wrapping around.
 #[inline]
 fn now() -> u32 {
-    // SAFETY: reads a register of a timer that nothing else uses.
-    unsafe { COUNTER.read_volatile() }
+    // SAFETY: reads a register of that timer.
+    unsafe { (!VALUE.read_volatile()).wrapping_mul(COUNT) }
 }
+
+/// Nodes of the planning window, and the memory in which motion is reshaped.
+#[cfg(feature = "reshape")]
+mod sizes {
+    use splineway::Reshaping;
+    use splineway_realtime::AXES;
+
+    pub const NODES: usize = splineway_realtime::RESHAPED_NODES;
+    pub type Memory = Reshaping<f32, AXES>;
+}
+#[cfg(not(feature = "reshape"))]
+mod sizes {
+    pub const NODES: usize = splineway::NODES;
+}
+use sizes::NODES;
 
 /// What the interrupt has, and what it leaves behind. Times in ns.
 struct Machine {
@@ -64,10 +89,15 @@ fn SysTick() {
     });
 }
 
+/// Instructions of a round that has found nothing to do, at most.
+const IDLE: u32 = 12_500;
+
 /// Costs of the background; times in ns, without what the interrupt took.
 #[derive(Default)]
 struct Cost {
     rounds: u32,
+    /// A round that takes less has found nothing to do.
+    short: u32,
     /// Rounds that did something, while the machine moved.
     busy: u64,
     /// The longest.
@@ -89,7 +119,7 @@ impl Cost {
         self.rounds += 1;
         self.worst = self.worst.max(taken);
         // A round that finds nothing to do is waiting, not work.
-        if moves && taken > SHORT {
+        if moves && taken > self.short {
             self.busy += u64::from(taken);
         }
     }
@@ -97,23 +127,27 @@ impl Cost {
 
 /// Runs the frames, with planning that takes time. `None`: the setup cannot be used.
 fn run(setup: &Setup, frames: Bytes) -> Option<()> {
-    let link: &'static mut Link<f32, AXES> = cortex_m::singleton!(: Link<f32, AXES> = Link::new())?;
+    type Joined = Link<f32, AXES, BLOCKS, NODES>;
+    let link: &'static mut Joined = cortex_m::singleton!(: Joined = Link::new())?;
     let events: &'static Events<EVENTS> = cortex_m::singleton!(: Events<EVENTS> = Events::new())?;
     let mut made = link.split(setup.config().ok()?, [Coord::ZERO; AXES]).ok()?;
     let (planner, interpolator) = (&mut made.0, made.1);
+    #[cfg(feature = "reshape")]
+    planner.reshape(cortex_m::singleton!(: sizes::Memory = sizes::Memory::new())?);
     let servo = Servo::new(interpolator, planner.controls(), events, setup);
     let samples = File::write_to(2)?;
     let machine = Machine { servo, samples, spent: 0, worst: 0, missed: 0, moved: 0 };
     interrupt::free(|cs| MACHINE.borrow(cs).replace(Some(machine)));
     let mut background = Loop::new(planner, events);
     let mut line = Line::new(frames);
+    start_timer();
     let mut timer = cortex_m::Peripherals::take()?.SYST;
     timer.set_clock_source(SystClkSource::Core);
-    timer.set_reload((setup.cycle * SYSTEM_HZ + 0.5) as u32 - 1);
+    timer.set_reload((setup.cycle * CLOCK_HZ + 0.5) as u32 - 1);
     timer.clear_current();
     timer.enable_counter();
     timer.enable_interrupt();
-    let mut cost = Cost::default();
+    let mut cost = Cost { short: setup.instruction * IDLE, ..Cost::default() };
     let complete = loop {
         let (began, spent, setpoint, cycles, moved) = with_machine(|machine| {
             let Machine { servo, spent, moved, .. } = machine;

@@ -9,8 +9,8 @@
 use serde::{Deserialize, Serialize};
 use splineway::wire::Events;
 use splineway::{
-    Activity, AxisLimits, BLOCKS, Config, ConfigError, Controls, Interpolator, Limits, NODES,
-    Progress, Setpoint,
+    Activity, AxisLimits, BLOCKS, Config, ConfigError, Controls, Interpolator, Limits, Progress,
+    Setpoint,
 };
 use splineway_controller::Background;
 
@@ -20,6 +20,8 @@ pub const AXES: usize = 3;
 pub const EVENTS: usize = 4;
 /// Items that wait for the planner.
 pub const QUEUE: usize = 16;
+/// Nodes of the planning window where motion is reshaped, which takes room for its stations.
+pub const RESHAPED_NODES: usize = 256;
 /// Most commands in a run.
 pub const COMMANDS: usize = 8;
 
@@ -34,6 +36,8 @@ pub struct Setup {
     pub cycle: f32,
     /// Time by which plans are handed over before they take effect, s.
     pub lead: f32,
+    /// Time of an instruction, ns.
+    pub instruction: u32,
     /// The run ends after this many servo cycles whatever happens.
     pub most_cycles: u32,
     /// It ends when the machine has been at rest for this many servo cycles after the last command; 0: at the end
@@ -229,7 +233,8 @@ impl<'a> Servo<'a> {
 }
 
 /// The background of a run: sizes as on a board.
-pub type Loop<'a, 'link> = Background<'a, 'link, f32, AXES, BLOCKS, NODES, QUEUE, EVENTS>;
+pub type Loop<'a, 'link, const NODES: usize> =
+    Background<'a, 'link, f32, AXES, BLOCKS, NODES, QUEUE, EVENTS>;
 
 /// A line on which everything that is to come has come already.
 pub struct Line<I> {
@@ -244,7 +249,7 @@ impl<I: Iterator<Item = u8>> Line<I> {
     }
 
     /// Gives the background as much as it takes.
-    pub fn feed(&mut self, background: &mut Loop<'_, '_>) {
+    pub fn feed<const NODES: usize>(&mut self, background: &mut Loop<'_, '_, NODES>) {
         while !background.is_full() {
             let Some(byte) = self.frames.next() else { return };
             let _ = background.receive(byte);
@@ -259,8 +264,8 @@ impl<I: Iterator<Item = u8>> Line<I> {
 
 /// One round of the background at `now` ms: what has come, a planning step, replies, which nobody reads.
 #[inline(never)]
-pub fn round(
-    background: &mut Loop<'_, '_>,
+pub fn round<const NODES: usize>(
+    background: &mut Loop<'_, '_, NODES>,
     line: &mut Line<impl Iterator<Item = u8>>,
     setpoint: &Setpoint<f32, AXES>,
     now: u32,

@@ -40,9 +40,11 @@ pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// Cargo for the target.
-pub fn thumb(verb: &str, arguments: &[&str], failed: &str) -> Result<()> {
+/// Cargo for a chip.
+pub fn thumb(chip: Chip, verb: &str, arguments: &[&str], failed: &str) -> Result<()> {
     let mut command = Command::new("sh");
+    let [processor, target] = chip.build();
+    command.env("THUMB_CPU", processor).env("THUMB_TARGET_DIR", target);
     // Cargo's own variables would point the inner cargo to the outer one's toolchain.
     let inner =
         ["CARGO_HOME", "RUSTUP_HOME", "RUSTUP_TOOLCHAIN", "CARGO_PROFILE_FIRMWARE_OPT_LEVEL"];
@@ -63,10 +65,55 @@ pub fn thumb(verb: &str, arguments: &[&str], failed: &str) -> Result<()> {
     Ok(())
 }
 
+/// A chip that QEMU emulates, and the time of an instruction there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Chip {
+    /// STM32F405, a Cortex-M4F with 128 KiB of RAM; 64 ns: the emulator's timers are as exact as an instruction.
+    F405,
+    /// A Cortex-M4F; 8 ns: about 168 MHz at 1.35 cycles for one.
+    M4,
+    /// A Cortex-M7; 2 ns: 500 MHz at a cycle for one.
+    M7,
+}
+
+impl Chip {
+    fn machine(self) -> &'static str {
+        match self {
+            Self::F405 => "netduinoplus2",
+            Self::M4 => "mps2-an386",
+            Self::M7 => "mps2-an500",
+        }
+    }
+
+    /// Time of an instruction, ns.
+    pub fn instruction(self) -> u32 {
+        1 << self.shift()
+    }
+
+    fn shift(self) -> u32 {
+        match self {
+            Self::F405 => 6,
+            Self::M4 => 3,
+            Self::M7 => 1,
+        }
+    }
+
+    /// What it is built for, and in which folder.
+    fn build(self) -> [&'static str; 2] {
+        if self == Self::M7 {
+            ["cortex-m7", "target/thumb-m7"]
+        } else {
+            ["cortex-m4", "target/thumb"]
+        }
+    }
+}
+
 /// A built image.
 pub struct Image {
     /// Its file.
     pub file: PathBuf,
+    /// What it is for.
+    pub chip: Chip,
 }
 
 impl Image {
@@ -77,27 +124,34 @@ impl Image {
 
     /// Builds an image of `firmware/FOLDER`.
     pub fn build_of(folder: &str, name: &str) -> Result<Self> {
-        Self::build_with(folder, name, "")
+        Self::build_for(Chip::F405, folder, name, "")
     }
 
     /// The same with features.
     pub fn build_with(folder: &str, name: &str, features: &str) -> Result<Self> {
+        Self::build_for(Chip::F405, folder, name, features)
+    }
+
+    /// The same for a chip.
+    pub fn build_for(chip: Chip, folder: &str, name: &str, features: &str) -> Result<Self> {
         thumb(
+            chip,
             "build",
             &["--package", &format!("splineway-{folder}"), "--bin", name, "--features", features],
             &format!("the image {name} does not build: a panic can be reached?"),
         )?;
-        let file = root().join("target/thumb/thumbv7em-none-eabihf/firmware").join(name);
-        Ok(Self { file })
+        let [_, target] = chip.build();
+        let file = root().join(target).join("thumbv7em-none-eabihf/firmware").join(name);
+        Ok(Self { file, chip })
     }
 
-    /// Runs the image in QEMU with the given words on its command line; an instruction takes 2^`shift` ns. Returns what
-    /// it says.
-    pub fn emulate(&self, words: &[String], shift: u32) -> Result<String> {
+    /// Runs the image in QEMU with the given words on its command line. Returns what it says.
+    pub fn emulate(&self, words: &[String]) -> Result<String> {
+        let machine = self.chip.machine();
         output(
             Command::new("qemu-system-arm")
-                .args(["-M", "netduinoplus2", "-nographic", "-monitor", "none", "-serial", "none"])
-                .args(["-icount", &format!("shift={shift},sleep=off,align=off")])
+                .args(["-M", machine, "-nographic", "-monitor", "none", "-serial", "none"])
+                .args(["-icount", &format!("shift={},sleep=off,align=off", self.chip.shift())])
                 .arg("-semihosting-config")
                 .arg(
                     ["enable=on,target=native,arg=image"]

@@ -1,34 +1,40 @@
 //! The chip in real time: what planning that takes time makes of a path, and how soon commands are answered.
 //!
-//! `cargo bench -p splineway-host --bench realtime [-- [FOLDER] [--instants N] [--lead S] [--check]]` runs the background
-//! loop of a controller on an emulated Cortex-M4F (QEMU, 8 ns an instruction: about 168 MHz), blocks always at hand,
-//! over every path in FOLDER, and prints
+//! `cargo bench -p splineway-host --bench realtime [-- [FOLDER] [--reshape] [--m7] [--instants N] [--lead S] [--check]]` runs the
+//! background loop of a controller on an emulated Cortex-M4F (QEMU, 8 ns an instruction: about 168 MHz) or, with `--m7`, a
+//! Cortex-M7 (2 ns: 500 MHz at a cycle an instruction), blocks always at hand, over every path in FOLDER, and prints
 //! - machining time against that of planning which takes no time; stops on the way; plans that came late; stops for
-//!   want of blocks; the longest round of the background and the longest time between two; load of the processor;
+//!   want of blocks; the longest round of the background and the longest time between two; load of the processor; what was
+//!   used of the limits of the axes and of the tolerance at most, servo cycle by servo cycle;
 //! - with N > 0, for hold, abort, a feed override of 50 %, and 100 % again, at N places of each path: after how many ms
 //!   the speed differs from what it would have been, and, but for the last, how much later than it could
 //!   (`splineway_studies::stop`) the machine stands still or has the new speed: median / worst.
 //!
-//! With `--check` it runs three paths of `host-tests/data` and fails where a bound is exceeded.
+//! With `--reshape` the motion is reshaped in idle time, with a planning window of 256 nodes instead of 64.
+//!
+//! With `--check` it runs paths of `host-tests/data`, with and without, and fails where a bound is exceeded.
 //!
 //! Without a toolchain for the target or QEMU it says so and ends; with `SPLINEWAY_REQUIRE_TARGET` set it fails.
 
+// Some of it is for other benches.
+#[allow(dead_code)]
 #[path = "../common/image.rs"]
 mod built;
 #[path = "../common/mod.rs"]
 mod common;
+mod judge;
 mod run;
 #[path = "../common/session.rs"]
 mod session;
 
 use anyhow::{Context, Result, ensure};
-use built::{Image, Missing};
+use built::{Chip, Image, Missing};
 use run::Run;
 use session::Machine;
 use splineway_realtime::{AXES, Due, Order, Setup};
 use splineway_simulator::program::Program;
 use splineway_studies::stop::{Limits, Moment, shortest};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A speed that differs by more shows, mm/s: what jerk changes in two servo cycles.
 const SHOWN: f32 = 0.1;
@@ -57,22 +63,34 @@ struct Options {
     instants: usize,
     lead: f32,
     check: bool,
+    reshape: bool,
+    chip: Chip,
 }
 
 impl Options {
+    const DEFAULT: Self =
+        Self { instants: 0, lead: 0.01, check: false, reshape: false, chip: Chip::M4 };
+
     fn read() -> Result<Self> {
-        let mut options = Self { instants: 0, lead: 0.01, check: false };
+        let mut options = Self::DEFAULT;
         let mut words = std::env::args().skip(1);
         while let Some(word) = words.next() {
             let mut value = || words.next().with_context(|| format!("{word} needs a value"));
             match word.as_str() {
                 "--instants" => options.instants = value()?.parse()?,
                 "--check" => options.check = true,
+                "--reshape" => options.reshape = true,
+                "--m7" => options.chip = Chip::M7,
                 "--lead" => options.lead = value()?.parse()?,
                 _ => {}
             }
         }
         Ok(options)
+    }
+
+    fn image(&self) -> Result<Image> {
+        let features = if self.reshape { "reshape" } else { "" };
+        Image::build_for(self.chip, "realtime", "realtime", features)
     }
 }
 
@@ -81,22 +99,24 @@ struct Job<'a> {
     image: &'a Image,
     program: Program,
     setup: Setup,
+    reshape: bool,
 }
 
 impl<'a> Job<'a> {
-    fn new(image: &'a Image, path: &Path, lead: f32) -> Result<Self> {
+    fn new(image: &'a Image, path: &Path, options: &Options) -> Result<Self> {
         let program = session::read(path)?;
         let Machine { limits, tolerance, cycle } = Machine::of(&program);
         let setup = Setup {
             limits,
             tolerance,
             cycle,
-            lead,
+            lead: options.lead,
+            instruction: image.chip.instruction(),
             most_cycles: 120_000,
             linger: 0,
             commands: heapless::Vec::new(),
         };
-        Ok(Self { image, program, setup })
+        Ok(Self { image, program, setup, reshape: options.reshape })
     }
 
     fn real(&self, setup: &Setup) -> Result<Run> {
@@ -104,7 +124,8 @@ impl<'a> Job<'a> {
     }
 
     fn zero(&self) -> Result<Run> {
-        run::zero(&self.setup, &session::frames(&self.program, &self.setup, AXES)?)
+        let frames = session::frames(&self.program, &self.setup, AXES)?;
+        run::zero(&self.setup, &frames, self.reshape)
     }
 
     fn limits(&self) -> Limits {
@@ -270,10 +291,14 @@ struct Outcome {
     round: f64,
     /// Worst reaction to a hold, ms.
     hold: f64,
+    /// Load of the processor.
+    load: f64,
+    /// What was used of the limits, and of the tolerance.
+    shares: [f64; 2],
 }
 
 fn report(image: &Image, path: &Path, options: &Options) -> Result<Outcome> {
-    let job = Job::new(image, path, options.lead)?;
+    let job = Job::new(image, path, options)?;
     let zero = job.zero()?;
     let real = job.real(&job.setup)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
@@ -281,15 +306,17 @@ fn report(image: &Image, path: &Path, options: &Options) -> Result<Outcome> {
     let cycle = f64::from(job.setup.cycle);
     let seconds = |run: &Run| run.cycles() as f64 * cycle;
     let (ratio, round) = (seconds(&real) / seconds(&zero), real.value("worst") as f64 * 1e-6);
+    let shares @ [limits, band] = judge::shares(&job.program, &job.setup, &real);
+    let load = real.value("busy") as f64 * 1e-9 / seconds(&real);
     println!(
-        "| {name} | {:.3} | {:.3} | {ratio:.3} | {} | {} | {} | {round:.1} | {:.1} | {:.2} |",
+        "| {name} | {:.3} | {:.3} | {ratio:.3} | {} | {} | {} | {round:.1} | {:.1} | {:.2} | {limits:.3} | {band:.3} |",
         seconds(&zero),
         seconds(&real),
         stops(&real, &zero),
         real.value("late"),
         real.value("starved"),
         real.value("gap") as f64 * 1e-6,
-        real.value("busy") as f64 * 1e-9 / seconds(&real),
+        load,
     );
     let mut hold: f64 = 0.0;
     if options.instants > 0 {
@@ -306,25 +333,39 @@ fn report(image: &Image, path: &Path, options: &Options) -> Result<Outcome> {
             println!("    {}: differs after {} ms{late}", trial.name, spread(reactions));
         }
     }
-    Ok(Outcome { ratio, round, hold })
+    Ok(Outcome { ratio, round, hold, load, shares })
 }
 
-/// Three paths that are always at hand, and what must hold of them.
+/// Paths that are always at hand.
+fn data(name: &str) -> PathBuf {
+    built::root().join("host-tests/data").join(name)
+}
+
+/// Three of them, and what must hold of them; and two with reshaping on the faster chip.
 fn check(image: &Image) -> Result<()> {
-    let options = Options { instants: 3, lead: 0.01, check: true };
+    let options = Options { instants: 3, check: true, ..Options::DEFAULT };
     for bound in &BOUNDS {
-        let path = built::root().join("host-tests/data").join(bound.path);
-        let Outcome { ratio, round, hold } = report(image, &path, &options)?;
+        let path = data(bound.path);
+        let Outcome { ratio, round, hold, .. } = report(image, &path, &options)?;
         ensure!(ratio <= bound.ratio, "{}: {ratio:.3} of zero time", bound.path);
         ensure!(round <= bound.round, "{}: a round of {round:.1} ms", bound.path);
         ensure!(hold <= bound.hold, "{}: {hold:.0} ms until a hold shows", bound.path);
+    }
+    let options = Options { reshape: true, chip: Chip::M7, ..Options::DEFAULT };
+    let image = options.image()?;
+    for name in ["butterfly.json", "zigzag.txt"] {
+        let Outcome { ratio, round, load, shares, .. } = report(&image, &data(name), &options)?;
+        ensure!(ratio <= 1.02, "{name}, reshaped: {ratio:.3} of zero time");
+        ensure!(round <= 1.0, "{name}, reshaped: a round of {round:.1} ms");
+        ensure!(load <= 0.6, "{name}, reshaped: a load of {load:.2}");
+        ensure!(shares[0] <= 1.001 && shares[1] <= 1.0, "{name}, reshaped: {shares:?} used");
     }
     Ok(())
 }
 
 fn main() -> Result<()> {
     let options = Options::read()?;
-    let image = match Image::build("realtime") {
+    let image = match options.image() {
         Err(error)
             if error.is::<Missing>() && std::env::var_os("SPLINEWAY_REQUIRE_TARGET").is_none() =>
         {
@@ -335,7 +376,7 @@ fn main() -> Result<()> {
     };
     println!(
         "| path | zero time, s | real time, s | ratio | stops | late | starved | longest round, ms \
-         | longest gap, ms | load |\n|---|---|---|---|---|---|---|---|---|---|"
+         | longest gap, ms | load | limits | tolerance |\n|---|---|---|---|---|---|---|---|---|---|---|---|"
     );
     if options.check {
         return check(&image);

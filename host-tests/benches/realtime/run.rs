@@ -3,8 +3,8 @@
 use crate::built::{self, Image};
 use anyhow::{Context, Result, ensure};
 use splineway::wire::{Events, Inlet};
-use splineway::{Coord, Link, Progress};
-use splineway_realtime::{AXES, Line, Loop, Sample, Servo, Setup, round};
+use splineway::{BLOCKS, Coord, Link, NODES, Progress, Reshaping};
+use splineway_realtime::{AXES, Line, Loop, RESHAPED_NODES, Sample, Servo, Setup, round};
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -50,7 +50,7 @@ pub fn real(image: &Image, bytes: &[u8]) -> Result<Run> {
     std::fs::write(&frames, bytes)?;
     let name = |path: &Path| path.to_str().map(str::to_owned).context("the name of a file");
     let arguments = [name(&frames)?, name(&samples)?];
-    let text = image.emulate(&arguments, 3)?;
+    let text = image.emulate(&arguments)?;
     let values = built::values(&text);
     ensure!(values.contains_key("missed"), "the image says: {text}");
     let bytes = std::fs::read(&samples)?;
@@ -60,12 +60,28 @@ pub fn real(image: &Image, bytes: &[u8]) -> Result<Run> {
 }
 
 /// Here, where planning takes no time: in a servo cycle as many rounds as do something.
-pub fn zero(setup: &Setup, bytes: &[u8]) -> Result<Run> {
+pub fn zero(setup: &Setup, bytes: &[u8], reshape: bool) -> Result<Run> {
+    if reshape {
+        let memory = &mut Box::new(Reshaping::new());
+        zero_with::<RESHAPED_NODES>(setup, bytes, Some(memory))
+    } else {
+        zero_with::<NODES>(setup, bytes, None)
+    }
+}
+
+fn zero_with<const NODES: usize>(
+    setup: &Setup,
+    bytes: &[u8],
+    reshaping: Option<&mut Reshaping<f32, AXES>>,
+) -> Result<Run> {
     let mut bytes = bytes.iter().copied();
     let mut inlet = Inlet::new();
     let _: Setup = bytes.find_map(|byte| inlet.push(byte)).context("no setup")?;
-    let mut link = Box::new(Link::<f32, AXES>::new());
+    let mut link = Box::new(Link::<f32, AXES, BLOCKS, NODES>::new());
     let (mut planner, interpolator) = link.split(setup.config()?, [Coord::ZERO; AXES])?;
+    if let Some(memory) = reshaping {
+        planner.reshape(memory);
+    }
     let events = Events::new();
     let mut servo = Servo::new(interpolator, planner.controls(), &events, setup);
     let mut background = Loop::new(&mut planner, &events);

@@ -18,7 +18,7 @@ const PARTS: [(&str, &str, u64); 8] = [
 /// Prints the table; gives goals that were missed.
 pub fn report() -> Result<Vec<String>> {
     let image = Image::build_with("emulator", "extras", "extras")?;
-    let said = image.emulate(&[], 6)?;
+    let said = image.emulate(&[])?;
     let values = values(&said);
     let get = |name: &str| values.get(name).copied().with_context(|| format!("no {name}: {said}"));
     println!("what may be added to a tick (f32, 3 axes), instructions: mean, worst");

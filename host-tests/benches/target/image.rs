@@ -1,6 +1,6 @@
 //! What is measured of an image: symbols, sizes, stacks, setpoints, instructions.
 
-use super::built::{Image, output, root, thumb, values};
+use super::built::{Chip, Image, output, root, thumb, values};
 use super::listing::Listing;
 use anyhow::{Context, Result, bail, ensure};
 use splineway_emulator::Outcome;
@@ -29,7 +29,9 @@ impl Image {
     /// The example in C with the library for C, both for the target, linked to one image with every function of it.
     pub fn build_c() -> Result<Self> {
         let root = root();
+        let chip = Chip::F405;
         thumb(
+            chip,
             "rustc",
             &[
                 "--package",
@@ -54,7 +56,7 @@ impl Image {
                 .arg("-o")
                 .arg(&object),
         )?;
-        let library = Self { file: folder.join("libsplineway.a") };
+        let library = Self { file: folder.join("libsplineway.a"), chip };
         output(
             Command::new("arm-none-eabi-ld")
                 .args(["--entry", "example_run", "--gc-sections", "-z", "noexecstack"])
@@ -64,7 +66,7 @@ impl Image {
                 .arg("-o")
                 .arg(&file),
         )?;
-        Ok(Self { file })
+        Ok(Self { file, chip })
     }
 
     /// The functions of the interface for C.
@@ -126,7 +128,7 @@ impl Image {
     /// Runs the image on a file in QEMU.
     pub fn run(&self, file: &Path) -> Result<Answer> {
         let name = file.to_str().context("the name of a temporary file")?;
-        let text = self.emulate(&[name.to_owned()], 6)?;
+        let text = self.emulate(&[name.to_owned()])?;
         let values = values(&text);
         let get = |name: &str| {
             values.get(name).copied().with_context(|| format!("no {name} in what it says: {text}"))

@@ -27,7 +27,7 @@ fn run(image: &Image, path: &Path, sweeps: u16) -> Result<(Smoothed, u64)> {
     let host = smooth(&mut || source.next(), &mut Free).context("no spline")?;
     let file = std::env::temp_dir().join(format!("splineway-{}.spline", std::process::id()));
     std::fs::write(&file, &bytes)?;
-    let said = image.emulate(&[file.to_str().context("the name of a file")?.to_owned()], 6);
+    let said = image.emulate(&[file.to_str().context("the name of a file")?.to_owned()]);
     std::fs::remove_file(&file)?;
     let said = said?;
     let values = values(&said);

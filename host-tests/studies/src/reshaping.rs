@@ -159,9 +159,9 @@ fn reshape<S: Scalar, const N: usize>(
         let spans = if ends < 1.0e-9 { window.spans() } else { RUN.min(window.spans()) };
         for _ in 0..spans {
             let h = window.knots().to_f64();
-            let base = window.base();
             found.stretch(h, S::EPSILON.to_f64(), |time| {
-                let State { position, velocity, acceleration } = window.within(S::of(time / h));
+                let (base, state) = window.within(S::of(time / h));
+                let State { position, velocity, acceleration } = state;
                 let place = |i: usize| origin[i] + base[i].to_f64() + position[i].to_f64();
                 let place = (0..N).map(place).collect();
                 let values = |x: [S; N]| x.map(S::to_f64).to_vec();
@@ -347,6 +347,10 @@ impl<S: Scalar, const N: usize> Agreed<S, N> for Placed<'_, S, N> {
     fn line(&self, time: S) -> usize {
         let x = self.going.at(time).state.position;
         self.places.line(self.lines, time, &x).unwrap_or(usize::MAX)
+    }
+
+    fn can_be_joined(&self, time: S) -> S {
+        time
     }
 
     fn end(&self) -> S {

@@ -1,12 +1,19 @@
 //! The agreed motion as reshaping sees it: states by time, and the line that each is in.
 
+use crate::machine::Config;
 use crate::number::{Coord, Scalar};
 use crate::planner::horizon::Horizon;
+use crate::profile::bounds::LEAST_CYCLE_SHARE;
 use crate::reshape::{Agreed, Line, Onward, Places, State};
 use heapless::Vec;
 
 /// Places at which the agreed motion is held against the lines.
 pub const PLACES: usize = 320;
+
+/// The jerk of a cell changes by at most so many roundings of a speed at its ends over its time squared; and the share of the limit that
+/// they may be.
+const ROUNDINGS: f64 = 32.0;
+const ROUNDED: f64 = 4.0e-3;
 
 /// Times at which the cells of a stretch begin, s from its start.
 pub type Times<S, const NODES: usize> = Vec<S, NODES>;
@@ -21,9 +28,24 @@ pub struct Going<'a, S: Scalar, const N: usize, const NODES: usize> {
     pub origin: [Coord; N],
     /// When it ends for this purpose, s from the station.
     pub ends: S,
-    /// The lines, and which of them the motion is in when.
+    /// Least time of what is left of a cell where it is joined, s.
+    pub least: S,
+    /// The lines, and which of them the motion is in when, seen from `before` s before the station; how many of them lie before it.
     pub lines: &'a [Line<S, N>],
-    pub places: &'a Places<S, PLACES>,
+    pub places: Option<&'a Places<S, PLACES>>,
+    pub before: S,
+    pub passed: usize,
+}
+
+/// A cell takes at least so long, s, that a speed which is rounded at its ends is worth no more than a share of the jerk.
+pub fn least_time<S: Scalar, const N: usize>(config: &Config<S, N>) -> S {
+    let most = config
+        .limits
+        .axes()
+        .iter()
+        .fold(S::ZERO, |most, axis| most.greatest(axis.velocity / axis.jerk));
+    let least = (S::EPSILON * most * S::of(ROUNDINGS / ROUNDED)).sqrt();
+    least.greatest(config.cycle * S::of(LEAST_CYCLE_SHARE * 1.1))
 }
 
 impl<S: Scalar, const N: usize, const NODES: usize> Going<'_, S, N, NODES> {
@@ -74,7 +96,18 @@ impl<S: Scalar, const N: usize, const NODES: usize> Agreed<S, N> for Going<'_, S
     }
 
     fn line(&self, time: S) -> usize {
-        self.places.line(self.lines, time, &self.state(time).state.position).unwrap_or(usize::MAX)
+        let place = self.state(time).state.position;
+        let line = self.places.and_then(|at| at.line(self.lines, self.before + time, &place));
+        line.and_then(|line| line.checked_sub(self.passed)).unwrap_or(usize::MAX)
+    }
+
+    fn can_be_joined(&self, time: S) -> S {
+        let (cell, t) = self.cell(time);
+        let left = (self.horizon.time(cell) - self.least).greatest(S::ZERO);
+        if t <= left || self.times.last().is_none_or(|end| time >= *end) {
+            return time;
+        }
+        self.times.get(cell - self.first).map_or(time, |begun| *begun + left)
     }
 
     fn end(&self) -> S {

@@ -84,11 +84,11 @@ impl<S: Scalar, const N: usize> Lines<S, N> {
         (from.is_none() || found.next().is_none()).then_some(line)
     }
 
-    /// Lines from a number on about an origin, as many as cover a length, mm, and the next; with `rests` no further than to the last that
-    /// ends there. `None` if they are not known for all of it.
+    /// Lines from a number on about an origin, as many as cover a length, mm, from a place in the first on, and the next; with `rests` no
+    /// further than to the last that ends there. `None` if they are not known for all of it.
     pub fn near(
         &self,
-        number: u32,
+        (number, from): (u32, &[Coord; N]),
         origin: &[Coord; N],
         length: S,
         feed: S,
@@ -117,8 +117,8 @@ impl<S: Scalar, const N: usize> Lines<S, N> {
                 feed: course.feed * feed,
             };
             if i == first {
-                // From the origin on.
-                covered = covered - line.distance(&[S::ZERO; N]).1;
+                let from = core::array::from_fn(|k| from[k].minus(origin[k]));
+                covered = covered - line.distance(&from).1;
             }
             if list.push(line).is_err() {
                 break;

@@ -13,7 +13,8 @@ mod going;
 mod knots;
 mod lines;
 
-use self::going::{Going, PLACES, Times};
+use self::going::{Going, PLACES, Times, least_time};
+use self::knots::{Knotted, Knotting};
 use self::lines::{Lines, NEAR};
 use super::Planner;
 use super::making::{PIECES, Purpose, Stage};
@@ -24,7 +25,7 @@ use crate::machine::Follower;
 #[cfg(feature = "travel")]
 use crate::machine::Travel;
 use crate::machine::{Config, CornerMode, LimitSets};
-use crate::number::serial::NodeSerial;
+use crate::number::serial::{CycleSerial, NodeSerial};
 use crate::number::{ArcLength, Coord, Scalar};
 use crate::path::budget;
 use crate::planner::horizon::Proposal;
@@ -39,13 +40,16 @@ use core::ops::ControlFlow;
 use heapless::Vec;
 
 /// Control points of a window.
-const POINTS: usize = 43;
+const POINTS: usize = 31;
 /// Its spans.
 const SPANS: usize = POINTS - 3;
 /// Time between knots, s.
 const KNOTS: f64 = 8.0e-3;
-/// Spans after which the next window begins.
-const RUN: usize = 10;
+/// Spans after which the next window begins, at least, and as a part of its own at most.
+const RUN: usize = 7;
+const MOST_RUN: (usize, usize) = (3, 4);
+/// Making a window takes at most one in so many parts of the time: on a slow chip the next begins later.
+const PARTS: f64 = 3.0;
 /// Share of the band that is used where it is looked at.
 const BAND: f64 = 0.97;
 /// So many times as long as a window the agreed motion must go on to be sure to be joined.
@@ -58,6 +62,9 @@ const LEAST_SPANS: f64 = 5.0;
 const KEPT: usize = 2;
 /// Stations of a window: its knots, and where it joins the agreed motion.
 const STATIONS: usize = 72;
+/// Places of which the lines are found in a slice, and spans that are made into stations in one.
+const PLACES_AT_ONCE: usize = 16;
+const SPANS_AT_ONCE: usize = 2;
 /// Fewer spans than this are not worth a window; and what is added after one that took few stations.
 const FEWEST: usize = 20;
 const MORE: usize = 2;
@@ -93,13 +100,15 @@ pub struct Reshaping<S: Scalar, const N: usize> {
     places: Places<S, PLACES>,
     /// What is to take the place of stations.
     stations: Vec<Station<S, N>, STATIONS>,
+    knotting: Option<Knotting<S, N>>,
     pub(super) change: Option<Change>,
     /// A node whose line is known.
     track: Option<(NodeSerial, u32)>,
     /// Where the next window begins, at the earliest.
     next: Option<NodeSerial>,
-    /// Spans of the next window, [`FEWEST`] to [`SPANS`].
+    /// Spans of the next window, [`FEWEST`] to [`SPANS`], and those after which another begins.
     spans: usize,
+    run: usize,
     /// Whether more of the path must be planned before more can be done.
     pub(super) wants: bool,
     /// Nothing can be done from this node on before the plan has another end.
@@ -124,10 +133,12 @@ impl<S: Scalar, const N: usize> Reshaping<S, N> {
         near: Vec::new(),
         places: Places::NONE,
         stations: Vec::new(),
+        knotting: None,
         change: None,
         track: None,
         next: None,
         spans: 0,
+        run: 0,
         wants: false,
         idle: None,
     };
@@ -136,7 +147,7 @@ impl<S: Scalar, const N: usize> Reshaping<S, N> {
     pub(super) fn clear(&mut self) {
         self.lines.clear();
         (self.change, self.track, self.next, self.idle) = (None, None, None, None);
-        (self.spans, self.wants) = (SPANS, false);
+        (self.spans, self.run, self.wants) = (SPANS, RUN, false);
     }
 
     /// Takes note of a block that has been taken.
@@ -177,29 +188,63 @@ fn is_plain<S: Scalar, const N: usize>(config: &Config<S, N>) -> bool {
 }
 
 /// A stretch of the agreed plan that may be reshaped.
-struct Place<S, const NODES: usize> {
-    /// Where it begins, and in which line that is.
+struct Place {
+    /// Where it begins.
     first: usize,
+    /// A station before it, or that, and in which line that is.
+    known: usize,
     line: u32,
     /// Station up to which it may be changed, and whether the motion rests there.
     limit: usize,
     rests: bool,
+}
+
+/// Where a window lies in the plan.
+struct Extent<S, const NODES: usize> {
+    /// Where it begins, a station before it, or that, whose line is known, and the station up to which it may be changed.
+    first: usize,
+    known: usize,
+    limit: usize,
+    /// s from where the line is known.
+    before: S,
     /// When its cells begin, s; the last is the time of `limit`.
     times: Times<S, NODES>,
+}
+
+impl<S: Scalar, const NODES: usize> Extent<S, NODES> {
+    /// Time up to `limit`, s.
+    fn all(&self) -> S {
+        self.times.last().copied().unwrap_or(S::ZERO)
+    }
 }
 
 /// A window that is being reshaped.
 #[derive(Clone, Copy, Debug)]
 pub struct Shaping<S> {
-    /// Where it begins, and in which line that is.
+    /// Where it begins.
     first: NodeSerial,
+    /// A station before it, or that, and in which line that is.
+    known: NodeSerial,
     line: u32,
     /// Station up to which it may be changed, and whether the motion rests there.
     limit: NodeSerial,
     rests: bool,
     /// When what is looked at ends, s from its beginning.
     ends: S,
-    improving: Improving<S>,
+    /// Servo cycle in which it was begun.
+    began: CycleSerial,
+    work: Work<S>,
+}
+
+/// What the next slice does for a window; lines are counted from the station where they are known on.
+#[derive(Clone, Copy, Debug)]
+enum Work<S> {
+    /// Finds the lines of some places.
+    Placing,
+    /// Goes on with improving the motion, which begins behind so many lines.
+    Improving(usize, Improving<S>),
+    /// Makes stations of some spans.
+    Knotting(usize),
 }
 
 impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
@@ -257,26 +302,20 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.switches.are_used() {
             return None;
         }
-        let Place { first, line, limit, rests, times } = self.place(memory, stretch, at)?;
+        let Place { first, known, line, limit, rests } = self.place(memory, stretch, at)?;
+        let times = self.times(first, limit)?;
         let all = *times.last()?;
-        let spans = memory.spans;
-        let ends = all.least(S::of(KNOTS * SEEN) * S::from_u32(spans as u32));
+        let ends = all.least(S::of(KNOTS * SEEN) * S::from_u32(memory.spans as u32));
         let until = (rests && !(ends < all)).then_some(limit);
-        self.associate(memory, (first, line), &times, ends, until)?;
+        self.begin_placing(memory, (known, line), (first, ends), until)?;
         // Where nothing is found, the next window begins as much later.
-        let run = S::of(KNOTS) * S::from_u32(RUN as u32);
+        let run = S::of(KNOTS) * S::from_u32(memory.run as u32);
         let next = (first..limit).zip(&times).find(|(_, time)| **time >= run);
         let serial = |i: usize| self.horizon.window.serial(i);
-        let (next, node, end) = (next.map_or(limit, |(i, _)| i), serial(first), serial(limit));
-        memory.next = Some(serial(next));
-        let Reshaping { near, places, window, .. } = &mut *memory;
-        let origin = self.horizon.window.get(first)?.node.at;
-        let horizon = &*self.horizon;
-        let going = Going { horizon, first, times: &times, origin, ends, lines: near, places };
-        window.set(S::of(KNOTS), S::of(BAND), spans);
-        window.begin(&going.state(S::ZERO).state, S::ZERO);
-        let improving = window.begin_improving(&going).ok()?;
-        Some(Shaping { first: node, limit: end, line, rests, ends, improving })
+        memory.next = Some(serial(next.map_or(limit, |(i, _)| i)));
+        let (first, known, limit) = (serial(first), serial(known), serial(limit));
+        let began = self.side.cycles();
+        Some(Shaping { first, known, line, limit, rests, ends, began, work: Work::Placing })
     }
 
     /// A step of reshaping a plan whose states are found. `None`: there is more to do. Whether it could be done, and may begin sooner
@@ -287,31 +326,123 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         shaping: &mut Shaping<S>,
         proposal: &mut Proposal,
     ) -> Option<bool> {
-        let Shaping { line, rests, ends, .. } = *shaping;
-        let window = &self.horizon.window;
-        let (Some(first), Some(limit)) = (window.find(shaping.first), window.find(shaping.limit))
-        else {
-            return Some(false);
+        let Some(extent) = self.extent(shaping) else { return Some(false) };
+        let (passed, mut improving) = match shaping.work {
+            Work::Placing => {
+                let known = (extent.known, extent.first, extent.limit);
+                if !self.go_on_placing(memory, known, extent.before + shaping.ends) {
+                    return None;
+                }
+                let Some(work) = self.begin_improving(memory, shaping, &extent) else {
+                    return Some(false);
+                };
+                shaping.work = work;
+                return None;
+            }
+            Work::Improving(passed, improving) => (passed, Some(improving)),
+            Work::Knotting(passed) => (passed, None),
         };
-        let (Some(times), Some(from)) = (self.times(first, limit), window.get(first)) else {
-            return Some(false);
-        };
-        let all = times.last().copied().unwrap_or(S::ZERO);
-        let Reshaping { near, places, window, stations, .. } = &mut *memory;
+        let Reshaping { near, places, window, stations, knotting, run, .. } = &mut *memory;
+        let going = self.going(shaping, &extent, (near, places, passed));
         let horizon = &*self.horizon;
-        let origin = from.node.at;
-        let going = Going { horizon, first, times: &times, origin, ends, lines: near, places };
+        let Some(from) = horizon.window.get(extent.first) else { return Some(false) };
         let limits = LimitSets::new(&horizon.config, &horizon.older);
         let limits = limits.of(from.cell.programmed.limits).axes();
-        let bounds = Bounds { limits, lines: near, line: 0 };
-        match window.go_on(&mut shaping.improving, &going, &bounds) {
-            ControlFlow::Continue(()) => return None,
-            ControlFlow::Break(Err(_)) => return Some(false),
-            ControlFlow::Break(Ok(_)) => {}
+        let bounds = Bounds { limits, lines: near.get(passed..).unwrap_or(&[]), line: 0 };
+        if let Some(improving) = &mut improving {
+            match window.go_on(improving, &going, &bounds) {
+                ControlFlow::Continue(()) => {
+                    shaping.work = Work::Improving(passed, *improving);
+                    return None;
+                }
+                ControlFlow::Break(Err(_)) => return Some(false),
+                ControlFlow::Break(Ok(_)) => {}
+            }
+            let rests = shaping.rests && !(window.joins() < extent.all());
+            stations.clear();
+            let spans = window.spans();
+            *run = self.run_spans(shaping).min(spans * MOST_RUN.0 / MOST_RUN.1).max(RUN);
+            *knotting = Knotting::new(window, &going, (extent.first, rests, extent.limit), *run);
+            shaping.work = Work::Knotting(passed);
+            return if knotting.is_some() { None } else { Some(false) };
         }
-        let spans = window.spans();
-        let rests = rests && !(window.joins() < all);
-        let found = knots::stations(window, &going, &bounds, (first, rests, limit), stations);
+        let Some(knots) = knotting else { return Some(false) };
+        let ControlFlow::Break(found) =
+            knots.go_on(window, &going, &bounds, SPANS_AT_ONCE, stations)
+        else {
+            return None;
+        };
+        let spans = knots.spans();
+        let line = shaping.line.wrapping_add(passed as u32);
+        Some(self.change(memory, proposal, (extent.first, spans, line), found))
+    }
+
+    /// Spans that are run in so long a time that making the window takes a part of it only.
+    fn run_spans(&self, shaping: &Shaping<S>) -> usize {
+        let cycles = self.side.cycles().since(shaping.began).unwrap_or(0);
+        let time = S::from_u32(cycles) * self.horizon.config.cycle;
+        (time * S::of(PARTS / KNOTS)).to_i64().clamp(0, 1000) as usize
+    }
+
+    /// Where a window lies in the plan.
+    fn extent(&self, shaping: &Shaping<S>) -> Option<Extent<S, NODES>> {
+        let find = |serial| self.horizon.window.find(serial);
+        let (first, known) = (find(shaping.first)?, find(shaping.known)?);
+        let limit = find(shaping.limit)?;
+        let before = *self.times(known, first)?.last()?;
+        Some(Extent { first, known, limit, before, times: self.times(first, limit)? })
+    }
+
+    /// The agreed motion from there on; lines are those from the station where they are known on, of which so many lie before.
+    fn going<'b>(
+        &'b self,
+        shaping: &Shaping<S>,
+        extent: &'b Extent<S, NODES>,
+        (lines, places, passed): (&'b [Line<S, N>], &'b Places<S, PLACES>, usize),
+    ) -> Going<'b, S, N, NODES> {
+        let horizon = &*self.horizon;
+        Going {
+            horizon,
+            first: extent.first,
+            times: &extent.times,
+            origin: horizon.window.get(extent.first).map_or([Coord::ZERO; N], |at| at.node.at),
+            ends: shaping.ends,
+            least: least_time(&horizon.config),
+            lines,
+            places: Some(places),
+            before: extent.before,
+            passed,
+        }
+    }
+
+    /// The lines are found: the motion is to be improved.
+    fn begin_improving(
+        &self,
+        memory: &mut Reshaping<S, N>,
+        shaping: &Shaping<S>,
+        extent: &Extent<S, NODES>,
+    ) -> Option<Work<S>> {
+        let Reshaping { near, places, window, spans, track, .. } = &mut *memory;
+        let passed = if extent.known == extent.first {
+            0
+        } else {
+            places.line(near, extent.before, &[S::ZERO; N])?
+        };
+        *track = Some((shaping.first, shaping.line.wrapping_add(passed as u32)));
+        let going = self.going(shaping, extent, (near, places, passed));
+        window.set(S::of(KNOTS), S::of(BAND), *spans);
+        window.begin(&going.state(S::ZERO).state, S::ZERO);
+        Some(Work::Improving(passed, window.begin_improving(&going).ok()?))
+    }
+
+    /// The stations are made, of so many spans from a station on, in a line: the plan is changed. Whether it could be.
+    fn change(
+        &self,
+        memory: &mut Reshaping<S, N>,
+        proposal: &mut Proposal,
+        (first, spans, line): (usize, usize, u32),
+        found: Option<Knotted>,
+    ) -> bool {
         // So many as there is room for their stations.
         memory.spans = if memory.stations.is_full() {
             spans * 3 / 4
@@ -321,22 +452,21 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             spans
         }
         .clamp(FEWEST, SPANS);
-        let Some(knots::Knotted { replaced, next }) = found else { return Some(false) };
-        let added = memory.stations.len();
-        if self.horizon.window.len() + added + super::horizon::ADDED + 2 > NODES + replaced {
-            return Some(false);
+        let Some(Knotted { replaced, next }) = found else { return false };
+        let window = &self.horizon.window;
+        if window.len() + memory.stations.len() + super::horizon::ADDED + 2 > NODES + replaced {
+            return false;
         }
         let begins = proposal.stretch.first.min(first);
-        let start = self.horizon.window.serial(begins);
-        let Some(station) = self.horizon.window.get(begins) else { return Some(false) };
+        let Some(station) = window.get(begins) else { return false };
+        let (start, first) = (window.serial(begins), window.serial(first));
+        let track =
+            next.map(|(station, leg)| (first.plus(station as u32), line.wrapping_add(leg as u32)));
         let arc_length = station.arc_length;
-        let node = |station: usize| shaping.first.plus(station as u32);
-        let track = next.map(|(station, leg)| (node(station), line.wrapping_add(leg as u32)));
-        let first = shaping.first;
         memory.change = Some(Change { start, first, replaced, arc_length, track });
         proposal.stretch.first = begins;
         proposal.branch = Branch::Node(start);
-        Some(true)
+        true
     }
 
     /// What can be reshaped now of what leads to the end of a stretch.
@@ -345,7 +475,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         memory: &mut Reshaping<S, N>,
         stretch: Stretch,
         at: NodeSerial,
-    ) -> Option<Place<S, NODES>> {
+    ) -> Option<Place> {
         let window = &self.horizon.window;
         let end = stretch.last;
         let mut first = if matches!(self.phase, Phase::Following(_)) {
@@ -362,7 +492,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         while first < end && window.get(first).is_some_and(|from| !(from.cell.length > S::ZERO)) {
             first += 1;
         }
-        if first >= end {
+        if first >= end || self.leaves_no_time(first, at) {
             return None;
         }
         let idle = (window.serial(first), window.serial(end));
@@ -371,9 +501,9 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         memory.idle = Some(idle);
         memory.wants = false;
-        let line = self.line_at(memory, first)?;
+        let (known, line) = self.known(memory, first)?;
         let window = &self.horizon.window;
-        memory.track = Some((window.serial(first), line));
+        memory.track = Some((window.serial(known), line));
         let is_rest = |i: &usize| window.get(*i).is_some_and(|station| station.rest);
         let rest = (first + 1..=end).find(is_rest);
         let limit = rest.unwrap_or_else(|| self.horizon.settled_end(end));
@@ -389,7 +519,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             memory.next = Some(window.serial(limit));
             return None;
         }
-        Some(Place { first, line, limit, rests: rest.is_some(), times })
+        Some(Place { first, known, line, limit, rests: rest.is_some() })
     }
 
     /// When the cells from a station on to another begin, s; the last is the time of that; `None` if limits change between them.
@@ -415,14 +545,11 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if known == first {
             return Some(line);
         }
-        let times = self.times(known, first)?;
-        let ends = times.last().copied()?;
-        self.associate(memory, (known, line), &times, ends, None)?;
-        let at = self.horizon.window.get(first)?.node.at;
-        let origin = self.horizon.window.get(known)?.node.at;
-        let at = core::array::from_fn(|i| at[i].minus(origin[i]));
-        let Reshaping { near, places, .. } = &*memory;
-        let leg = places.line(near, ends, &at)?;
+        let ends = *self.times(known, first)?.last()?;
+        self.begin_placing(memory, (known, line), (first, S::ZERO), None)?;
+        // It is not far: see `keep_track`.
+        while !self.go_on_placing(memory, (known, first, first), ends) {}
+        let leg = memory.places.line(&memory.near, ends, &[S::ZERO; N])?;
         Some(line.wrapping_add(leg as u32))
     }
 
@@ -444,37 +571,68 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
     }
 
-    /// Finds the lines of the motion from a station on, in the first of which it is there; with `rests` up to the end of one, at that
-    /// station. `None` if they are not known for all of it.
-    fn associate(
+    /// Begins to find the lines of the motion from a station on, in the first of which it is there, to a time behind another, s, about
+    /// which they are; with `rests` up to the end of one, at that station. `None` if they are not known for all of it.
+    fn begin_placing(
         &self,
         memory: &mut Reshaping<S, N>,
-        (first, line): (usize, u32),
-        times: &Times<S, NODES>,
-        ends: S,
+        (known, line): (usize, u32),
+        (first, ends): (usize, S),
         rests: Option<usize>,
     ) -> Option<()> {
-        let origin = self.horizon.window.get(first)?.node.at;
-        let mut length = S::ZERO;
-        for (k, time) in times.iter().enumerate() {
-            if *time < ends {
-                length += self.horizon.window.get(first + k)?.cell.length;
+        let window = &self.horizon.window;
+        let (mut length, mut left) = (S::ZERO, ends);
+        for i in known..window.len() - 1 {
+            if i >= first && !(left > S::ZERO) {
+                break;
+            }
+            length += window.get(i)?.cell.length;
+            if i >= first {
+                left = left - self.horizon.time(i);
             }
         }
-        let rests = rests.and_then(|i| self.horizon.window.get(i)).map(|rest| rest.node.at);
+        let rests = rests.and_then(|i| window.get(i)).map(|rest| rest.node.at);
         // What the path is longer than the motion, a corner's cut.
         let length = length * S::of(1.02) + S::of(2.0);
         let Reshaping { lines, near, places, .. } = &mut *memory;
         let overrides = self.horizon.overrides();
         let feed = S::from_u32(u32::from(overrides.feed.max(1))) * S::of(0.01);
         lines.release_before(line);
-        lines.near(line, &origin, length, feed, rests.as_ref(), near)?;
+        let [from, origin] = [window.get(known)?.node.at, window.get(first)?.node.at];
+        lines.near((line, &from), &origin, length, feed, rests.as_ref(), near)?;
         places.set_step(S::of(KNOTS / crate::reshape::PLACES as f64));
-        let none = Places::NONE;
-        let horizon = &*self.horizon;
-        let going = Going { horizon, first, times, origin, ends, lines: near, places: &none };
-        places.find(near, 0, ends, |time| going.state(time.least(ends)).state.position);
+        let before = *self.times(known, first)?.last()?;
+        places.begin(0, before + ends);
         Some(())
+    }
+
+    /// Goes on with that. Whether all are found, up to `ends` s behind the station `known`.
+    fn go_on_placing(
+        &self,
+        memory: &mut Reshaping<S, N>,
+        (known, first, last): (usize, usize, usize),
+        ends: S,
+    ) -> bool {
+        let horizon = &*self.horizon;
+        let Reshaping { near, places, .. } = &mut *memory;
+        let (Some(times), Some(station)) = (self.times(known, last), horizon.window.get(first))
+        else {
+            return true;
+        };
+        let zero = S::ZERO;
+        let going = Going {
+            horizon,
+            first: known,
+            times: &times,
+            origin: station.node.at,
+            ends,
+            least: zero,
+            lines: near,
+            places: None,
+            before: zero,
+            passed: 0,
+        };
+        places.go_on(near, PLACES_AT_ONCE, |time| going.state(time.least(ends)).state.position)
     }
 
     /// A station before another, or that, whose line is known.

@@ -1,0 +1,33 @@
+//! A run against its path and the limits of its axes.
+
+use super::run::Run;
+use splineway_realtime::{AXES, Sample, Setup};
+use splineway_simulator::judge::{Follower, Track};
+use splineway_simulator::program::Program;
+
+/// Roundings of an acceleration in its unit, as a share of its limit.
+const ROUNDING: f64 = 2.0 * f32::EPSILON as f64;
+
+/// What was used at most, servo cycle by servo cycle: of a limit of an axis, by the setpoints' velocities, accelerations and the
+/// differences of these, less rounding; and of the tolerance.
+pub fn shares(program: &Program, setup: &Setup, run: &Run) -> [f64; 2] {
+    let [velocity, acceleration, jerk] = setup.limits.map(f64::from);
+    let (cycle, tolerance) = (f64::from(setup.cycle), f64::from(setup.tolerance));
+    let rounding = ROUNDING * acceleration / (cycle * jerk);
+    let (mut used, mut off) = (0.0f64, 0.0f64);
+    let (mut before, mut follower) = (Sample::EMPTY, Follower::default());
+    let track = Track::new(&program.with_approach());
+    for sample in &run.samples {
+        for axis in 0..AXES {
+            let [v, a, last] =
+                [sample.velocity[axis], sample.acceleration[axis], before.acceleration[axis]]
+                    .map(f64::from);
+            used = used.max(v.abs() / velocity).max(a.abs() / acceleration);
+            used = used.max((a - last).abs() / (cycle * jerk) - rounding);
+        }
+        let x = sample.position.map(|nm| f64::from(nm) * 1.0e-6);
+        off = off.max(follower.look(&track, &x, velocity * cycle * 4.0, tolerance).distance);
+        before = *sample;
+    }
+    [used, off / tolerance]
+}
