@@ -13,6 +13,8 @@
 //! Without a toolchain for the target, GNU binutils and a C compiler for it, or QEMU it says so and ends; with
 //! `SPLINEWAY_REQUIRE_TARGET` set it fails.
 
+// Some of it is for other benches.
+#[allow(dead_code)]
 #[path = "../common/image.rs"]
 mod built;
 #[path = "../common/mod.rs"]
