@@ -461,8 +461,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             match purpose {
                 Purpose::Ahead => {
                     self.effort.plan.learn(cells, cycles);
-                    // With some more of the path it is another problem: the same one is as hard again.
-                    self.vain = Some(Vain { at, last: self.last_node() });
+                    // With some more of the path it is another problem: the same one is as hard again. From a rest it is another,
+                    // and while it lasts nothing else would change.
+                    if at != self.horizon.end() {
+                        self.vain = Some(Vain { at, last: self.last_node() });
+                    }
                 }
                 Purpose::Hold => self.effort.stop.learn(1, cycles),
                 #[cfg(feature = "reshape")]

@@ -4,7 +4,7 @@ use super::going::Going;
 use super::{POINTS, STATIONS};
 use crate::number::vector::{dot, norm, sub};
 use crate::number::{Coord, Scalar};
-use crate::path::node::{Cell, Node};
+use crate::path::node::{Cell, Node, Programmed};
 use crate::profile::bounds::LEAST_CYCLE_SHARE;
 use crate::profile::law::{Law, PathState};
 use crate::profile::window::Station;
@@ -47,6 +47,9 @@ pub struct Knotting<S: Scalar, const N: usize> {
     from: Station<S, N>,
     line: usize,
     count: usize,
+    /// The agreed cell beside which the next span begins, and the last one.
+    beside: usize,
+    last: usize,
     /// The station at its end, which is in the plan already with `rests`, and one that is to follow.
     end: Station<S, N>,
     rests: bool,
@@ -75,7 +78,8 @@ impl<S: Scalar, const N: usize> Knotting<S, N> {
         };
         let lie = Lie::new(window, going.origin, &end);
         let (count, found) = (window.spans(), Knotted { replaced, next: None });
-        Some(Self { k: 0, from, line: 0, count, end, rests, middle, lie, run, found })
+        let (beside, last) = (first, first + replaced.saturating_sub(1));
+        Some(Self { k: 0, from, line: 0, count, beside, last, end, rests, middle, lie, run, found })
     }
 
     /// Spans of the motion.
@@ -115,13 +119,10 @@ impl<S: Scalar, const N: usize> Knotting<S, N> {
         if self.k == self.run {
             self.found.next = Some((list.len(), self.line));
         }
-        // What the block asks for: that of the agreed motion about there.
-        let share = S::from_u32(self.k as u32) / S::from_u32(self.count as u32);
-        let (cell, _) = going.cell(window.joins() * share);
         self.from.cell = Cell {
             length: S::ZERO,
             tangent_offset: [S::ZERO; N],
-            programmed: going.horizon.window.get(cell)?.cell.programmed,
+            programmed: self.programmed(window, going)?,
             dwell: S::ZERO,
             event: None,
             straight: false,
@@ -137,6 +138,37 @@ impl<S: Scalar, const N: usize> Knotting<S, N> {
         self.line = window.advance(&Bounds { line: self.line, ..*bounds });
         self.k += 1;
         Some(())
+    }
+}
+
+impl<S: Scalar, const N: usize> Knotting<S, N> {
+    /// What the blocks beside the next span ask for: the least feed of all of them, so that it is kept at any other speeds too, and the
+    /// tag of the last, so that none is missed at the end.
+    fn programmed<const NODES: usize>(
+        &mut self,
+        window: &Window<S, N, POINTS>,
+        going: &Going<'_, S, N, NODES>,
+    ) -> Option<Programmed<S>> {
+        let stations = &going.horizon.window;
+        let is_last = self.k + 1 == self.count;
+        let (base, state) = window.within(S::ONE);
+        let at = self.lie.place(&base, &state.position, S::ONE);
+        let mut found = stations.get(self.beside)?.cell.programmed;
+        while self.beside < self.last {
+            let next = stations.get(self.beside + 1)?;
+            let off: [S; N] = from_fn(|i| at[i].minus(next.node.at[i]));
+            if !(is_last || dot(&off, &next.node.tangent) > S::ZERO) {
+                break;
+            }
+            self.beside += 1;
+            let programmed = next.cell.programmed;
+            found = if programmed.feed < found.feed {
+                programmed
+            } else {
+                Programmed { tag: programmed.tag, ..found }
+            };
+        }
+        Some(found)
     }
 }
 
@@ -351,7 +383,6 @@ mod tests {
     use super::*;
     use crate::number::ArcLength;
     use crate::number::serial::NodeSerial;
-    use crate::path::node::Programmed;
     use crate::profile::compile::{Placement, piece};
     use crate::profile::rows::View;
     use crate::servo::piece::Sequel;
