@@ -132,6 +132,13 @@ fn operate<S: Scalar>(case: u64) {
     let pace = [1.0e3, 20.0, 5.0, 2.0][draw.between(0.0, 4.0) as usize];
     let busy = [0.0, 0.002, 0.01, 0.03][draw.between(0.0, 4.0) as usize];
     let aborts = draw.chance(0.1);
+    // A block in some is slower, and planning pauses at times, as under other work.
+    let (slower, pauses) = (draw.chance(0.5), draw.chance(0.3));
+    let feeds: Vec<f64> = points
+        .iter()
+        .map(|_| if slower && draw.chance(0.3) { feed * draw.between(0.1, 1.0) } else { feed })
+        .collect();
+    let mut paused = 0;
     let place = |point: &[f64; 3]| point.map(at);
     let mut memory = Box::new(Reshaping::<S, 3>::new());
     let mut link = Box::new(Link::<S, 3, BLOCKS, NODES>::new());
@@ -151,10 +158,20 @@ fn operate<S: Scalar>(case: u64) {
             controls.resume();
         }
         slices = (slices + pace * draw.between(0.5, 1.5)).min(2.0 * pace);
+        if pauses && draw.chance(0.003) {
+            paused = draw.between(10.0, 150.0) as u32;
+        }
+        if paused > 0 {
+            (paused, slices) = (paused - 1, 0.0);
+        }
         let mut progress = Progress::Waiting;
         while slices >= 1.0 {
             while next < points.len() {
-                match planner.push(&Block::line(place(&points[next]), S::of(feed), next as u32)) {
+                match planner.push(&Block::line(
+                    place(&points[next]),
+                    S::of(feeds[next]),
+                    next as u32,
+                )) {
                     Ok(()) => next += 1,
                     Err(PushError::Full | PushError::Aborted) => break,
                     Err(error) => panic!("case {case}: {error}"),
@@ -185,6 +202,7 @@ fn operate<S: Scalar>(case: u64) {
             let end = points[points.len() - 1];
             let off = (0..3).map(|i| (x[i] - end[i]).abs()).fold(0.0, f64::max);
             assert!(off < 1.0e-5, "case {case}: ends {off} mm off");
+            assert_eq!(setpoint.tag as usize, points.len() - 1, "case {case}: block at the end");
             return;
         }
     }
