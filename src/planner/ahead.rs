@@ -151,7 +151,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     #[cfg(feature = "reshape")]
     pub(super) fn leaves_no_time(&self, first: usize, at: NodeSerial) -> bool {
         let Phase::Following(now) = self.phase else { return false };
-        let until = self.planned(at) * S::of(2.0) + self.horizon.config.lead;
+        let until = self.in_time(at);
         let shown = self.horizon.window.clamped_index(now.shown);
         self.last_node() != self.horizon.end()
             && self.horizon.window.takes_less(first..shown.max(first), until)
@@ -173,6 +173,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// How long it takes to make a plan over all cells that lie ahead, s.
     fn planned(&self, at: NodeSerial) -> S {
         self.effort.plan.cycles(self.cells_ahead(at)) * self.horizon.config.cycle
+    }
+
+    /// So long before the motion shows that the agreed plan ends, s, the next one is begun: early enough for a second try, since one plan
+    /// in some is hard to find.
+    fn in_time(&self, at: NodeSerial) -> S {
+        let planned = self.planned(at);
+        planned + planned + self.horizon.config.lead
     }
 
     /// Cells of the window that lie ahead of a node.
@@ -218,8 +225,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let due = !at.is_before(now.checkpoint)
             || urgent
             || self.reshaping_wants()
-            // Early enough for a second try: one plan in some is hard to find.
-            || self.horizon.reaches_within(planned + planned + lead, at, now.shown);
+            || self.horizon.reaches_within(self.in_time(at), at, now.shown);
         if !due || self.is_vain(at) {
             return Progress::Waiting;
         }

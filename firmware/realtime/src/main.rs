@@ -1,5 +1,5 @@
-//! The core in real time on an emulated Cortex-M4F (QEMU's `mps2-an386`), or M7 (`mps2-an500`): a timer interrupt calls the interpolator
-//! every servo cycle, and the background plans meanwhile, as on a board.
+//! The core in real time on an emulated Cortex-M4F (QEMU's `mps2-an386`), or M7 (`mps2-an500`): a timer interrupt calls the
+//! interpolator every servo cycle, and the background plans meanwhile, as on a board.
 //!
 //! Built and run by `cargo bench -p splineway-host --bench realtime`. Under QEMU's `-icount shift=3` every instruction
 //! takes 8 ns, which is fair for a Cortex-M4F at 168 MHz that needs 1.35 cycles for one. Flash waits, contention on

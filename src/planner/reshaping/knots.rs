@@ -18,7 +18,8 @@ const HALVINGS: u32 = 3;
 /// Share of the band within which motions over a cell stay at other speeds too than those that were found, with a rest at either end;
 /// what is left is for rounding.
 const OTHERWISE: f64 = 0.993;
-/// Such motions that are looked at (constant jerk to or from a rest is a third, no 0.3), by the Bernstein coefficients of their speed, at so many places; others may lie so many times as far off.
+/// Such motions that are looked at, by the Bernstein coefficients of their speed, at so many places; others may lie so many times as far
+/// off. (By constant jerk the coefficient beside a rest would be 1 / 3.)
 const OTHERS: [[f64; 4]; 6] = [
     [0.0, 0.0, 0.3, 1.0],
     [1.0, 0.3, 0.0, 0.0],
@@ -139,9 +140,7 @@ impl<S: Scalar, const N: usize> Knotting<S, N> {
         self.k += 1;
         Some(())
     }
-}
 
-impl<S: Scalar, const N: usize> Knotting<S, N> {
     /// What the blocks beside the next span ask for: the least feed of all of them, so that it is kept at any other speeds too, and the
     /// tag of the last, so that none is missed at the end.
     fn programmed<const NODES: usize>(
