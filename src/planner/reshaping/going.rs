@@ -15,25 +15,29 @@ pub const PLACES: usize = 320;
 const ROUNDINGS: f64 = 32.0;
 const ROUNDED: f64 = 4.0e-3;
 
-/// Times at which the cells of a stretch begin, s from its start.
-pub type Times<S, const NODES: usize> = Vec<S, NODES>;
+/// Cells of a stretch, at most.
+const CELLS: usize = 256;
 
-/// The agreed motion from a station on.
+/// Times at which the cells of a stretch begin, s from a station in it, and the last ends. Made once for a window: each takes a division
+/// or two.
+pub type Times<S> = Vec<S, { CELLS + 1 }>;
+
+/// The agreed motion about a station.
 pub struct Going<'a, S: Scalar, const N: usize, const NODES: usize> {
     pub horizon: &'a Horizon<S, N, NODES>,
-    /// The station.
+    /// The first cell whose time is known.
     pub first: usize,
-    pub times: &'a Times<S, NODES>,
+    /// From the station on.
+    pub times: &'a Times<S>,
     /// What positions are about.
     pub origin: [Coord; N],
     /// When it ends for this purpose, s from the station.
     pub ends: S,
     /// Least time of what is left of a cell where it is joined, s.
     pub least: S,
-    /// The lines, and which of them the motion is in when, seen from `before` s before the station; how many of them lie before it.
+    /// The lines, and which of them the motion is in when, from that cell on; how many of them lie before the station.
     pub lines: &'a [Line<S, N>],
     pub places: Option<&'a Places<S, PLACES>>,
-    pub before: S,
     pub passed: usize,
 }
 
@@ -51,13 +55,9 @@ pub fn least_time<S: Scalar, const N: usize>(config: &Config<S, N>) -> S {
 impl<S: Scalar, const N: usize, const NODES: usize> Going<'_, S, N, NODES> {
     /// The cell of a time from the station on, and how long after its start that is.
     pub fn cell(&self, time: S) -> (usize, S) {
-        let mut cell = 0;
-        // At most the window.
-        while cell + 2 < self.times.len()
-            && self.times.get(cell + 1).is_some_and(|start| time >= *start)
-        {
-            cell += 1;
-        }
+        // Those that begin after the first, but for the end of the last.
+        let starts = self.times.get(1..self.times.len().saturating_sub(1)).unwrap_or(&[]);
+        let cell = starts.partition_point(|start| time >= *start);
         let begun = self.times.get(cell).copied().unwrap_or(S::ZERO);
         (self.first + cell, (time - begun).greatest(S::ZERO))
     }
@@ -97,7 +97,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Agreed<S, N> for Going<'_, S
 
     fn line(&self, time: S) -> usize {
         let place = self.state(time).state.position;
-        let line = self.places.and_then(|at| at.line(self.lines, self.before + time, &place));
+        let line =
+            self.places.and_then(|at| at.line(self.lines, time - *self.times.first()?, &place));
         line.and_then(|line| line.checked_sub(self.passed)).unwrap_or(usize::MAX)
     }
 

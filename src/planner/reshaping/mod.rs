@@ -98,6 +98,8 @@ pub struct Reshaping<S: Scalar, const N: usize> {
     window: Window<S, N, POINTS>,
     near: Vec<Line<S, N>, NEAR>,
     places: Places<S, PLACES>,
+    /// Those of its cells.
+    times: Times<S>,
     /// What is to take the place of stations.
     stations: Vec<Station<S, N>, STATIONS>,
     knotting: Option<Knotting<S, N>>,
@@ -132,6 +134,7 @@ impl<S: Scalar, const N: usize> Reshaping<S, N> {
         window: Window::EMPTY,
         near: Vec::new(),
         places: Places::NONE,
+        times: Vec::new(),
         stations: Vec::new(),
         knotting: None,
         change: None,
@@ -188,7 +191,7 @@ fn is_plain<S: Scalar, const N: usize>(config: &Config<S, N>) -> bool {
 }
 
 /// A stretch of the agreed plan that may be reshaped.
-struct Place {
+struct Place<S> {
     /// Where it begins.
     first: usize,
     /// A station before it, or that, and in which line that is.
@@ -197,25 +200,17 @@ struct Place {
     /// Station up to which it may be changed, and whether the motion rests there.
     limit: usize,
     rests: bool,
+    /// When what is looked at ends, s from its beginning.
+    ends: S,
 }
 
 /// Where a window lies in the plan.
-struct Extent<S, const NODES: usize> {
+#[derive(Clone, Copy)]
+struct Extent {
     /// Where it begins, a station before it, or that, whose line is known, and the station up to which it may be changed.
     first: usize,
     known: usize,
     limit: usize,
-    /// s from where the line is known.
-    before: S,
-    /// When its cells begin, s; the last is the time of `limit`.
-    times: Times<S, NODES>,
-}
-
-impl<S: Scalar, const NODES: usize> Extent<S, NODES> {
-    /// Time up to `limit`, s.
-    fn all(&self) -> S {
-        self.times.last().copied().unwrap_or(S::ZERO)
-    }
 }
 
 /// A window that is being reshaped.
@@ -302,15 +297,12 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.switches.are_used() {
             return None;
         }
-        let Place { first, known, line, limit, rests } = self.place(memory, stretch, at)?;
-        let times = self.times(first, limit)?;
-        let all = *times.last()?;
-        let ends = all.least(S::of(KNOTS * SEEN) * S::from_u32(memory.spans as u32));
-        let until = (rests && !(ends < all)).then_some(limit);
+        let Place { first, known, line, limit, rests, ends } = self.place(memory, stretch, at)?;
+        let until = rests.then_some(limit);
         self.begin_placing(memory, (known, line), (first, ends), until)?;
         // Where nothing is found, the next window begins as much later.
         let run = S::of(KNOTS) * S::from_u32(memory.run as u32);
-        let next = (first..limit).zip(&times).find(|(_, time)| **time >= run);
+        let next = (known..limit).zip(&memory.times).find(|(_, time)| **time >= run);
         let serial = |i: usize| self.horizon.window.serial(i);
         memory.next = Some(serial(next.map_or(limit, |(i, _)| i)));
         let (first, known, limit) = (serial(first), serial(known), serial(limit));
@@ -329,11 +321,10 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let Some(extent) = self.extent(shaping) else { return Some(false) };
         let (passed, mut improving) = match shaping.work {
             Work::Placing => {
-                let known = (extent.known, extent.first, extent.limit);
-                if !self.go_on_placing(memory, known, extent.before + shaping.ends) {
+                if !self.go_on_placing(memory, (extent.known, extent.first), shaping.ends) {
                     return None;
                 }
-                let Some(work) = self.begin_improving(memory, shaping, &extent) else {
+                let Some(work) = self.begin_improving(memory, shaping, extent) else {
                     return Some(false);
                 };
                 shaping.work = work;
@@ -342,8 +333,8 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             Work::Improving(passed, improving) => (passed, Some(improving)),
             Work::Knotting(passed) => (passed, None),
         };
-        let Reshaping { near, places, window, stations, knotting, run, .. } = &mut *memory;
-        let going = self.going(shaping, &extent, (near, places, passed));
+        let Reshaping { near, places, window, stations, knotting, run, times, .. } = &mut *memory;
+        let going = self.going(shaping.ends, extent, times, (near, places, passed));
         let horizon = &*self.horizon;
         let Some(from) = horizon.window.get(extent.first) else { return Some(false) };
         let limits = LimitSets::new(&horizon.config, &horizon.older);
@@ -358,7 +349,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 ControlFlow::Break(Err(_)) => return Some(false),
                 ControlFlow::Break(Ok(_)) => {}
             }
-            let rests = shaping.rests && !(window.joins() < extent.all());
+            let rests = shaping.rests && !(window.joins() < shaping.ends);
             stations.clear();
             let spans = window.spans();
             *run = self.run_spans(shaping).min(spans * MOST_RUN.0 / MOST_RUN.1).max(RUN);
@@ -385,32 +376,30 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// Where a window lies in the plan.
-    fn extent(&self, shaping: &Shaping<S>) -> Option<Extent<S, NODES>> {
+    fn extent(&self, shaping: &Shaping<S>) -> Option<Extent> {
         let find = |serial| self.horizon.window.find(serial);
         let (first, known) = (find(shaping.first)?, find(shaping.known)?);
-        let limit = find(shaping.limit)?;
-        let before = *self.times(known, first)?.last()?;
-        Some(Extent { first, known, limit, before, times: self.times(first, limit)? })
+        Some(Extent { first, known, limit: find(shaping.limit)? })
     }
 
     /// The agreed motion from there on; lines are those from the station where they are known on, of which so many lie before.
     fn going<'b>(
         &'b self,
-        shaping: &Shaping<S>,
-        extent: &'b Extent<S, NODES>,
+        ends: S,
+        extent: Extent,
+        times: &'b Times<S>,
         (lines, places, passed): (&'b [Line<S, N>], &'b Places<S, PLACES>, usize),
     ) -> Going<'b, S, N, NODES> {
         let horizon = &*self.horizon;
         Going {
             horizon,
-            first: extent.first,
-            times: &extent.times,
+            first: extent.known,
+            times,
             origin: horizon.window.get(extent.first).map_or([Coord::ZERO; N], |at| at.node.at),
-            ends: shaping.ends,
+            ends,
             least: least_time(&horizon.config),
             lines,
             places: Some(places),
-            before: extent.before,
             passed,
         }
     }
@@ -420,16 +409,16 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         &self,
         memory: &mut Reshaping<S, N>,
         shaping: &Shaping<S>,
-        extent: &Extent<S, NODES>,
+        extent: Extent,
     ) -> Option<Work<S>> {
-        let Reshaping { near, places, window, spans, track, .. } = &mut *memory;
+        let Reshaping { near, places, window, spans, track, times, .. } = &mut *memory;
         let passed = if extent.known == extent.first {
             0
         } else {
-            places.line(near, extent.before, &[S::ZERO; N])?
+            places.line(near, -*times.first()?, &[S::ZERO; N])?
         };
         *track = Some((shaping.first, shaping.line.wrapping_add(passed as u32)));
-        let going = self.going(shaping, extent, (near, places, passed));
+        let going = self.going(shaping.ends, extent, times, (near, places, passed));
         window.set(S::of(KNOTS), S::of(BAND), *spans);
         window.begin(&going.state(S::ZERO).state, S::ZERO);
         Some(Work::Improving(passed, window.begin_improving(&going).ok()?))
@@ -475,7 +464,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         memory: &mut Reshaping<S, N>,
         stretch: Stretch,
         at: NodeSerial,
-    ) -> Option<Place> {
+    ) -> Option<Place<S>> {
         let window = &self.horizon.window;
         let end = stretch.last;
         let mut first = if matches!(self.phase, Phase::Following(_)) {
@@ -507,10 +496,11 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let is_rest = |i: &usize| window.get(*i).is_some_and(|station| station.rest);
         let rest = (first + 1..=end).find(is_rest);
         let limit = rest.unwrap_or_else(|| self.horizon.settled_end(end));
-        let times = self.times(first, limit)?;
-        let left = times.last().copied()?;
         let whole = S::of(KNOTS) * S::from_u32(memory.spans as u32);
-        if rest.is_none() && left < whole * S::of(AHEAD) {
+        let seen = whole * S::of(SEEN);
+        let reached = self.times(known, first, limit, seen, &mut memory.times)?;
+        let left = memory.times.last().copied()?;
+        if (rest.is_none() || reached < limit) && left < whole * S::of(AHEAD) {
             memory.wants = true;
             return None;
         }
@@ -519,24 +509,41 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             memory.next = Some(window.serial(limit));
             return None;
         }
-        Some(Place { first, known, line, limit, rests: rest.is_some() })
+        // Up to the rest, if it can be seen.
+        let rests = rest.is_some() && reached == limit && !(seen < left);
+        Some(Place { first, known, line, limit, rests, ends: left.least(seen) })
     }
 
-    /// When the cells from a station on to another begin, s; the last is the time of that; `None` if limits change between them.
-    fn times(&self, first: usize, limit: usize) -> Option<Times<S, NODES>> {
+    /// When the cells from station `known` on begin, s from `first` on, up to the cell in which it is `until`, or to station `limit`:
+    /// at which they end. `None` if limits change between them.
+    fn times(
+        &self,
+        known: usize,
+        first: usize,
+        limit: usize,
+        until: S,
+        times: &mut Times<S>,
+    ) -> Option<usize> {
         let window = &self.horizon.window;
         let limits = window.get(first)?.cell.programmed.limits;
-        let mut times = Times::new();
+        times.clear();
+        for _ in known..=first {
+            times.push(S::ZERO).ok()?;
+        }
+        for k in (known..first).rev() {
+            times[k - known] = times[k + 1 - known] - self.horizon.time(k);
+        }
         let mut time = S::ZERO;
-        for i in first..limit {
-            if window.get(i)?.cell.programmed.limits.differs(limits) {
+        let mut end = first;
+        while end < limit && time < until && !times.is_full() {
+            if window.get(end)?.cell.programmed.limits.differs(limits) {
                 return None;
             }
+            time += self.horizon.time(end);
             times.push(time).ok()?;
-            time += self.horizon.time(i);
+            end += 1;
         }
-        times.push(time).ok()?;
-        Some(times)
+        Some(end)
     }
 
     /// The line at a station, from one before it at which that is known.
@@ -545,11 +552,12 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if known == first {
             return Some(line);
         }
-        let ends = *self.times(known, first)?.last()?;
+        self.times(known, first, first, S::ZERO, &mut memory.times)?;
         self.begin_placing(memory, (known, line), (first, S::ZERO), None)?;
         // It is not far: see `keep_track`.
-        while !self.go_on_placing(memory, (known, first, first), ends) {}
-        let leg = memory.places.line(&memory.near, ends, &[S::ZERO; N])?;
+        while !self.go_on_placing(memory, (known, first), S::ZERO) {}
+        let before = -*memory.times.first()?;
+        let leg = memory.places.line(&memory.near, before, &[S::ZERO; N])?;
         Some(line.wrapping_add(leg as u32))
     }
 
@@ -594,45 +602,42 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let rests = rests.and_then(|i| window.get(i)).map(|rest| rest.node.at);
         // What the path is longer than the motion, a corner's cut.
         let length = length * S::of(1.02) + S::of(2.0);
-        let Reshaping { lines, near, places, .. } = &mut *memory;
+        let Reshaping { lines, near, places, times, .. } = &mut *memory;
         let overrides = self.horizon.overrides();
         let feed = S::from_u32(u32::from(overrides.feed.max(1))) * S::of(0.01);
         lines.release_before(line);
         let [from, origin] = [window.get(known)?.node.at, window.get(first)?.node.at];
         lines.near((line, &from), &origin, length, feed, rests.as_ref(), near)?;
         places.set_step(S::of(KNOTS / crate::reshape::PLACES as f64));
-        let before = *self.times(known, first)?.last()?;
-        places.begin(0, before + ends);
+        places.begin(0, ends - *times.first()?);
         Some(())
     }
 
-    /// Goes on with that. Whether all are found, up to `ends` s behind the station `known`.
+    /// Goes on with that. Whether all are found, up to `ends` s behind the station `first`.
     fn go_on_placing(
         &self,
         memory: &mut Reshaping<S, N>,
-        (known, first, last): (usize, usize, usize),
+        (known, first): (usize, usize),
         ends: S,
     ) -> bool {
         let horizon = &*self.horizon;
-        let Reshaping { near, places, .. } = &mut *memory;
-        let (Some(times), Some(station)) = (self.times(known, last), horizon.window.get(first))
-        else {
+        let Reshaping { near, places, times, .. } = &mut *memory;
+        let (Some(begins), Some(station)) = (times.first(), horizon.window.get(first)) else {
             return true;
         };
-        let zero = S::ZERO;
         let going = Going {
             horizon,
             first: known,
-            times: &times,
+            times,
             origin: station.node.at,
             ends,
-            least: zero,
+            least: S::ZERO,
             lines: near,
             places: None,
-            before: zero,
             passed: 0,
         };
-        places.go_on(near, PLACES_AT_ONCE, |time| going.state(time.least(ends)).state.position)
+        let at = |time: S| going.state((time + *begins).least(ends)).state.position;
+        places.go_on(near, PLACES_AT_ONCE, at)
     }
 
     /// A station before another, or that, whose line is known.
