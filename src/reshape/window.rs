@@ -328,10 +328,10 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         })
     }
 
-    /// Goes on with that: the motion is modelled, or a step of Newton's method is found by that and tried, or tried on, or the motion is
+    /// Goes on with that: the motion is modelled, or a step of Newton's method is found by that, or tried, or the motion is
     /// looked at between the places. Neither the course nor what is agreed may have changed meanwhile.
     ///
-    /// Cost: a sum over all rows with its derivatives, or a factorisation and a sum without, or 32 places of every span; at most 380 times.
+    /// Cost: a sum over all rows with its derivatives, or a factorisation, or a sum without, or 32 places of every span; at most 420 times.
     pub fn go_on(
         &mut self,
         improving: &mut Improving<S>,
@@ -348,10 +348,7 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         let next = improving.next;
         improving.next = match next {
             Next::Model => self.model(improving, agreed, &bounds),
-            Next::Step(here) => match self.step(improving, here, agreed) {
-                Next::Trial(trial) => self.go(improving, trial, agreed, &bounds),
-                next => next,
-            },
+            Next::Step(here) => self.step(improving, here, agreed),
             Next::Trial(trial) => self.go(improving, trial, agreed, &bounds),
             Next::Look if self.begin_landing(improving, agreed) => Next::Model,
             Next::Look => {

@@ -323,6 +323,7 @@ fn strays<S: Scalar, const N: usize>(
     let [early, late] = law.inner_speeds();
     let own = Paced::new([law.v0, early, late, law.v1]);
     let turn = sub(&to.tangent, &from.tangent);
+    // Square of it.
     let mut most = S::ZERO;
     for other in OTHERS {
         let other = Paced::new(other.map(S::of));
@@ -343,10 +344,10 @@ fn strays<S: Scalar, const N: usize>(
                     + (a[2] - b[2]) * from.curvature[i]
                     + (a[3] - b[3]) * to.curvature[i]
             });
-            most = most.greatest(norm(&off));
+            most = most.greatest(dot(&off, &off));
         }
     }
-    Some(most * S::of(FARTHER))
+    Some(most.sqrt() * S::of(FARTHER))
 }
 
 /// A station a share of the next span behind its start.
