@@ -85,6 +85,11 @@ impl<S: Scalar> Tally<S> {
         self.keeps &= square <= S::ONE;
     }
 
+    /// What they cost at least.
+    pub(super) fn so_far(&self) -> S {
+        self.sum
+    }
+
     pub(super) fn sum(&self) -> S {
         self.sum - self.product.ln()
     }

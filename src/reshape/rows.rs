@@ -57,24 +57,65 @@ pub(super) trait Rows<S, const N: usize> {
     );
 }
 
+/// How far the rows of a draft have been gone through.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Walk<S> {
+    span: usize,
+    /// The line that the place before the next is in.
+    pub(super) line: usize,
+    feeds: Feeds<S>,
+}
+
+impl<S: Scalar> Walk<S> {
+    pub(super) fn new<const N: usize, const K: usize>(
+        draft: &Draft<S, N, K>,
+        bounds: &Bounds<'_, S, N>,
+    ) -> Self {
+        Self { span: 0, line: bounds.line, feeds: Feeds::new(draft.h) }
+    }
+
+    /// Whether all have been.
+    pub(super) fn is_done<const N: usize, const K: usize>(&self, draft: &Draft<S, N, K>) -> bool {
+        self.span >= draft.spans()
+    }
+}
+
 /// Goes through all rows of a draft. The line that its end is in.
-///
-/// Cost: bounded by the points of the draft, with up to 64 lines for each of its places.
+#[cfg(test)]
 pub(super) fn rows<S: Scalar, const N: usize, const K: usize>(
     draft: &Draft<S, N, K>,
     bounds: &Bounds<'_, S, N>,
     used: &[S; K],
     to: &mut impl Rows<S, N>,
 ) -> usize {
+    let mut walk = Walk::new(draft, bounds);
+    go_on(draft, bounds, used, (&mut walk, K), to);
+    walk.line
+}
+
+/// Goes on through the rows of a draft by at most so many spans.
+///
+/// Cost: bounded by these, with up to 64 lines for each of its places.
+pub(super) fn go_on<S: Scalar, const N: usize, const K: usize>(
+    draft: &Draft<S, N, K>,
+    bounds: &Bounds<'_, S, N>,
+    used: &[S; K],
+    (walk, most): (&mut Walk<S>, usize),
+    to: &mut impl Rows<S, N>,
+) {
     let lines = bounds.lines;
     let scales = scales(bounds, draft.h);
     // The very first differences are given, but for the third.
     let first = scales.map(|[_, _, third]| [S::ZERO, S::ZERO, third]);
     let part = S::ONE / S::from_u32(PLACES as u32);
-    let mut line = bounds.line;
-    let mut feeds = Feeds::new(draft.h);
-    let mut before = Cubic::new(&draft.points).at(S::ZERO);
-    for span in 0..draft.spans() {
+    let Walk { span: begins, mut line, mut feeds } = *walk;
+    // The end of the span before, to the last bit.
+    let mut before = match begins.checked_sub(1) {
+        Some(last) => Cubic::new(&draft.points[last..last + COUPLED]).at(S::ONE),
+        None => Cubic::new(&draft.points).at(S::ZERO),
+    };
+    let ends = draft.spans().min(begins + most);
+    for span in begins..ends {
         let four = &draft.points[span..span + COUPLED];
         differences(four, span, if span > 0 { &scales } else { &first }, to);
         let cubic = Cubic::new(four);
@@ -116,7 +157,7 @@ pub(super) fn rows<S: Scalar, const N: usize, const K: usize>(
             feeds.row(&draft.points, span, to);
         }
     }
-    line
+    *walk = Walk { span: ends, line, feeds };
 }
 
 /// What differences are to be multiplied by, axis by axis.
@@ -153,6 +194,7 @@ fn differences<S: Scalar, const N: usize>(
 }
 
 /// Speed along the path, by the hull of the velocity.
+#[derive(Clone, Copy, Debug)]
 struct Feeds<S> {
     /// The least of this span and of the two before it.
     last: [S; 3],

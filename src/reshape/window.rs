@@ -4,7 +4,7 @@ use super::barrier::{Barrier, Tally};
 use super::course::{Cubic, State, state, within};
 use super::holding::{self, CHORDS};
 use super::model::{Ends, Model, Modelling};
-use super::rows::rows;
+use super::rows::{self, Walk};
 use super::vector::{along, minus};
 use super::way::{are_one, passes};
 use super::{Agreed, Bounds, COUPLED, Draft};
@@ -23,6 +23,10 @@ const RISES: usize = 2;
 /// The parabola of the barrier begins so far from the limit at a weight of 1, and with the power 3/2 of the weight: what binds lies
 /// further from its limit than that.
 const WIDTH: f64 = 20.0;
+/// Spans that are modelled at once.
+const AT_ONCE: usize = 14;
+/// Spans of a trial after which it is looked whether it is too costly already.
+const WEIGHED: usize = 4;
 /// Steps of Newton's method, and trials of a step.
 const STEPS: usize = 24;
 const TRIALS: usize = 7;
@@ -121,6 +125,8 @@ enum Landing {
 enum Next<S> {
     /// The draft is to be modelled.
     Model,
+    /// The model goes on, by the spans that are left.
+    Rest(Walk<S>, Tally<S>),
     /// A step of Newton's method is to be found by the model of a draft that is worth so much.
     Step(S),
     /// It is to be gone.
@@ -331,7 +337,8 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
     /// Goes on with that: the motion is modelled, or a step of Newton's method is found by that, or tried, or the motion is
     /// looked at between the places. Neither the course nor what is agreed may have changed meanwhile.
     ///
-    /// Cost: a sum over all rows with its derivatives, or a factorisation, or a sum without, or 32 places of every span; at most 420 times.
+    /// Cost: a sum over the rows of 14 spans with its derivatives, or a factorisation, or a sum over all without, or 32 places of every
+    /// span; at most 500 times.
     pub fn go_on(
         &mut self,
         improving: &mut Improving<S>,
@@ -348,6 +355,7 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         let next = improving.next;
         improving.next = match next {
             Next::Model => self.model(improving, agreed, &bounds),
+            Next::Rest(walk, tally) => self.model_rest(improving, (walk, tally), agreed, &bounds),
             Next::Step(here) => self.step(improving, here, agreed),
             Next::Trial(trial) => self.go(improving, trial, agreed, &bounds),
             Next::Look if self.begin_landing(improving, agreed) => Next::Model,
@@ -497,16 +505,24 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         draft.points[count - 3..count].copy_from_slice(&end);
     }
 
-    /// What the draft is worth by a sum over all rows.
-    fn worth(&self, improving: &Improving<S>, tally: &Tally<S>) -> S {
+    /// What the draft is worth by a sum over rows.
+    fn worth(&self, improving: &Improving<S>, sum: S) -> S {
         let gone = self.aim(&self.draft, improving.free) - improving.aim;
-        tally.sum() + gone / improving.descent.mu
+        sum + gone / improving.descent.mu
     }
 
-    fn weigh(&self, improving: &Improving<S>, bounds: &Bounds<'_, S, N>) -> S {
+    /// Whether the draft is worth no more than `most`. What a row costs is never less than nothing: as soon as some cost more it is not.
+    fn is_worth(&self, improving: &Improving<S>, bounds: &Bounds<'_, S, N>, most: S) -> bool {
         let mut tally = Tally::new(Barrier::new(width(improving.descent.mu)));
-        rows(&self.draft, bounds, &self.used, &mut tally);
-        self.worth(improving, &tally)
+        let mut walk = Walk::new(&self.draft, bounds);
+        // Some spans at a time: at most so often as there are any.
+        while !walk.is_done(&self.draft) {
+            rows::go_on(&self.draft, bounds, &self.used, (&mut walk, WEIGHED), &mut tally);
+            if !(self.worth(improving, tally.so_far()) <= most) {
+                return false;
+            }
+        }
+        self.worth(improving, tally.sum()) <= most
     }
 
     /// Whether the draft, whose end is in a line, ends in the line in which the agreed motion goes on.
@@ -537,15 +553,29 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         agreed: &impl Agreed<S, N>,
         bounds: &Bounds<'_, S, N>,
     ) -> Next<S> {
-        let free = improving.free;
         let mu = improving.weight();
         self.model.clear(self.draft.count);
         let tally = Tally::new(Barrier::new(width(mu)));
+        self.model_rest(improving, (Walk::new(&self.draft, bounds), tally), agreed, bounds)
+    }
+
+    /// Goes on with that.
+    fn model_rest(
+        &mut self,
+        improving: &mut Improving<S>,
+        (mut walk, tally): (Walk<S>, Tally<S>),
+        agreed: &impl Agreed<S, N>,
+        bounds: &Bounds<'_, S, N>,
+    ) -> Next<S> {
+        let free = improving.free;
         let knots = (free == Free::Knots).then_some(self.draft.h);
         let mut modelling = Modelling::new(&mut self.model, tally, knots);
-        let line = rows(&self.draft, bounds, &self.used, &mut modelling);
+        rows::go_on(&self.draft, bounds, &self.used, (&mut walk, AT_ONCE), &mut modelling);
         let tally = modelling.tally;
-        let keeps = tally.keeps && self.joins_line(agreed, bounds, line);
+        if !walk.is_done(&self.draft) {
+            return Next::Rest(walk, tally);
+        }
+        let keeps = tally.keeps && self.joins_line(agreed, bounds, walk.line);
         if let Landing::Steps(left) = improving.landing {
             if keeps {
                 self.best = self.draft.clone();
@@ -561,7 +591,7 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         if improving.descent.steps == improving.descent.most {
             return Next::Look;
         }
-        Next::Step(self.worth(improving, &tally))
+        Next::Step(self.worth(improving, tally.sum()))
     }
 
     /// Finds a step of Newton's method from the draft on, which is worth `here`.
@@ -615,8 +645,7 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
     ) -> Next<S> {
         let Trial { here, falls, by, .. } = trial;
         self.move_draft(improving.free, &trial, by, agreed);
-        let there = self.weigh(improving, bounds);
-        if there <= here - S::of(GOOD) * by * falls {
+        if self.is_worth(improving, bounds, here - S::of(GOOD) * by * falls) {
             let close = by > S::of(0.5) && falls < S::of(CLOSE);
             return self.went(improving, close || falls < S::of(ENOUGH));
         }
