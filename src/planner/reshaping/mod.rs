@@ -63,8 +63,8 @@ const KEPT: usize = 2;
 /// Stations of a window: its knots, and where it joins the agreed motion.
 const STATIONS: usize = 72;
 /// Places of which the lines are found in a slice, and spans that are made into stations in one.
-const PLACES_AT_ONCE: usize = 16;
-const SPANS_AT_ONCE: usize = 2;
+const PLACES_AT_ONCE: usize = 8;
+const SPANS_AT_ONCE: usize = 1;
 /// Fewer spans than this are not worth a window; and what is added after one that took few stations.
 const FEWEST: usize = 20;
 const MORE: usize = 2;
@@ -301,13 +301,25 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let until = rests.then_some(limit);
         self.begin_placing(memory, (known, line), (first, ends), until)?;
         // Where nothing is found, the next window begins as much later.
-        let run = S::of(KNOTS) * S::from_u32(memory.run as u32);
-        let next = (known..limit).zip(&memory.times).find(|(_, time)| **time >= run);
+        self.skip(memory, Extent { first, known, limit });
         let serial = |i: usize| self.horizon.window.serial(i);
-        memory.next = Some(serial(next.map_or(limit, |(i, _)| i)));
         let (first, known, limit) = (serial(first), serial(known), serial(limit));
         let began = self.side.cycles();
         Some(Shaping { first, known, line, limit, rests, ends, began, work: Work::Placing })
+    }
+
+    /// The next window begins as much later as a window runs.
+    fn skip(&self, memory: &mut Reshaping<S, N>, extent: Extent) {
+        let run = S::of(KNOTS) * S::from_u32(memory.run as u32);
+        let Extent { known, limit, .. } = extent;
+        let next = (known..limit).zip(&memory.times).find(|(_, time)| **time >= run);
+        memory.next = Some(self.horizon.window.serial(next.map_or(limit, |(i, _)| i)));
+    }
+
+    /// Nothing was found: the next window begins so much later that looking for it has taken a part of the time only.
+    fn leave(&self, memory: &mut Reshaping<S, N>, shaping: &Shaping<S>, extent: Extent) {
+        memory.run = self.run_of(shaping, memory.spans);
+        self.skip(memory, extent);
     }
 
     /// A step of reshaping a plan whose states are found. `None`: there is more to do. Whether it could be done, and may begin sooner
@@ -346,16 +358,23 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                     shaping.work = Work::Improving(passed, *improving);
                     return None;
                 }
-                ControlFlow::Break(Err(_)) => return Some(false),
+                ControlFlow::Break(Err(_)) => {
+                    self.leave(memory, shaping, extent);
+                    return Some(false);
+                }
                 ControlFlow::Break(Ok(_)) => {}
             }
             let rests = shaping.rests && !(window.joins() < shaping.ends);
             stations.clear();
             let spans = window.spans();
-            *run = self.run_spans(shaping).min(spans * MOST_RUN.0 / MOST_RUN.1).max(RUN);
+            *run = self.run_of(shaping, spans);
             *knotting = Knotting::new(window, &going, (extent.first, rests, extent.limit), *run);
             shaping.work = Work::Knotting(passed);
-            return if knotting.is_some() { None } else { Some(false) };
+            if knotting.is_some() {
+                return None;
+            }
+            self.leave(memory, shaping, extent);
+            return Some(false);
         }
         let Some(knots) = knotting else { return Some(false) };
         let ControlFlow::Break(found) =
@@ -365,14 +384,19 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         };
         let spans = knots.spans();
         let line = shaping.line.wrapping_add(passed as u32);
-        Some(self.change(memory, proposal, (extent.first, spans, line), found))
+        let changed = self.change(memory, proposal, (extent.first, spans, line), found);
+        if !changed {
+            self.leave(memory, shaping, extent);
+        }
+        Some(changed)
     }
 
-    /// Spans that are run in so long a time that making the window takes a part of it only.
-    fn run_spans(&self, shaping: &Shaping<S>) -> usize {
+    /// Spans of a window that are run in so long a time that making it takes a part of it only, if it has so many.
+    fn run_of(&self, shaping: &Shaping<S>, spans: usize) -> usize {
         let cycles = self.side.cycles().since(shaping.began).unwrap_or(0);
         let time = S::from_u32(cycles) * self.horizon.config.cycle;
-        (time * S::of(PARTS / KNOTS)).to_i64().clamp(0, 1000) as usize
+        let run = (time * S::of(PARTS / KNOTS)).to_i64().clamp(0, 1000) as usize;
+        run.min(spans * MOST_RUN.0 / MOST_RUN.1).max(RUN)
     }
 
     /// Where a window lies in the plan.
@@ -441,7 +465,9 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             spans
         }
         .clamp(FEWEST, SPANS);
-        let Some(Knotted { replaced, next }) = found else { return false };
+        let Some(Knotted { replaced, next }) = found else {
+            return false;
+        };
         let window = &self.horizon.window;
         if window.len() + memory.stations.len() + super::horizon::ADDED + 2 > NODES + replaced {
             return false;
