@@ -24,7 +24,7 @@ fn program(points: &[[f64; 2]], feeds: &[f64]) -> Program {
 }
 
 /// What is agreed is rendered by quintics of a quarter of a servo cycle, whose jerk between their ends is more than theirs by so much.
-const RENDERED: f64 = 1.002;
+const RENDERED: f64 = 1.001;
 
 fn judged(program: &Program, tolerance: f64, precision: Precision) -> Improved {
     let machine = Machine { tolerance, ..Machine::default() };

@@ -117,8 +117,13 @@ fn reshape<S: Scalar, const N: usize>(
     // The lines in which the window begins, and in which the agreed motion is joined.
     let (mut leg, mut joined) = (0, 0);
     window.begin(&Going { motion, origin, clock }.at(S::ZERO).state, S::ZERO);
+    // By how much control points, which are rounded, miss where the motion is: it is made good over all spans up to the end, which they
+    // miss too. All at once it would be a jump.
+    let mut missed: [f64; N] = apart(&origin, &place(&window, &origin, Some(0.0)));
     loop {
         // The origin and the clock come along, so that numbers stay small.
+        let now = place(&window, &origin, Some(0.0));
+        let begins: [f64; N] = core::array::from_fn(|i| now[i] + missed[i]);
         let here = window.state().position.map(S::to_f64);
         window.move_origin(&here.map(S::of));
         for i in 0..N {
@@ -153,21 +158,29 @@ fn reshape<S: Scalar, const N: usize>(
             // From nearby: it begins where the motion is as exactly as can be.
             origin = motion.at(clock)[0];
             window.begin(&Going { motion, origin, clock }.at(S::ZERO).state, S::ZERO);
+            missed = apart(&origin, &place(&window, &origin, Some(0.0)));
             continue;
         }
+        missed = apart(&begins, &place(&window, &origin, Some(0.0)));
+        let joined_at = motion.at(clock + window.joins().to_f64())[0];
+        let left = apart(&joined_at, &place(&window, &origin, None));
+        let count = window.spans() as f64;
+        let per: [f64; N] = core::array::from_fn(|i| (left[i] - missed[i]) / count);
         joined = leg + agreed.line(window.joins());
         let spans = if ends < 1.0e-9 { window.spans() } else { RUN.min(window.spans()) };
         for _ in 0..spans {
             let h = window.knots().to_f64();
             found.stretch(h, S::EPSILON.to_f64(), |time| {
-                let (base, state) = window.within(S::of(time / h));
-                let State { position, velocity, acceleration } = state;
-                let place = |i: usize| origin[i] + base[i].to_f64() + position[i].to_f64();
-                let place = (0..N).map(place).collect();
+                let (_, State { velocity, acceleration, .. }) = window.within(S::of(time / h));
+                let at = place(&window, &origin, Some(time / h));
+                let made_good = |i: usize| at[i] + missed[i] + per[i] * time / h;
                 let values = |x: [S; N]| x.map(S::to_f64).to_vec();
-                [place, values(velocity), values(acceleration)]
+                [(0..N).map(made_good).collect(), values(velocity), values(acceleration)]
             });
             bounds.line = window.advance(&bounds);
+            for (missed, per) in missed.iter_mut().zip(per) {
+                *missed += per;
+            }
         }
         leg = (leg + bounds.line).min(joined);
         if ends < 1.0e-9 && window.spans() == 0 {
@@ -175,6 +188,24 @@ fn reshape<S: Scalar, const N: usize>(
         }
     }
     found.rest(motion.at(motion.duration())[0].to_vec());
+}
+
+/// Where a window's motion is, a share of its next span behind the start of that; at its end if there is none, or no share.
+fn place<S: Scalar, const N: usize>(
+    window: &Window<S, N, POINTS>,
+    origin: &[f64; N],
+    share: Option<f64>,
+) -> [f64; N] {
+    let (base, state) = match share {
+        Some(share) if window.spans() > 0 => window.within(S::of(share)),
+        _ => window.end(),
+    };
+    core::array::from_fn(|i| origin[i] + base[i].to_f64() + state.position[i].to_f64())
+}
+
+/// From one place to another.
+fn apart<const N: usize>(to: &[f64; N], from: &[f64; N]) -> [f64; N] {
+    core::array::from_fn(|i| to[i] - from[i])
 }
 
 fn line<S: Scalar, const N: usize>(segment: &Segment, origin: &[f64; N]) -> Line<S, N> {
