@@ -259,3 +259,72 @@ fn where_it_does_nothing_nothing_changes() {
     let mut memory = Box::new(Reshaping::new());
     assert_eq!(run(true, &mut memory), run(false, &mut memory));
 }
+
+/// The true speed over a cell exceeds the greatest path speed by no more than is said where cells are made, and those that are no longer
+/// straight by what their length is known to.
+const SWIFTER: f64 = 1.004;
+
+/// Random bent short lines at a low feed, and at overrides of it.
+fn keeps_a_feed_that_binds<S: Scalar>(case: u64) {
+    let mut draw = Draw(case.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1);
+    let axis = AxisLimits::linear(
+        S::of(FEED),
+        S::of([2000.0, 1000.0, 5000.0][draw.between(0.0, 3.0) as usize]),
+        S::of([5.0e4, 2.0e4, 1.0e5][draw.between(0.0, 3.0) as usize]),
+    );
+    let mut config = Config::<S, 3>::new(Limits::new([axis; 3]).unwrap());
+    config.tolerance = S::of([0.02, 0.05, 0.1][draw.between(0.0, 3.0) as usize]);
+    config.cycle = S::of(CYCLE);
+    let (size, turn) = (draw.between(0.2, 4.0), draw.between(0.2, 1.8));
+    let (mut points, mut heading) = (vec![[0.0; 3]], 0.0f64);
+    for k in 0..150 {
+        let length = draw.between(0.05, size);
+        let [x, y, z] = points[k];
+        points.push([x + length * heading.cos(), y + length * heading.sin(), z]);
+        heading += draw.between(-turn, turn);
+    }
+    let feed = draw.between(2.0, 20.0);
+    let place = |point: &[f64; 3]| point.map(at);
+    let mut memory = Box::new(Reshaping::<S, 3>::new());
+    let mut link = Box::new(Link::<S, 3, 256, NODES>::new());
+    let (mut planner, mut interpolator) = link.split(config, place(&points[0])).unwrap();
+    planner.reshape(&mut memory);
+    let controls = planner.controls();
+    let (mut next, mut change) = (1, 100);
+    for cycle in 0..2_000_000u32 {
+        if cycle == change && cycle < 10_000 {
+            controls.feed_override([10, 50, 80, 100, 120, 150][draw.between(0.0, 6.0) as usize]);
+            change += draw.between(40.0, 900.0) as u32;
+        }
+        while next < points.len()
+            && planner.push(&Block::line(place(&points[next]), S::of(feed), next as u32)).is_ok()
+        {
+            next += 1;
+        }
+        if next == points.len() {
+            planner.finish();
+        }
+        let progress = planner.settle();
+        let setpoint = interpolator.tick();
+        let speed = setpoint.velocity.map(S::to_f64).iter().map(|v| v * v).sum::<f64>().sqrt();
+        let path_speed = setpoint.path_speed.to_f64();
+        // Beside a speed that changes much the greatest over the cell is another.
+        let near = path_speed > 0.9 * feed;
+        assert!(
+            !near || speed <= path_speed * SWIFTER,
+            "case {case}, cycle {cycle}: {speed} mm/s, {path_speed} of the path"
+        );
+        if progress == Progress::Done && setpoint.activity == Activity::Idle {
+            return;
+        }
+    }
+    panic!("case {case}: no end");
+}
+
+#[test]
+fn a_feed_that_binds_is_kept_by_the_true_speed() {
+    for case in 0..u64::from(24 * soak()) {
+        keeps_a_feed_that_binds::<f64>(case);
+        keeps_a_feed_that_binds::<f32>(case + 1000);
+    }
+}

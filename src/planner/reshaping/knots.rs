@@ -30,6 +30,12 @@ const OTHERS: [[f64; 4]; 6] = [
 ];
 const LOOKS: u32 = 6;
 const FARTHER: f64 = 1.25;
+/// The true speed over a cell is at most so many times the greatest path speed, at any speeds: the feed bounds that alone.
+const SWIFTER: f64 = 1.003;
+/// What it exceeds that by may be so many times what is seen at the places that are looked at.
+const UNSEEN: f64 = 1.25;
+/// So many places, between those for how far it strays: a speed has narrower peaks.
+const SPEED_LOOKS: u32 = 12;
 
 /// What a motion becomes.
 #[derive(Clone, Copy)]
@@ -256,8 +262,9 @@ fn span<S: Scalar, const N: usize, const NODES: usize>(
         from.agreed = from.state;
         from.lead_to(&to.node.at, to.state, window.knots() * part);
         let free = band * (S::of(OTHERWISE) - window.stays());
-        let stays = strays([&from.node, &to.node], &from.cell, [from.state, to.state])
-            .is_some_and(|most| most <= free);
+        let Strays { off, swifter } =
+            strays([&from.node, &to.node], &from.cell, [from.state, to.state])?;
+        let stays = off <= free && swifter <= S::of(SWIFTER);
         if !(stays || to.rest) || !going.horizon.keeps(&mut from, &to) {
             return None;
         }
@@ -294,41 +301,96 @@ impl<S: Scalar> Paced<S> {
 
     /// Factors of the offset, of the turn of the tangent, and of the curvatures at both ends in how far it goes aside.
     fn aside(&self, u: S, length: S) -> [S; 4] {
-        let [first, _, before, last] = self.speeds;
         let of = S::of;
         let cube = u * u * u;
-        let end = cube * (of(0.5) + u * (of(0.5) * u - S::ONE)) * length;
-        [
+        let shapes = [
             cube * (of(10.0) + u * (of(6.0) * u - of(15.0))),
-            cube * (u * (of(7.0) - of(3.0) * u) - of(4.0)) * last * length
-                + end * of(3.0) * (last - before),
-            u * u
-                * (of(0.5) + u * (u * (of(1.5) - of(0.5) * u) - of(1.5)))
-                * first
-                * first
-                * length
-                * length,
+            cube * (u * (of(7.0) - of(3.0) * u) - of(4.0)),
+            u * u * (of(0.5) + u * (u * (of(1.5) - of(0.5) * u) - of(1.5))),
+            cube * (of(0.5) + u * (of(0.5) * u - S::ONE)),
+        ];
+        self.factors(shapes, length)
+    }
+
+    /// Their change.
+    fn turning(&self, u: S, length: S) -> [S; 4] {
+        let of = S::of;
+        let square = u * u;
+        let shapes = [
+            square * of(30.0) * (S::ONE + u * (u - of(2.0))),
+            square * (u * (of(28.0) - of(15.0) * u) - of(12.0)),
+            u * (S::ONE + u * (u * (of(6.0) - of(2.5) * u) - of(4.5))),
+            square * (of(1.5) + u * (of(2.5) * u - of(4.0))),
+        ];
+        self.factors(shapes, length)
+    }
+
+    fn factors(&self, [offset, turn, start, end]: [S; 4], length: S) -> [S; 4] {
+        let [first, _, before, last] = self.speeds;
+        let end = end * length;
+        [
+            offset,
+            turn * last * length + end * S::of(3.0) * (last - before),
+            start * first * first * length * length,
             end * last * last * length,
         ]
     }
+
+    /// The greatest path speed, in lengths of the cell over its time.
+    fn greatest(&self) -> S {
+        let [first, next, before, last] = self.speeds;
+        first.greatest(next).greatest(before.greatest(last))
+    }
 }
 
-/// How far a motion over a cell at any other speeds may lie from that at its own, mm; `None` if there is no such motion.
+/// What motions over a cell do that the path does not say.
+struct Strays<S> {
+    /// How far one at any other speeds may lie from that at its own, mm.
+    off: S,
+    /// The true speed at any of them, as a share of the greatest path speed.
+    swifter: S,
+}
+
+/// That of a cell; `None` if there is no motion over it.
+///
+/// Cost: bounded by the other motions that are looked at, and the places of each.
 fn strays<S: Scalar, const N: usize>(
     [from, to]: [&Node<S, N>; 2],
     cell: &Cell<S, N>,
     [start, end]: [PathState<S>; 2],
-) -> Option<S> {
+) -> Option<Strays<S>> {
     let law = Law::new(cell.length, start, end)?;
     let [early, late] = law.inner_speeds();
     let own = Paced::new([law.v0, early, late, law.v1]);
     let turn = sub(&to.tangent, &from.tangent);
+    let mixed = |by: [S; 4]| -> [S; N] {
+        from_fn(|i| {
+            by[0] * cell.tangent_offset[i]
+                + by[1] * turn[i]
+                + by[2] * from.curvature[i]
+                + by[3] * to.curvature[i]
+        })
+    };
+    // The square of the true speed, in those units.
+    let swift = |paced: &Paced<S>, u: S| {
+        let (_, speed) = paced.along(u);
+        let turning = mixed(paced.turning(u, cell.length)).map(|x| x / cell.length);
+        let v: [S; N] = from_fn(|i| speed * from.tangent[i] + turning[i]);
+        dot(&v, &v)
+    };
+    let looks = |count: u32| (1..count).map(move |look| S::from_u32(look) / S::from_u32(count));
+    let swiftest = |paced: &Paced<S>| {
+        let most = looks(SPEED_LOOKS).fold(S::ZERO, |most, u| most.greatest(swift(paced, u)));
+        let greatest = paced.greatest();
+        most / (greatest * greatest)
+    };
+    let mut swifter = swiftest(&own);
     // Square of it.
-    let mut most = S::ZERO;
+    let mut off = S::ZERO;
     for other in OTHERS {
         let other = Paced::new(other.map(S::of));
-        for look in 1..LOOKS {
-            let u = S::from_u32(look) / S::from_u32(LOOKS);
+        swifter = swifter.greatest(swiftest(&other));
+        for u in looks(LOOKS) {
             let (way, _) = other.along(u);
             // When its own motion has gone as far.
             let mut at = way;
@@ -338,16 +400,13 @@ fn strays<S: Scalar, const N: usize>(
                 at = (at + by).greatest(S::ZERO).least(S::ONE);
             }
             let (a, b) = (other.aside(u, cell.length), own.aside(at, cell.length));
-            let off: [S; N] = from_fn(|i| {
-                (a[0] - b[0]) * cell.tangent_offset[i]
-                    + (a[1] - b[1]) * turn[i]
-                    + (a[2] - b[2]) * from.curvature[i]
-                    + (a[3] - b[3]) * to.curvature[i]
-            });
-            most = most.greatest(dot(&off, &off));
+            let apart = mixed(from_fn(|k| a[k] - b[k]));
+            off = off.greatest(dot(&apart, &apart));
         }
     }
-    Some(most.sqrt() * S::of(FARTHER))
+    // Near 1 a square exceeds it twice as far.
+    let beyond = (swifter - S::ONE) * S::of(0.5 * UNSEEN);
+    Some(Strays { off: off.sqrt() * S::of(FARTHER), swifter: S::ONE + beyond })
 }
 
 /// A station a share of the next span behind its start.
@@ -391,20 +450,19 @@ mod tests {
 
     type Place = [f64; 2];
 
-    /// The way over a cell, at speeds with these Bernstein coefficients.
-    fn way(view: &View<'_, f64, 2>, [p0, p1, p2, p3]: [f64; 4]) -> List<Place> {
+    /// The way over a cell, at speeds with these Bernstein coefficients; and the greatest true speed, as a share of the greatest of them.
+    fn way(view: &View<'_, f64, 2>, [p0, p1, p2, p3]: [f64; 4]) -> (List<Place>, f64) {
         let time = 4.0 * view.cell.length / (p0 + p1 + p2 + p3);
         let [start, end] = [(p0, p1 - p0), (p3, p3 - p2)]
             .map(|(v, gain)| PathState { b: v * v, a: gain * 3.0 / time });
-        let Some(law) = Law::new(view.cell.length, start, end) else { return List::new() };
+        let Some(law) = Law::new(view.cell.length, start, end) else { return (List::new(), 0.0) };
         let (arc_length, sequel) = (ArcLength::ZERO, Sequel::Motion);
         let piece = piece(view, &law, Placement { serial: NodeSerial::ZERO, arc_length, sequel });
-        (0..=48)
-            .map(|k| {
-                let at = piece.at(law.time * f64::from(k) / 48.0);
-                [at.position_mm(0), at.position_mm(1)]
-            })
-            .collect()
+        let shown = || (0..=48).map(|k| piece.at(law.time * f64::from(k) / 48.0));
+        let [early, late] = law.inner_speeds();
+        let greatest = law.v0.max(law.v1).max(early).max(late);
+        let swiftest = shown().map(|at| norm(&at.velocity)).fold(0.0, f64::max);
+        (shown().map(|at| [at.position_mm(0), at.position_mm(1)]).collect(), swiftest / greatest)
     }
 
     /// How far the farthest of some places lies from a way.
@@ -422,7 +480,7 @@ mod tests {
     }
 
     #[test]
-    fn other_motions_over_a_cell_leave_it_by_no_more_than_is_kept_free() {
+    fn other_motions_over_a_cell_are_as_near_and_as_slow_as_is_said() {
         let limits = Limits::new([AxisLimits::linear(1.0, 1.0, 1.0); 2]).unwrap();
         let mut state = 0x9E37_79B9_7F4A_7C15u64;
         let mut next = |from: f64, to: f64| {
@@ -465,14 +523,20 @@ mod tests {
                 straight: false,
             };
             let view = View::unbound([&from, &to], &cell, &limits);
-            let own = way(&view, speeds);
+            let (own, swiftest) = way(&view, speeds);
             let state = |v: f64, a: f64| PathState { b: v * v, a };
-            let kept = strays([&from, &to], &cell, [state(v0, a0), state(v1, a1)]).unwrap();
+            let Strays { off: kept, swifter } =
+                strays([&from, &to], &cell, [state(v0, a0), state(v1, a1)]).unwrap();
+            // Of what is refused anyway no more is said.
+            let most = if swifter > SWIFTER { f64::INFINITY } else { SWIFTER };
+            assert!(swiftest <= most, "{swiftest}: {speeds:?}");
             let (x, y, z) = (next(0.25, 1.0), next(0.0, 1.0), next(0.0, 1.0));
             for other in
                 [[0.0, 0.0, x, 1.0], [1.0, x, 0.0, 0.0], [1.0, x, y, z], [x, y, z, 1.0], [1.0; 4]]
             {
-                let found = off(&way(&view, other), &own);
+                let (places, swiftest) = way(&view, other);
+                assert!(swiftest <= most, "{swiftest}: {speeds:?} and {other:?}");
+                let found = off(&places, &own);
                 assert!(found <= kept + 1.0e-6, "{found} of {kept}: {speeds:?} and {other:?}");
             }
         }
