@@ -505,24 +505,25 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         draft.points[count - 3..count].copy_from_slice(&end);
     }
 
-    /// What the draft is worth by a sum over rows.
-    fn worth(&self, improving: &Improving<S>, sum: S) -> S {
+    /// What the draft is worth beside a sum over rows.
+    fn gone(&self, improving: &Improving<S>) -> S {
         let gone = self.aim(&self.draft, improving.free) - improving.aim;
-        sum + gone / improving.descent.mu
+        gone / improving.descent.mu
     }
 
     /// Whether the draft is worth no more than `most`. What a row costs is never less than nothing: as soon as some cost more it is not.
     fn is_worth(&self, improving: &Improving<S>, bounds: &Bounds<'_, S, N>, most: S) -> bool {
         let mut tally = Tally::new(Barrier::new(width(improving.descent.mu)));
         let mut walk = Walk::new(&self.draft, bounds);
+        let gone = self.gone(improving);
         // Some spans at a time: at most so often as there are any.
         while !walk.is_done(&self.draft) {
             rows::go_on(&self.draft, bounds, &self.used, (&mut walk, WEIGHED), &mut tally);
-            if !(self.worth(improving, tally.so_far()) <= most) {
+            if !(tally.so_far() + gone <= most) {
                 return false;
             }
         }
-        self.worth(improving, tally.sum()) <= most
+        tally.sum() + gone <= most
     }
 
     /// Whether the draft, whose end is in a line, ends in the line in which the agreed motion goes on.
@@ -591,7 +592,7 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         if improving.descent.steps == improving.descent.most {
             return Next::Look;
         }
-        Next::Step(self.worth(improving, tally.sum()))
+        Next::Step(tally.sum() + self.gone(improving))
     }
 
     /// Finds a step of Newton's method from the draft on, which is worth `here`.

@@ -119,10 +119,10 @@ fn reshape<S: Scalar, const N: usize>(
     window.begin(&Going { motion, origin, clock }.at(S::ZERO).state, S::ZERO);
     // By how much control points, which are rounded, miss where the motion is: it is made good over all spans up to the end, which they
     // miss too. All at once it would be a jump.
-    let mut missed: [f64; N] = apart(&origin, &place(&window, &origin, Some(0.0)));
+    let mut missed = apart(&origin, &place(&origin, begin(&window)));
     loop {
         // The origin and the clock come along, so that numbers stay small.
-        let now = place(&window, &origin, Some(0.0));
+        let now = place(&origin, begin(&window));
         let begins: [f64; N] = core::array::from_fn(|i| now[i] + missed[i]);
         let here = window.state().position.map(S::to_f64);
         window.move_origin(&here.map(S::of));
@@ -158,12 +158,12 @@ fn reshape<S: Scalar, const N: usize>(
             // From nearby: it begins where the motion is as exactly as can be.
             origin = motion.at(clock)[0];
             window.begin(&Going { motion, origin, clock }.at(S::ZERO).state, S::ZERO);
-            missed = apart(&origin, &place(&window, &origin, Some(0.0)));
+            missed = apart(&origin, &place(&origin, begin(&window)));
             continue;
         }
-        missed = apart(&begins, &place(&window, &origin, Some(0.0)));
+        missed = apart(&begins, &place(&origin, begin(&window)));
         let joined_at = motion.at(clock + window.joins().to_f64())[0];
-        let left = apart(&joined_at, &place(&window, &origin, None));
+        let left = apart(&joined_at, &place(&origin, window.end()));
         let count = window.spans() as f64;
         let per: [f64; N] = core::array::from_fn(|i| (left[i] - missed[i]) / count);
         joined = leg + agreed.line(window.joins());
@@ -171,8 +171,9 @@ fn reshape<S: Scalar, const N: usize>(
         for _ in 0..spans {
             let h = window.knots().to_f64();
             found.stretch(h, S::EPSILON.to_f64(), |time| {
-                let (_, State { velocity, acceleration, .. }) = window.within(S::of(time / h));
-                let at = place(&window, &origin, Some(time / h));
+                let (base, state) = window.within(S::of(time / h));
+                let at = place(&origin, (base, state));
+                let State { velocity, acceleration, .. } = state;
                 let made_good = |i: usize| at[i] + missed[i] + per[i] * time / h;
                 let values = |x: [S; N]| x.map(S::to_f64).to_vec();
                 [(0..N).map(made_good).collect(), values(velocity), values(acceleration)]
@@ -190,16 +191,16 @@ fn reshape<S: Scalar, const N: usize>(
     found.rest(motion.at(motion.duration())[0].to_vec());
 }
 
-/// Where a window's motion is, a share of its next span behind the start of that; at its end if there is none, or no share.
+/// How a window's next span begins: without one, as it ends.
+fn begin<S: Scalar, const N: usize>(window: &Window<S, N, POINTS>) -> ([S; N], State<S, N>) {
+    if window.spans() > 0 { window.within(S::ZERO) } else { window.end() }
+}
+
+/// Where a window's motion is, by its position about a point near by, and that about the origin.
 fn place<S: Scalar, const N: usize>(
-    window: &Window<S, N, POINTS>,
     origin: &[f64; N],
-    share: Option<f64>,
+    (base, state): ([S; N], State<S, N>),
 ) -> [f64; N] {
-    let (base, state) = match share {
-        Some(share) if window.spans() > 0 => window.within(S::of(share)),
-        _ => window.end(),
-    };
     core::array::from_fn(|i| origin[i] + base[i].to_f64() + state.position[i].to_f64())
 }
 

@@ -465,9 +465,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             spans
         }
         .clamp(FEWEST, SPANS);
-        let Some(Knotted { replaced, next }) = found else {
-            return false;
-        };
+        let Some(Knotted { replaced, next }) = found else { return false };
         let window = &self.horizon.window;
         if window.len() + memory.stations.len() + super::horizon::ADDED + 2 > NODES + replaced {
             return false;
