@@ -197,18 +197,27 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let now = cycle as f64 * machine.cycle;
         operator.play(now, &mut planner, &axes).with_context(|| format!("at {now:.3} s"))?;
         operator.seek(&mut planner, &axes, moves.peek().is_some())?;
-        if now >= operator.silent_until {
-            stats.blocks += feed_blocks(&mut planner, &mut moves, &axes)?;
-        }
-        let began = Instant::now();
-        let progress = planner.settle();
-        operator.seeker.hear(&mut planner, &axes);
-        if progress == Progress::Planned {
-            stats.planning.add(began);
-            if moves.peek().is_some() {
-                stats.least_ahead = stats.least_ahead.min(planner.nodes_ahead());
+        // Planning takes no time here: what it makes room for is sent in the same cycle.
+        let progress = loop {
+            let fed = if now >= operator.silent_until {
+                feed_blocks(&mut planner, &mut moves, &axes)?
+            } else {
+                0
+            };
+            stats.blocks += fed;
+            let began = Instant::now();
+            let progress = planner.settle();
+            operator.seeker.hear(&mut planner, &axes);
+            if progress == Progress::Planned {
+                stats.planning.add(began);
+                if moves.peek().is_some() {
+                    stats.least_ahead = stats.least_ahead.min(planner.nodes_ahead());
+                }
             }
-        }
+            if fed == 0 {
+                break progress;
+            }
+        };
         let waiting = progress == Progress::Held || now < operator.silent_until;
         if progress == Progress::Held && operator.is_done() {
             ensure!(at_pause, "the run is held after its last event: it needs a resume");
