@@ -91,6 +91,11 @@ impl<S: Scalar> Entrance<S> {
 }
 
 impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
+    /// Whether it moves, and does not stand before.
+    pub fn only_moves(&self) -> bool {
+        self.segment.is_some() && !(self.dwell > S::ZERO)
+    }
+
     /// What it asks of its cells.
     pub fn programmed(&self) -> Programmed<S> {
         Programmed { feed: self.feed, rapid: self.rapid, limits: self.limits, tag: self.tag }

@@ -8,8 +8,8 @@ use crate::number::vector::{Vector, zero};
 use crate::number::{Coord, Interval, Length, Scalar};
 use core::array::from_fn;
 
-/// Moves shorter than this, mm, are accepted and ignored: they are below the finest input.
-const LEAST_LENGTH: f64 = 0.5e-6;
+/// Moves shorter than this are accepted and ignored: they are below the finest input.
+const LEAST_LENGTH: Length = Length::from_raw(500_000);
 
 /// Longest block, mm: well inside the range of the fixed-point arc length.
 const GREATEST_LENGTH: f64 = 7.0e6;
@@ -54,18 +54,14 @@ pub struct Segment<S, const N: usize> {
 impl<S: Scalar, const N: usize> Segment<S, N> {
     /// The straight line, or `None` if it has no length.
     pub fn line(start: [Coord; N], end: [Coord; N]) -> Option<Self> {
-        let step: [f64; N] = from_fn(|i| end[i].minus(start[i]));
-        let length = libm::sqrt(step.iter().map(|d| d * d).sum());
-        if length < LEAST_LENGTH {
+        let exact_length = Length::between::<S, N>(&start, &end);
+        if exact_length < LEAST_LENGTH {
             return None;
         }
-        Some(Self {
-            start,
-            end,
-            shape: Shape::Line(from_fn(|i| S::of(step[i] / length))),
-            exact_length: Length::nearest_mm(length),
-            length: S::of(length),
-        })
+        let units = S::from_i64(exact_length.raw());
+        let share = |i: usize| S::from_i64(end[i].raw().wrapping_sub(start[i].raw())) / units;
+        let shape = Shape::Line(from_fn(share));
+        Some(Self { start, end, shape, exact_length, length: exact_length.to_mm() })
     }
 
     /// The arc or helix about `centre`: see [`super::helix`].

@@ -200,18 +200,20 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         let (lead, planned) = (self.horizon.config.lead, self.planned(at));
         let soon = (lead * S::of(URGENT_LEADS)).greatest(planned + lead);
-        let urgent = self.horizon.reaches_within(soon, at, self.horizon.end());
+        // Asked for only where it counts: it looks at many cells, and most polls in motion only wait for blocks.
+        let is_urgent =
+            |planner: &Self| planner.horizon.reaches_within(soon, at, planner.horizon.end());
         if self.new_cells() < LEAST_NEW
             && !self.builder.is_full()
             && self.horizon.reaches_within(soon, at, now.shown)
         {
             self.builder.hurry(&self.horizon.config);
         }
-        if urgent
-            && self.horizon.window.room() >= self.least_room()
+        if self.horizon.window.room() >= self.least_room()
             && !self.builder.is_full()
             && self.builder.len() > 0
             && self.is_quiet()
+            && is_urgent(self)
         {
             // The blocks that wait for their neighbours must go as they are.
             self.builder.close();
@@ -223,7 +225,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return if self.builder.len() > 0 { Progress::Waiting } else { Progress::NeedsBlocks };
         }
         let due = !at.is_before(now.checkpoint)
-            || urgent
+            || is_urgent(self)
             || self.reshaping_wants()
             || self.horizon.reaches_within(self.in_time(at), at, now.shown);
         if !due || self.is_vain(at) {

@@ -77,7 +77,7 @@ pub(super) struct Schedule {
 /// Where the limits are kept, the states must stay near the centre of what is left.
 pub(super) const STRICT: Schedule = Schedule { fall: 0.3, small: 10.0, last: 5.0e-5 };
 /// Where they may be broken, there is no need to.
-pub(super) const RELAXED: Schedule = Schedule { fall: 0.4, small: 160.0, last: 7.0e-5 };
+pub(super) const RELAXED: Schedule = Schedule { fall: 0.4, small: 160.0, last: 1.0e-4 };
 
 /// Share of a limit from which on the barrier is relaxed, at first.
 pub(super) const FIRST_DELTA: f64 = 0.3;

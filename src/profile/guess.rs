@@ -32,7 +32,7 @@ const STEADY_FEED: f64 = 0.985;
 /// Share of the acceleration along the path that is used to change speed.
 const ACCELERATION: f64 = 0.7;
 /// So many times as long as an acceleration takes to be built up (A / J), a change is felt before the place where it is made.
-/// (Once: a path takes up to 2 % longer if it is cut into more cells.)
+/// (Once, or twice: a path takes up to 2 % longer if it is cut into more cells.)
 pub const FELT: f64 = 3.0;
 /// Most relative change of v^2 that a guessed acceleration makes over a cell, by half. Below 0.75 there
 /// is a motion between any two guesses ([`Law`]).

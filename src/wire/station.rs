@@ -479,7 +479,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
         events: &Events<M>,
     ) -> bool {
         for fed in 0..QUEUE {
-            let Some(waiting) = self.queue.front().copied() else { return false };
+            let Some(waiting) = self.queue.front() else { return false };
             if fed >= FED {
                 return true;
             }
@@ -487,7 +487,12 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
                 self.begin_seek(planner);
                 return false;
             }
-            match Self::hand_over(&waiting, planner, events) {
+            let slow = match waiting {
+                Waiting::Block(block) => !matches!(block.motion, Motion::Line { .. }),
+                Waiting::End => false,
+                _ => true,
+            };
+            match Self::hand_over(waiting, planner, events) {
                 Fed::Taken => {}
                 Fed::Full => return false,
                 Fed::Aborted => {
@@ -507,11 +512,6 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
             self.queue.pop_front();
             // Room has come: the host wants to know.
             self.due.taken = true;
-            let slow = match &waiting {
-                Waiting::Block(block) => !matches!(block.motion, Motion::Line { .. }),
-                Waiting::End => false,
-                _ => true,
-            };
             if slow && !self.queue.is_empty() {
                 return true;
             }
@@ -525,6 +525,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
         planner: &mut Planner<'_, S, N, BLOCKS, NODES>,
         events: &Events<M>,
     ) -> Fed {
+        let made;
         let (block, event) = match waiting {
             // It has its own way.
             Waiting::Seek => return Fed::Full,
@@ -551,12 +552,15 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
                     }
                 });
             }
-            Waiting::Block(block) => (*block, None),
+            Waiting::Block(block) => (block, None),
             // It comes when one before it has happened.
             Waiting::Event(_) if !events.has_room() => return Fed::Full,
-            Waiting::Event(event) => (event.block(), Some(*event)),
+            Waiting::Event(event) => {
+                made = event.block();
+                (&made, Some(*event))
+            }
         };
-        match planner.push(&block) {
+        match planner.push(block) {
             Ok(()) => {
                 if let Some(event) = &event {
                     events.put(event);

@@ -36,6 +36,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         // A finished stage leads to the next: body, joint, next block. Each turn of this loop
         // moves on by one of these, and a block has a body or a joint with cells, or is dropped.
         for _ in 0..4 * BLOCKS {
+            if let Stage::Run { until } = self.stage
+                && self.queue.front().is_some_and(QueuedBlock::only_moves)
+            {
+                // Before the front block is copied: most of what is done for a run does not need it.
+                match self.run.next(last, self.rested, config.sweeps) {
+                    Cut::Nothing => {}
+                    cut => return Some(self.cut_run(cut, until)),
+                }
+            }
             let block = *self.queue.front()?;
             let Some(segment) = block.segment else {
                 return Some(Cut::Cell(self.stand(last, block, config)));
@@ -48,6 +57,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                 if let Some(front) = self.queue.front_mut() {
                     front.dwell = S::ZERO;
                 }
+                continue;
             }
             let front = Front { block, segment, entrance: self.entrance };
             match self.stage {
@@ -58,19 +68,6 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                     self.start_front(&front, config);
                 }
                 Stage::Run { until } => {
-                    match self.run.next(last, self.rested, config.sweeps) {
-                        Cut::Cell(cell) => {
-                            #[cfg(feature = "outputs")]
-                            match until {
-                                Some(s) if self.run.is_done() => self.meter.cut_to(s),
-                                _ => self.meter.cut_run(self.run.handed_to()),
-                            }
-                            self.rested = cell.rest;
-                            return Some(Cut::Cell(cell));
-                        }
-                        Cut::Working => return Some(Cut::Working),
-                        Cut::Nothing => {}
-                    }
                     if let Some(s) = until {
                         if !self.run.is_done() {
                             return None;
@@ -97,6 +94,22 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             }
         }
         None
+    }
+
+    /// The run, which ends `until` a place on the front segment if that is known, has been gone on with.
+    #[inline]
+    fn cut_run(&mut self, cut: Cut<S, N>, until: Option<Length>) -> Cut<S, N> {
+        #[cfg(not(feature = "outputs"))]
+        let _ = until;
+        if let Cut::Cell(cell) = &cut {
+            #[cfg(feature = "outputs")]
+            match until {
+                Some(s) if self.run.is_done() => self.meter.cut_to(s),
+                _ => self.meter.cut_run(self.run.handed_to()),
+            }
+            self.rested = cell.rest;
+        }
+        cut
     }
 
     /// The next cell of the corner behind the front segment.

@@ -90,16 +90,22 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         whole: Option<S>,
         config: &Config<S, N>,
     ) -> Result<(), PushError> {
-        let reject = |reason| PushError::Rejected { tag: block.tag, reason };
-        let Some(mut item) = QueuedBlock::new(self.end, block, whole, config).map_err(reject)?
-        else {
-            // Zero length: nothing to do but to honour an exact stop.
-            if block.exact_stop
-                && let Some(last) = self.queue.back_mut()
-            {
-                last.stop_after = true;
+        // Used where it has been made: a copy of it is some two hundred instructions.
+        let mut made = QueuedBlock::new(self.end, block, whole, config);
+        let item = match &mut made {
+            Ok(Some(item)) => item,
+            Ok(None) => {
+                // Zero length: nothing to do but to honour an exact stop.
+                if block.exact_stop
+                    && let Some(last) = self.queue.back_mut()
+                {
+                    last.stop_after = true;
+                }
+                return Ok(());
             }
-            return Ok(());
+            Err(reason) => {
+                return Err(PushError::Rejected { tag: block.tag, reason: *reason });
+            }
         };
         item.limits = self.limits;
         #[cfg(feature = "shaping")]
@@ -121,7 +127,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         if let Some(segment) = &item.segment {
             self.end = segment.end;
         }
-        match self.longer(&item, config) {
+        match self.longer(item, config) {
             Some(Onward::Part(longer)) => {
                 self.lengthen(&longer, config);
                 return Ok(());
@@ -144,9 +150,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         if (self.waits() || self.queue.len() > 1)
             && let Some(last) = self.queue.back_mut()
         {
-            (last.joint, last.want) = joint(last, &item, config);
+            (last.joint, last.want) = joint(last, item, config);
         }
-        let taken = self.queue.push_back(item);
+        let taken = self.queue.push_back(*item);
         debug_assert!(taken.is_ok(), "room was checked");
         Ok(())
     }

@@ -15,7 +15,7 @@ const CRAWL: f64 = 10.0;
 /// Share of its speed that a motion must have left after letting go of the brake, to be taken on.
 const LEAST_LEFT: f64 = 0.3;
 /// So many braking distances before the end of a plan its motion is not what it would be without the stop there.
-const SHOWN: f64 = 1.25;
+const SHOWN: f64 = 1.1;
 /// v^2 falls by more than this factor over a cell where a motion slows down.
 const SLOWER: f64 = 1.002;
 /// Nodes of the path lie at least as far apart as jerk takes a motion from rest in this many servo cycles:
