@@ -33,6 +33,16 @@ test("ticks are even and inside", () => {
   assert.deepEqual([...s.timeTicks(0, 600, 10)], [0, 60, 120, 180, 240, 300, 360, 420, 480, 540, 600]);
 });
 
+test("a peak between the places that are looked at is seen, and no more than was run", () => {
+  const wave = k => 3 + Math.sin(k * 0.9 + 0.5), [low, high] = s.leastAndMost(wave, 8, [-Infinity, Infinity]);
+  near(low, 2, 0.02); near(high, 4, 0.02);
+  const parabola = s.leastAndMost(k => 5 - (k - 2.4) ** 2, 4, [-Infinity, Infinity]);
+  near(parabola[1], 5); near(parabola[0], 5 - 2.4 ** 2);
+  assert.deepEqual([...s.leastAndMost(k => 5 - (k - 2.4) ** 2, 4, [0, 4.9])], [5 - 2.4 ** 2, 4.9]);
+  assert.deepEqual([...s.leastAndMost(k => 2 - k, 3, [-9, 9])], [-1, 2]);
+  assert.deepEqual([...s.leastAndMost(() => 7, 0, [-9, 9])], [7, 7]);
+});
+
 test("numbers of seven bits a byte", () => {
   const read = new s.Numbers(Uint8Array.from([0, 1, 2, 126, 0x80, 0x01, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x0f]));
   assert.deepEqual([0, 1, 2, 3].map(() => read.number()), [0, -1, 1, 63]);

@@ -38,12 +38,7 @@ class Series {
     const blockLow = new Float32Array(blocks).fill(Infinity), blockHigh = new Float32Array(blocks).fill(-Infinity);
     for (let s = 0; s < spans; s++) {
       const h = this.run.duration(s), n = Math.min(8, this.run.begin[s + 1] - this.run.begin[s]);
-      let least = Infinity, most = -Infinity;
-      for (let k = 0; k <= n; k++) {
-        const value = this.at(s, k / n, h);
-        if (value < least) least = value;
-        if (value > most) most = value;
-      }
+      const [least, most] = leastAndMost(k => this.at(s, k / n, h), n, this.ends);
       low[s] = least; high[s] = most;
       const b = s / BLOCK | 0;
       if (least < blockLow[b]) blockLow[b] = least;
@@ -60,6 +55,23 @@ class Series {
     for (const x of blockHigh) high = Math.max(high, x);
     return low <= high ? [low, high] : [0, 0];
   }
+}
+
+/** Least and greatest value of a curve of which `n` + 1 places are looked at; a peak between them is that of the parabola through three. */
+function leastAndMost(at, n, [lowest, highest]) {
+  let before = NaN, here = at(0), least = here, most = here;
+  for (let k = 1; k <= n; k++) {
+    const after = at(k);
+    if (after < least) least = after;
+    if (after > most) most = after;
+    const rise = here - before, fall = here - after;
+    if (rise * fall > 0) {
+      const peak = here + (rise - fall) ** 2 / (8 * (rise + fall));
+      least = Math.min(least, Math.max(lowest, peak)); most = Math.max(most, Math.min(highest, peak));
+    }
+    before = here; here = after;
+  }
+  return [least, most];
 }
 
 /** Least and greatest value in each of `width` columns from cycle `from` to `to`; NaN where nothing was run. */
@@ -115,10 +127,8 @@ function extremes(series, from, to) {
     }
     const n = begin[s + 1] - begin[s], h = n * run.cycle;
     const [a, b] = [from, to].map(cycle => Math.min(1, Math.max(0, (cycle - begin[s]) / n)));
-    for (let k = 0; k <= 4; k++) {
-      const value = series.at(s, a + (b - a) * k / 4, h);
-      least = Math.min(least, value); most = Math.max(most, value);
-    }
+    const ends = leastAndMost(k => series.at(s, a + (b - a) * k / 4, h), 4, series.ends);
+    least = Math.min(least, ends[0]); most = Math.max(most, ends[1]);
   }
   return least <= most ? [least, most] : [NaN, NaN];
 }
