@@ -14,11 +14,13 @@ const MORE: f64 = 0.008;
 const LESS: f64 = 0.003;
 /// Share of the feed up to which a speed has it.
 const FEED: f64 = 1.0005;
+/// Share of the band that is left to motions beside the one that is looked at; the rest is for rounding.
+const BESIDE: f64 = 0.993;
 /// Between lines that turn further, cosine of half the turn, nothing can be said.
 const SHARPEST: f64 = 0.13;
 
 /// Whether all of the motion is inside the band, line after line up to that in which it is to end; else `used` is made less where it is not,
-/// as a share of the band. What each span was found to stay within is written to `stays`, as such a share.
+/// as a share of the band. How far each span may be left to either side, mm, so that no band is left, is written to `free`.
 ///
 /// The motion is followed by chords, each within the band of one line, or crossing from one line's band into the next's in a place that
 /// lies in both: a band is convex. The motion leaves a chord by no more than its acceleration allows.
@@ -27,7 +29,7 @@ pub(super) fn narrow<S: Scalar, const N: usize, const K: usize>(
     bounds: &Bounds<'_, S, N>,
     band: S,
     ends: usize,
-    [used, stays]: [&mut [S; K]; 2],
+    [used, free]: [&mut [S; K]; 2],
 ) -> bool {
     let lines = bounds.lines;
     let mut line = bounds.line;
@@ -42,8 +44,7 @@ pub(super) fn narrow<S: Scalar, const N: usize, const K: usize>(
             square(&minus(&b, &a))
         };
         let sagitta = bend(0).greatest(bend(1)).sqrt() / S::from_u32(8 * CHORDS * CHORDS);
-        let share_of = |farthest: S, line: usize| (farthest.sqrt() + sagitta) / lines[line].band;
-        let mut most = S::ZERO;
+        let mut kept = Kept::new(sagitta);
         // Square of the greatest distance from the line that the motion is in.
         let mut farthest = S::ZERO;
         for chord in 1..=CHORDS {
@@ -57,13 +58,13 @@ pub(super) fn narrow<S: Scalar, const N: usize, const K: usize>(
                     break;
                 }
                 if square(&joint.across) < S::of(4.0 * SHARPEST * SHARPEST) {
-                    most = S::of(2.0);
+                    kept.most = S::of(2.0);
                     break;
                 }
                 let behind = joint.passed(&before).least(S::ZERO);
                 let at = along(&before, behind / (behind - passed), &minus(&x, &before));
                 farthest = farthest.greatest(here.foot(&at).square);
-                most = most.greatest(share_of(farthest, line));
+                kept.see(farthest, here.band);
                 farthest = next.foot(&at).square;
                 before = at;
                 line += 1;
@@ -73,12 +74,13 @@ pub(super) fn narrow<S: Scalar, const N: usize, const K: usize>(
                 farthest = farthest.greatest(off);
             } else {
                 // What is no number is outside.
-                most = S::of(2.0);
+                kept.most = S::of(2.0);
             }
             before = x;
         }
-        most = most.greatest(share_of(farthest, line));
-        stays[span] = most;
+        kept.see(farthest, lines[line].band);
+        let Kept { most, .. } = kept;
+        free[span] = kept.free;
         if most > band + S::of(MORE) {
             used[span] = used[span] * (band / most) - S::of(LESS);
             inside = false;
@@ -90,6 +92,29 @@ pub(super) fn narrow<S: Scalar, const N: usize, const K: usize>(
         inside = false;
     }
     inside
+}
+
+/// What a span was found to keep.
+struct Kept<S> {
+    /// How far the motion may lie off a chord, mm.
+    sagitta: S,
+    /// The greatest share of a band that is used.
+    most: S,
+    /// How far the motion may be left to either side, mm.
+    free: S,
+}
+
+impl<S: Scalar> Kept<S> {
+    fn new(sagitta: S) -> Self {
+        Self { sagitta, most: S::ZERO, free: S::of(1.0e9) }
+    }
+
+    /// The square of the greatest distance from a line with this band.
+    fn see(&mut self, farthest: S, band: S) {
+        let off = farthest.sqrt() + self.sagitta;
+        self.most = self.most.greatest(off / band);
+        self.free = self.free.least(band * S::of(BESIDE) - off);
+    }
 }
 
 /// Whether the first span keeps the feed: its speed is bounded by a hull elsewhere, but here that is given with the state in which

@@ -96,11 +96,8 @@ pub(super) fn passes<S: Scalar, const N: usize>(
     line
 }
 
-/// How many bands a place may lie off a joint to be in either of its lines.
-const EITHER: f64 = 3.0;
-
-/// Whether a point may be in one of two lines as well as in the other: all joints between them are near. Far from them, where the
-/// path folds back, what lies between would be left out.
+/// Whether a point may be in one of two lines as well as in the other: all joints between them lie within the narrower band on either
+/// side. Further from them, where the path folds back or lines are shorter than that, what lies between would be left out.
 pub(super) fn are_one<S: Scalar, const N: usize>(
     lines: &[Line<S, N>],
     one: usize,
@@ -110,7 +107,7 @@ pub(super) fn are_one<S: Scalar, const N: usize>(
     let (first, last) = if one < other { (one, other) } else { (other, one) };
     last < lines.len()
         && (first..last).all(|line| {
-            let near = lines[line].band * S::of(EITHER);
+            let near = lines[line].band.least(lines[line + 1].band);
             square(&minus(&lines[line].end(), x)) <= near * near
         })
 }

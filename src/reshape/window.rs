@@ -78,8 +78,8 @@ pub struct Window<S, const N: usize, const K: usize> {
     best: Draft<S, N, K>,
     /// Share of the band that is used, span by span.
     used: [S; K],
-    /// Share of the band within which the course was shown to stay, span by span.
-    stays: [S; K],
+    /// How far each span of the course may be left, mm.
+    free: [S; K],
     /// Spans of the course that have been run.
     run: usize,
     /// Spans that are used at most.
@@ -190,7 +190,7 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         draft: Draft::NONE,
         best: Draft::NONE,
         used: [S::ZERO; K],
-        stays: [S::ZERO; K],
+        free: [S::ZERO; K],
         run: 0,
         most: 0,
         h: S::ZERO,
@@ -254,9 +254,9 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
         (three[1], state(&about, self.course.h))
     }
 
-    /// Share of the band within which the next span was shown to stay.
-    pub fn stays(&self) -> S {
-        self.stays[self.run]
+    /// How far from the course a motion over the next span may lie, mm, and be in the band of every line that the course is in there.
+    pub fn free(&self) -> S {
+        self.free[self.run]
     }
 
     /// Goes on to the next span; the line in which that begins, if this one began in the line of `bounds`.
@@ -383,7 +383,7 @@ impl<S: Scalar, const N: usize, const K: usize> Window<S, N, K> {
             return ControlFlow::Break(Err(Refused::NoFaster));
         }
         let ends = agreed.line(self.best.joins);
-        if holding::narrow(&self.best, bounds, self.band, ends, [&mut self.used, &mut self.stays]) {
+        if holding::narrow(&self.best, bounds, self.band, ends, [&mut self.used, &mut self.free]) {
             self.course = self.best.clone();
             self.run = 0;
             return ControlFlow::Break(Ok(Reshaped { gain, steps: improving.steps }));

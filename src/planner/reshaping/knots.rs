@@ -15,10 +15,7 @@ use heapless::Vec;
 
 /// Halvings of a span, at most: where the motion is slow and turns, a cell is shorter.
 const HALVINGS: u32 = 3;
-/// Share of the band within which motions over a cell stay at other speeds too than those that were found, with a rest at either end;
-/// what is left is for rounding.
-const OTHERWISE: f64 = 0.993;
-/// Such motions that are looked at, by the Bernstein coefficients of their speed, at so many places; others may lie so many times as far
+/// Motions over a cell at other speeds than those that were found, with a rest at either end, that are looked at, by the Bernstein coefficients of their speed, at so many places; others may lie so many times as far
 /// off. (By constant jerk the coefficient beside a rest would be 1 / 3.)
 const OTHERS: [[f64; 4]; 6] = [
     [0.0, 0.0, 0.3, 1.0],
@@ -138,8 +135,7 @@ impl<S: Scalar, const N: usize> Knotting<S, N> {
         let before = list.len();
         self.from = (0..=HALVINGS).find_map(|halvings| {
             list.truncate(before);
-            let band = bounds.lines.get(self.line)?.band;
-            span(window, going, &self.lie, (self.from, to), (band, halvings), list)
+            span(window, going, &self.lie, (self.from, to), halvings, list)
         })?;
         self.lie.from += self.lie.per;
         self.line = window.advance(&Bounds { line: self.line, ..*bounds });
@@ -248,7 +244,7 @@ fn span<S: Scalar, const N: usize, const NODES: usize>(
     going: &Going<'_, S, N, NODES>,
     lie: &Lie<S, N>,
     (start, end): (Station<S, N>, Option<Station<S, N>>),
-    (band, halvings): (S, u32),
+    halvings: u32,
     list: &mut Vec<Station<S, N>, STATIONS>,
 ) -> Option<Station<S, N>> {
     let parts = 1 << halvings;
@@ -261,10 +257,9 @@ fn span<S: Scalar, const N: usize, const NODES: usize>(
         };
         from.agreed = from.state;
         from.lead_to(&to.node.at, to.state, window.knots() * part);
-        let free = band * (S::of(OTHERWISE) - window.stays());
         let Strays { off, swifter } =
             strays([&from.node, &to.node], &from.cell, [from.state, to.state])?;
-        let stays = off <= free && swifter <= S::of(SWIFTER);
+        let stays = off <= window.free() && swifter <= S::of(SWIFTER);
         if !(stays || to.rest) || !going.horizon.keeps(&mut from, &to) {
             return None;
         }
