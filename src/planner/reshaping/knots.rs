@@ -46,8 +46,9 @@ pub struct Knotted {
 /// Stations that are being made of a motion.
 #[derive(Clone, Copy)]
 pub struct Knotting<S: Scalar, const N: usize> {
-    /// The span that is next, its first station, and its line.
+    /// The span that is next, how often its cells are halved in the next try, its first station, and its line.
     k: usize,
+    halvings: u32,
     from: Station<S, N>,
     line: usize,
     count: usize,
@@ -83,7 +84,21 @@ impl<S: Scalar, const N: usize> Knotting<S, N> {
         let lie = Lie::new(window, going.origin, &end);
         let (count, found) = (window.spans(), Knotted { replaced, next: None });
         let (beside, last) = (first, first + replaced.saturating_sub(1));
-        Some(Self { k: 0, from, line: 0, count, beside, last, end, rests, middle, lie, run, found })
+        Some(Self {
+            k: 0,
+            halvings: 0,
+            from,
+            line: 0,
+            count,
+            beside,
+            last,
+            end,
+            rests,
+            middle,
+            lie,
+            run,
+            found,
+        })
     }
 
     /// Spans of the motion.
@@ -91,7 +106,10 @@ impl<S: Scalar, const N: usize> Knotting<S, N> {
         self.count
     }
 
-    /// Goes on with at most `most` spans; breaks when all are done, or one cannot be made into cells that keep what they have to.
+    /// Goes on with at most `most` tries to make cells of a span; breaks when all spans are done, or one cannot be made into cells that keep
+    /// what they have to.
+    ///
+    /// Cost: of a try, up to 8 cells.
     pub fn go_on<const NODES: usize>(
         &mut self,
         window: &mut Window<S, N, POINTS>,
@@ -120,23 +138,28 @@ impl<S: Scalar, const N: usize> Knotting<S, N> {
         bounds: &Bounds<'_, S, N>,
         list: &mut Vec<Station<S, N>, STATIONS>,
     ) -> Option<()> {
-        if self.k == self.run {
-            self.found.next = Some((list.len(), self.line));
+        if self.halvings == 0 {
+            if self.k == self.run {
+                self.found.next = Some((list.len(), self.line));
+            }
+            self.from.cell = Cell {
+                length: S::ZERO,
+                tangent_offset: [S::ZERO; N],
+                programmed: self.programmed(window, going)?,
+                dwell: S::ZERO,
+                event: None,
+                straight: false,
+            };
         }
-        self.from.cell = Cell {
-            length: S::ZERO,
-            tangent_offset: [S::ZERO; N],
-            programmed: self.programmed(window, going)?,
-            dwell: S::ZERO,
-            event: None,
-            straight: false,
-        };
         let to = (self.k + 1 == self.count).then_some(self.end);
         let before = list.len();
-        self.from = (0..=HALVINGS).find_map(|halvings| {
+        let made = span(window, going, &self.lie, (self.from, to), self.halvings, list);
+        let Some(from) = made else {
             list.truncate(before);
-            span(window, going, &self.lie, (self.from, to), halvings, list)
-        })?;
+            self.halvings += 1;
+            return (self.halvings <= HALVINGS).then_some(());
+        };
+        (self.from, self.halvings) = (from, 0);
         self.lie.from += self.lie.per;
         self.line = window.advance(&Bounds { line: self.line, ..*bounds });
         self.k += 1;

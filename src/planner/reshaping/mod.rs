@@ -62,9 +62,9 @@ const LEAST_SPANS: f64 = 5.0;
 const KEPT: usize = 2;
 /// Stations of a window: its knots, and where it joins the agreed motion.
 const STATIONS: usize = 72;
-/// Places of which the lines are found in a slice, and spans that are made into stations in one.
+/// Places of which the lines are found in a slice, and tries to make stations of a span in one.
 const PLACES_AT_ONCE: usize = 8;
-const SPANS_AT_ONCE: usize = 1;
+const TRIES_AT_ONCE: usize = 1;
 /// Fewer spans than this are not worth a window; and what is added after one that took few stations.
 const FEWEST: usize = 20;
 const MORE: usize = 2;
@@ -378,7 +378,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         let Some(knots) = knotting else { return Some(false) };
         let ControlFlow::Break(found) =
-            knots.go_on(window, &going, &bounds, SPANS_AT_ONCE, stations)
+            knots.go_on(window, &going, &bounds, TRIES_AT_ONCE, stations)
         else {
             return None;
         };
