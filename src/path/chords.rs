@@ -129,7 +129,8 @@ impl<S: Scalar, const N: usize> Chords<S, N> {
             for point in self.points() {
                 (least, greatest) = (least.min(point[i]), greatest.max(point[i]));
             }
-            self.start[i].plus(offset[i]).clamp(least, greatest)
+            // (`clamp` could panic, for all that the compiler sees of it for size.)
+            self.start[i].plus(offset[i]).max(least).min(greatest)
         })
     }
 

@@ -326,11 +326,13 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
     /// A place at which the motion has to be slow, and the reach there.
     #[inline(never)]
     pub fn slow_at(&mut self, s: Length, reach: S) {
-        if self.slow_points.is_full() {
-            self.slow_points.remove(0);
+        let mut slow = SlowPoint { s, reach };
+        if self.slow_points.push(slow).is_err() {
+            // The oldest is dropped: all others move to the front.
+            for place in self.slow_points.iter_mut().rev() {
+                core::mem::swap(place, &mut slow);
+            }
         }
-        let kept = self.slow_points.push(SlowPoint { s, reach });
-        debug_assert!(kept.is_ok(), "the oldest has been dropped");
         // What it means for the spans before it.
         let end = self.knot(self.spans.len().cast_signed());
         let mut there = reach + (s - end).max(Length::ZERO).to_mm();
