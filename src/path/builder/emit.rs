@@ -338,12 +338,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             Some(QueuedBlock { joint, segment, tolerance, .. }) if !self.queue.is_empty() => {
                 Entrance {
                     joint,
-                    tolerance_before: tolerance,
+                    tolerance_before: Some(tolerance),
                     length_before: segment.map_or(S::ZERO, |segment| segment.length),
                     taken: self.given,
                 }
             }
-            Some(QueuedBlock { tolerance, .. }) => Entrance::rest(tolerance),
+            Some(QueuedBlock { tolerance, .. }) => Entrance::rest(Some(tolerance)),
             None => Entrance::REST,
         };
         self.pass_marks(self.given);

@@ -105,9 +105,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let tie = if self.rested { Tie::Rest } else { Tie::Smooth };
         let ramp = Ramp::new(&config.limits, &segment.start_frame().tangent);
         let beside = beside(entrance.joint, entrance.taken, segment);
-        let before = (self.rested && s == Length::ZERO).then_some(entrance.tolerance_before);
         let at = segment.node(s).at;
-        let before = before.filter(|tolerance| *tolerance > S::ZERO);
+        let before = entrance.tolerance_before.filter(|_| self.rested && s == Length::ZERO);
         self.run.begin(Start { at, tie, ramp, beside, before }, block.leg());
         self.run_from = s;
         #[cfg(feature = "outputs")]
