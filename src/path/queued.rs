@@ -76,13 +76,20 @@ pub struct Entrance<S> {
     pub joint: Joint,
     /// Length of the segment before it, mm.
     pub length_before: S,
+    /// Tolerance of that, mm.
+    pub tolerance_before: Option<S>,
     /// Length that it has taken of the front segment.
     pub taken: Length,
 }
 
 impl<S: Scalar> Entrance<S> {
     /// From rest, at its start.
-    pub const REST: Self = Self { joint: Joint::Stop, length_before: S::ZERO, taken: Length::ZERO };
+    pub const REST: Self = Self::rest(None);
+
+    /// From rest, at its start, behind a segment of a tolerance, if there is one, mm.
+    pub const fn rest(tolerance_before: Option<S>) -> Self {
+        Self { joint: Joint::Stop, length_before: S::ZERO, tolerance_before, taken: Length::ZERO }
+    }
 
     /// Whether it is that.
     pub fn is_rest(&self) -> bool {

@@ -194,7 +194,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             Some(front) if front.segment.is_some() => front.dwell = S::ZERO,
             _ => {
                 let _ = self.queue.pop_front();
-                self.entrance = Entrance::REST;
+                self.entrance = Entrance::rest(self.entrance.tolerance_before);
                 #[cfg(feature = "outputs")]
                 self.meter.cut_stand();
             }
@@ -335,12 +335,16 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         }
         self.marks.drop_front(done.as_ref().map_or(0, |done| usize::from(done.marks)));
         self.entrance = match done {
-            Some(QueuedBlock { joint, segment, .. }) if !self.queue.is_empty() => Entrance {
-                joint,
-                length_before: segment.map_or(S::ZERO, |segment| segment.length),
-                taken: self.given,
-            },
-            _ => Entrance::REST,
+            Some(QueuedBlock { joint, segment, tolerance, .. }) if !self.queue.is_empty() => {
+                Entrance {
+                    joint,
+                    tolerance_before: Some(tolerance),
+                    length_before: segment.map_or(S::ZERO, |segment| segment.length),
+                    taken: self.given,
+                }
+            }
+            Some(QueuedBlock { tolerance, .. }) => Entrance::rest(Some(tolerance)),
+            None => Entrance::REST,
         };
         self.pass_marks(self.given);
         (self.kept, self.given) = (Length::ZERO, Length::ZERO);

@@ -105,7 +105,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let tie = if self.rested { Tie::Rest } else { Tie::Smooth };
         let ramp = Ramp::new(&config.limits, &segment.start_frame().tangent);
         let beside = beside(entrance.joint, entrance.taken, segment);
-        self.run.begin(Start { at: segment.node(s).at, tie, ramp, beside }, block.leg());
+        let at = segment.node(s).at;
+        let before = entrance.tolerance_before.filter(|_| self.rested && s == Length::ZERO);
+        self.run.begin(Start { at, tie, ramp, beside, before }, block.leg());
         self.run_from = s;
         #[cfg(feature = "outputs")]
         self.meter.begin_run(s);
@@ -139,7 +141,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let beside = beside(joint, self.kept, segment);
         let mut leg = block.leg();
         leg.programmed.tag = self.tag_at(0, until.to_mm());
-        self.run.finish(segment.node(until).at, leg, tie, beside);
+        let ahead = self.queue.get(1).filter(|_| joint == Joint::Stop);
+        let behind = ahead.map(|next| next.tolerance);
+        self.run.finish(segment.node(until).at, leg, tie, (beside, behind));
         #[cfg(feature = "outputs")]
         self.meter.add_vertex(self.run.reach(), until);
         self.stage = Stage::Run { until: Some(until) };

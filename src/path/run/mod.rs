@@ -2,12 +2,14 @@
 //!
 //! [`polyline`] holds the poly-line, thinned; [`dominant`] finds the vertices where it turns, and [`knots`] are laid
 //! along it by them; [`sliding`] makes a spline over the knots that is inside the band, by a bound ([`trial_span`]), and has
-//! [`crate::spline::sweep`] smooth it as far as the band allows; a [`span`] of it becomes cells, with the tags of the
+//! [`crate::spline::sweep`] smooth it as far as the band allows; beside lines that end at narrower ones
+//! there is less room ([`narrows`]); a [`span`] of it becomes cells, with the tags of the
 //! [`pieces`] beside it. A stretch of spans is held back: when it is full, or the
 //! run ends, it is smoothed and its first spans are handed on for good.
 
 mod dominant;
 mod knots;
+mod narrows;
 mod pieces;
 mod polyline;
 mod sliding;
@@ -60,6 +62,8 @@ pub struct Start<S, const N: usize> {
     pub ramp: Ramp<S>,
     /// Longest span next to a smooth start, mm.
     pub beside: S,
+    /// Tolerance of the line that leads there, if it starts at rest at its very end, mm.
+    pub before: Option<S>,
 }
 
 /// A run of lines.
@@ -138,9 +142,10 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     }
 
     /// Starts a run, whose first line is asked for `leg`.
-    pub fn begin(&mut self, Start { at, tie, ramp, beside }: Start<S, N>, leg: Leg<S>) {
+    pub fn begin(&mut self, Start { at, tie, ramp, beside, before }: Start<S, N>, leg: Leg<S>) {
         let rest_size = ramp.first_cell(leg.programmed.feed);
-        self.polyline.begin(at, leg);
+        let tolerance = before.unwrap_or(leg.tolerance);
+        self.polyline.begin(at, Leg { tolerance, ..leg });
         self.spline.clear();
         (self.hurried, self.brief) = (false, false);
         self.smoothing.set(None);
@@ -219,9 +224,16 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         self.look(first);
     }
 
-    /// Takes the last line, to `at`. Next to a smooth end spans are `beside` mm long at most.
+    /// Takes the last line, to `at`. Next to a smooth end spans are `beside` mm long at most; behind one at rest there may be another
+    /// tolerance, mm.
     #[inline(never)]
-    pub fn finish(&mut self, at: [Coord; N], leg: Leg<S>, tie: Tie, beside: S) {
+    pub fn finish(
+        &mut self,
+        at: [Coord; N],
+        leg: Leg<S>,
+        tie: Tie,
+        (beside, behind): (S, Option<S>),
+    ) {
         if tie == Tie::Smooth {
             // It stays as it is.
             self.polyline.settle();
@@ -231,6 +243,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         self.polyline.settle();
         self.look(true);
         self.end.set(Some(tie));
+        self.polyline.end_before(behind);
         if tie == Tie::Rest
             && let Some(last) = self.dominant.back_mut()
         {

@@ -1,6 +1,7 @@
 //! The programmed poly-line of a run, thinned a little, by its arc length.
 
 use super::VERTICES;
+use super::narrows::Room;
 use crate::number::optional::Optional;
 use crate::number::serial::Serial;
 use crate::number::vector::{Vector, dot, norm, zero};
@@ -48,6 +49,8 @@ pub struct Polyline<S, const N: usize> {
     forgotten: S,
     /// Greatest error that its lines came with, mm.
     brought: S,
+    /// Tolerance behind the last line, mm.
+    behind: Optional<S>,
 }
 
 impl<S: Scalar, const N: usize> Polyline<S, N> {
@@ -59,15 +62,17 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
             dropped: Vec::new(),
             forgotten: S::ZERO,
             brought: S::ZERO,
+            behind: Optional::NONE,
         }
     }
 
-    /// Starts anew at a point.
+    /// Starts anew at a point, to which a line leads that is no part of it.
     pub fn begin(&mut self, at: [Coord; N], leg: Leg<S>) {
         self.vertices.clear();
         self.first = VertexSerial::ZERO;
         self.growing.set(None);
         self.clear_dropped();
+        self.behind.set(None);
         self.keep(Vertex { at, s: Length::ZERO, direction: zero(), leg });
     }
 
@@ -173,6 +178,11 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
         self.clear_dropped();
     }
 
+    /// Takes note of the tolerance behind the last line, which is no part of it, mm.
+    pub fn end_before(&mut self, behind: Option<S>) {
+        self.behind.set(behind);
+    }
+
     /// Where the line starts that may become one with the next, and its tag.
     pub fn growing(&self) -> Option<(Length, u32)> {
         let tag = self.growing.as_ref()?.leg.programmed.tag;
@@ -252,15 +262,18 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
     }
 
     /// The lines that hold what lies between two arc lengths, each by the vertices at its start
-    /// and its end.
+    /// and its end, and with the room beside it.
     pub fn lines(
         &self,
         Interval { from, to }: Interval,
-    ) -> impl Iterator<Item = (&Vertex<S, N>, &Vertex<S, N>)> {
+    ) -> impl Iterator<Item = (&Vertex<S, N>, &Vertex<S, N>, Room<S>)> {
         let first = self.index(from + Length::UNIT);
         (first..self.vertices.len()).map_while(move |i| {
             let start = self.vertices.get(i.saturating_sub(1))?;
-            (start.s < to).then_some((start, self.vertices.get(i)?))
+            let end = self.vertices.get(i).filter(|_| start.s < to)?;
+            let next = self.vertices.get(i + 1).map(|next| next.leg.tolerance);
+            let behind = next.or(self.behind.as_ref().copied()).unwrap_or(end.leg.tolerance);
+            Some((start, end, Room::new(start, end, (behind, next.is_none()))))
         })
     }
 

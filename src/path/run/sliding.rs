@@ -87,6 +87,8 @@ pub struct SlidingSpline<S, const N: usize> {
     slow_points: Vec<SlowPoint<S>, SLOW_POINTS>,
     /// Reach at the end of the last span.
     reach: S,
+    /// What that may be away from the poly-line at its end, mm.
+    end_radius: S,
 }
 
 /// A stretch of which no more than this part is new...
@@ -115,6 +117,7 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
             tied: 0,
             slow_points: Vec::new(),
             reach: S::ZERO,
+            end_radius: S::ZERO,
         }
     }
 
@@ -295,7 +298,7 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
 
     fn take_span(
         &mut self,
-        TrialSpan { mut span, programmed }: TrialSpan<S>,
+        TrialSpan { mut span, programmed, end_radius }: TrialSpan<S>,
         end: Length,
         places: usize,
     ) {
@@ -311,8 +314,8 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         span.checks = (self.checks.len() - places) as u16;
         let weight = <OfLines as Kind<S>>::DERIVATIVE.first_weight(&span);
         // The place where two spans meet is held against the narrower band of the two.
-        let before = places.checked_sub(1).and_then(|last| self.checks.get(last));
-        let mut narrower = before.map(|check| check.radius);
+        let mut narrower = (places > 0).then_some(self.end_radius);
+        self.end_radius = end_radius;
         for check in part_mut(&mut self.checks, span.range()) {
             check.weight = weight;
             if let Some(radius) = narrower.take() {

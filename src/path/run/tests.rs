@@ -33,7 +33,10 @@ fn cells_within(
     let mut run = std::boxed::Box::new(Run::new());
     let mut list: Vec<Emitted<f64, 2>> = Vec::new();
     let mut last = Node { at: at(&points[0]), tangent: [0.0; 2], curvature: [0.0; 2] };
-    run.begin(Start { at: last.at, tie: Tie::Rest, ramp: ramp(), beside: 0.0 }, leg(0));
+    run.begin(
+        Start { at: last.at, tie: Tie::Rest, ramp: ramp(), beside: 0.0, before: None },
+        leg(0),
+    );
     let (end, inner) = points[1..].split_last().unwrap();
     let mut inner = inner.iter();
     let mut ended = false;
@@ -51,7 +54,7 @@ fn cells_within(
                     run.push(at(point), leg(line));
                     line += 1;
                 } else if !ended {
-                    run.finish(at(end), leg(line), Tie::Rest, 0.0);
+                    run.finish(at(end), leg(line), Tie::Rest, (0.0, None));
                     ended = true;
                 } else {
                     assert!(run.is_done(), "a run hangs");

@@ -5,6 +5,7 @@
 //! the poly-line is straight, so the difference e has the spline's own second derivative, which is
 //! linear on a span: |e| <= max(|e_a|, |e_b|) + gap^2 / 8 max |c''|.
 
+use super::narrows::Room;
 use super::polyline::{Polyline, Vertex};
 use crate::number::vector::{Vector, dot, norm, sub, zero};
 use crate::number::{Coord, Interval, Length, Scalar};
@@ -32,10 +33,12 @@ pub struct TrialSpan<S> {
     pub span: Span<S>,
     /// What is asked of its cells.
     pub programmed: Programmed<S>,
+    /// What it may be away from the poly-line at its end, mm.
+    pub end_radius: S,
 }
 
-/// A line of the poly-line: the vertices at its start and its end.
-type Line<'a, S, const N: usize> = (&'a Vertex<S, N>, &'a Vertex<S, N>);
+/// A line of the poly-line: the vertices at its start and its end, and the room beside it.
+type Line<'a, S, const N: usize> = (&'a Vertex<S, N>, &'a Vertex<S, N>, Room<S>);
 
 /// A span of the base spline.
 struct Base<S, const N: usize> {
@@ -58,7 +61,7 @@ impl<S: Scalar, const N: usize> Base<S, N> {
     ) -> Option<Self> {
         let interval = Interval { from: knots[2], to: knots[3] };
         let lines = polyline.lines(interval);
-        let leg = lines.map(|(_, end)| end.leg).reduce(|a, b| a.with(&b))?;
+        let leg = lines.map(|(_, end, _)| end.leg).reduce(|a, b| a.with(&b))?;
         Some(Self {
             local: Local::new(knots),
             interval,
@@ -75,8 +78,14 @@ impl<S: Scalar, const N: usize> Base<S, N> {
         [*b, sub(c, b), sub(d, c)]
     }
 
-    /// Held against the poly-line at an arc length, where that is `at`, or against what of a line is near there.
-    fn check(&self, s: Length, at: &[Coord; N], line: Option<Line<'_, S, N>>) -> CheckPoint<S, N> {
+    /// Held against a line at an arc length, where that is `at`, or if it `slips` against what of it is near there.
+    fn check(
+        &self,
+        s: Length,
+        at: &[Coord; N],
+        (start, end, room): Line<'_, S, N>,
+        slips: bool,
+    ) -> CheckPoint<S, N> {
         let basis = self.local.values((s - self.interval.from).to_mm());
         let [b, c, d] = &self.others;
         let there: Vector<S, N> = from_fn(|i| at[i].minus(self.origin[i]));
@@ -84,18 +93,19 @@ impl<S: Scalar, const N: usize> Base<S, N> {
         let mut check = CheckPoint {
             basis,
             off,
-            radius: self.radius,
+            radius: room.radius(s, self.radius),
             weight: S::ZERO,
             along: zero(),
             slip: Slip::NONE,
         };
-        if let Some((start, end)) = line {
+        if slips {
             let most = self.leg.tolerance * S::of(SLIP);
             check.along = end.direction;
-            check.slip = Slip {
+            let slip = Slip {
                 back: -most.least((s - start.s).to_mm()),
                 ahead: most.least((end.s - s).to_mm()),
             };
+            check.slip = room.slip(s, slip);
         }
         check
     }
@@ -105,10 +115,10 @@ impl<S: Scalar, const N: usize> Base<S, N> {
 struct Checked<'a, S, const N: usize, const CHECKS: usize> {
     list: Option<&'a mut Vec<CheckPoint<S, N>, CHECKS>>,
     count: usize,
-    /// What the spline may be away from the poly-line, and is at most, mm.
+    /// What the spline may be away from the poly-line where nothing is narrower, and is at most, with what it has less elsewhere, mm.
     radius: S,
     most: S,
-    /// Whether it is nowhere farther than that.
+    /// Whether it is nowhere farther than it may be.
     inside: bool,
 }
 
@@ -126,8 +136,8 @@ impl<S: Scalar, const N: usize, const CHECKS: usize> Checked<'_, S, N, CHECKS> {
     /// Takes note of what one misses the poly-line by.
     fn see(&mut self, check: &CheckPoint<S, N>) {
         let miss = norm(&check.slipped(&check.off));
-        self.most = self.most.greatest(miss);
-        self.inside &= miss <= self.radius;
+        self.most = self.most.greatest(miss + (self.radius - check.radius));
+        self.inside &= miss <= check.radius;
     }
 }
 
@@ -147,36 +157,37 @@ impl<S: Scalar> TrialSpan<S> {
             Checked { list, count: 0, radius: base.radius, most: S::ZERO, inside: true };
         let mut widest = Length::ZERO;
         let mut before = None;
+        let mut end_radius = base.radius;
         for line in polyline.lines(base.interval) {
-            let (start, end) = line;
+            let (start, end, _) = line;
             let (first, last) = (start.s.max(from), end.s.min(to));
             // The start: a vertex, or a point of the line.
             let at = end.beside(start, first);
             if start.s < first {
-                checked.add(base.check(first, &at, Some(line)))?;
+                checked.add(base.check(first, &at, line, true))?;
             } else if is_sharp(start, end) {
-                if first > from {
+                if let Some(before) = before {
                     // Both lines must be near where they meet.
-                    checked.add(base.check(first, &at, before))?;
+                    checked.add(base.check(first, &at, before, true))?;
                 }
-                checked.add(base.check(first, &at, Some(line)))?;
+                checked.add(base.check(first, &at, line, true))?;
             } else {
-                checked.add(base.check(first, &at, None))?;
+                checked.add(base.check(first, &at, line, false))?;
             }
             let mut gap = last - first;
             // Gaps of little more than half a span.
             if gap > (to - from) / 8 * 5 {
                 gap = gap / 2 + Length::UNIT;
                 let middle = first + gap;
-                checked.add(base.check(middle, &end.beside(start, middle), Some(line)))?;
+                checked.add(base.check(middle, &end.beside(start, middle), line, true))?;
             }
             widest = widest.max(gap);
             before = Some(line);
             if last == to {
                 let next = if end.s == to { polyline.leaving(to) } else { None };
                 let sharp = next.is_some_and(|next| is_sharp(end, next));
-                let line = (sharp || end.s > to).then_some(line);
-                let at_end = base.check(to, &end.beside(start, to), line);
+                let at_end = base.check(to, &end.beside(start, to), line, sharp || end.s > to);
+                end_radius = at_end.radius;
                 if sharp {
                     checked.add(at_end)?;
                 } else {
@@ -190,7 +201,8 @@ impl<S: Scalar> TrialSpan<S> {
         let rest = base.local.step() * base.local.step() * S::of(budget::REST);
         let span = Span::new(&base.local, gap * gap * S::of(0.125) + rest);
         let holds = checked.inside && checked.most + span.slack(&edges) <= base.radius;
-        (holds && span.goes_on(&edges)).then_some(Self { span, programmed: base.leg.programmed })
+        let programmed = base.leg.programmed;
+        (holds && span.goes_on(&edges)).then_some(Self { span, programmed, end_radius })
     }
 }
 

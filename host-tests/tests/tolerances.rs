@@ -1,0 +1,443 @@
+//! Programs whose tolerance changes between blocks: every block is kept to within its own, and the place where two meet to
+//! within the lesser.
+
+use fastrand::Rng;
+use splineway::{
+    Activity, AxisLimits, Block, Config, Coord, Feed, Limits, Link, Motion, Progress, PushError,
+    Scalar, Turn,
+};
+
+const AXES: usize = 3;
+/// Chords of an arc or curve leave it by no more, mm.
+const SAGITTA: f64 = 5.0e-6;
+/// What is granted to the finest input and to the rounding of the longest lines in `f32`, mm.
+const FINEST: f64 = 1.5e-6;
+/// Share of a tolerance that is granted to rounding.
+const ROUNDING: f64 = 5.0e-4;
+
+type Point = [f64; AXES];
+
+/// What a block does.
+#[derive(Clone, Copy, Debug)]
+enum Way {
+    Line,
+    /// About a centre in XY, by an angle that is not a full turn.
+    Arc([f64; 2], f64),
+    Curve([Point; 2]),
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    way: Way,
+    to: Point,
+    tolerance: f64,
+    feed: f64,
+    exact: bool,
+}
+
+fn distance(a: &Point, b: &Point) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+}
+
+fn towards(a: &Point, b: &Point, share: f64) -> Point {
+    std::array::from_fn(|i| a[i] + share * (b[i] - a[i]))
+}
+
+impl Step {
+    /// The place after a share of it.
+    fn at(&self, from: &Point, share: f64) -> Point {
+        match self.way {
+            Way::Line => towards(from, &self.to, share),
+            Way::Arc([x, y], angle) => {
+                let (dx, dy) = (from[0] - x, from[1] - y);
+                let (sin, cos) = (angle * share).sin_cos();
+                let z = from[2] + share * (self.to[2] - from[2]);
+                [x + cos * dx - sin * dy, y + sin * dx + cos * dy, z]
+            }
+            Way::Curve([b, c]) => {
+                let [ab, bc, cd] =
+                    [(from, &b), (&b, &c), (&c, &self.to)].map(|(a, b)| towards(a, b, share));
+                towards(&towards(&ab, &bc, share), &towards(&bc, &cd, share), share)
+            }
+        }
+    }
+
+    /// How many chords stand for it.
+    fn chords(&self, from: &Point) -> usize {
+        let square = match self.way {
+            Way::Line => return 1,
+            Way::Arc([x, y], angle) => {
+                (from[0] - x).hypot(from[1] - y) * angle * angle / (8.0 * SAGITTA)
+            }
+            Way::Curve([b, c]) => {
+                let bend = |a: &Point, b: &Point, c: &Point| {
+                    (0..AXES).map(|i| (a[i] - 2.0 * b[i] + c[i]).powi(2)).sum::<f64>().sqrt()
+                };
+                0.75 * bend(from, &b, &c).max(bend(&b, &c, &self.to)) / SAGITTA
+            }
+        };
+        (square.sqrt().ceil() as usize).clamp(8, 100_000)
+    }
+
+    /// What is granted beyond its tolerance, mm.
+    fn grant(&self) -> f64 {
+        if matches!(self.way, Way::Line) { FINEST } else { SAGITTA }
+    }
+
+    fn block<S: Scalar>(&self, tag: u32) -> Block<S, AXES> {
+        let at = |x: f64| Coord::from_mm(x).unwrap();
+        let to = self.to.map(at);
+        let motion = match self.way {
+            Way::Line => Motion::Line { to },
+            Way::Curve(controls) => {
+                Motion::Cubic { controls: controls.map(|point| point.map(at)), to }
+            }
+            Way::Arc([x, y], angle) => Motion::Arc {
+                to,
+                plane: (0, 1),
+                centre: (at(x), at(y)),
+                turn: if angle > 0.0 { Turn::CounterClockwise } else { Turn::Clockwise },
+                extra_turns: 0,
+            },
+        };
+        let feed = Feed::PerSecond(S::of(self.feed));
+        Block { motion, feed, tolerance: Some(S::of(self.tolerance)), exact_stop: self.exact, tag }
+    }
+}
+
+/// The programmed path as chords, each with the tolerance of its block, and how far the motion has come along it.
+struct Followed {
+    /// Ends of the chords, the way up to each, and the number and tolerance of its block.
+    points: Vec<(Point, f64, usize, f64)>,
+    /// Chord and way that have been reached at least, and the way that may have been.
+    chord: usize,
+    way: f64,
+    far: f64,
+    last: Point,
+    widest: f64,
+}
+
+impl Followed {
+    fn new(steps: &[Step]) -> Self {
+        let start = [0.0; AXES];
+        let mut points = vec![(start, 0.0, 0, f64::INFINITY)];
+        let (mut from, mut widest) = (start, 0.0f64);
+        for (n, step) in steps.iter().enumerate() {
+            let chords = step.chords(&from);
+            for k in 1..=chords {
+                let to =
+                    if k < chords { step.at(&from, k as f64 / chords as f64) } else { step.to };
+                let before = points[points.len() - 1];
+                let way = before.1 + distance(&before.0, &to);
+                if way > before.1 + 1.0e-9 {
+                    points.push((to, way, n, step.tolerance));
+                }
+            }
+            widest = widest.max(step.tolerance);
+            from = step.to;
+        }
+        Self { points, chord: 0, way: 0.0, far: 0.0, last: start, widest }
+    }
+
+    /// How far a place is outside, mm, and the block and tolerance by which that is least: of the blocks near the way
+    /// come so far, each in its own tolerance, or beside its end in the lesser of its own and the next's.
+    fn outside(&mut self, x: &Point) -> (f64, usize, f64) {
+        let step = distance(&self.last, x);
+        self.last = *x;
+        let reach = 20.0 * self.widest + 0.02 + 2.0 * step;
+        let mut low = self.chord;
+        while low > 0 && self.points[low].1 > self.way - reach {
+            low -= 1;
+        }
+        let near = self.far + 2.0 * step;
+        let (mut best, mut nearest) =
+            ((f64::INFINITY, 0, 0.0), (f64::INFINITY, self.chord, self.way));
+        let (mut place, mut begin, mut far) = (None, None, self.way);
+        for k in low..self.points.len() - 1 {
+            let ((a, start, ..), (b, end, block, own)) = (self.points[k], self.points[k + 1]);
+            if k > self.chord && start > self.far + reach {
+                break;
+            }
+            let length = end - start;
+            let along =
+                (0..AXES).map(|i| (x[i] - a[i]) * (b[i] - a[i])).sum::<f64>() / (length * length);
+            let off = |share: f64| distance(&towards(&a, &b, share), x);
+            let share = along.clamp(0.0, 1.0);
+            let tolerance = match share {
+                0.0 => own.min(self.points[k].3),
+                1.0 => own.min(self.points.get(k + 2).map_or(own, |next| next.3)),
+                _ => own,
+            };
+            let here = off(share);
+            if here - tolerance < best.0 {
+                best = (here - tolerance, block, tolerance);
+            }
+            if here < nearest.0 {
+                nearest = (here, k, start + share * length);
+            }
+            // Never back: a path that is run to and fro is passed twice.
+            if k >= self.chord && place.is_none() {
+                let share = share.max((self.way - start) / length).min(1.0);
+                if off(share) <= own * 1.001 + FINEST {
+                    place = Some((k, start + share * length));
+                }
+            }
+            // Where the path winds within its band nobody can tell which turn it is.
+            let band = (own * 1.001 + FINEST) / length;
+            let half = (band * band - (off(along) / length).powi(2)).sqrt();
+            let (from, to) = (along - half, along + half);
+            let before: Option<f64> = begin.take();
+            if from <= 1.0 && to >= 0.0 {
+                let since =
+                    before.filter(|_| from <= 0.0).unwrap_or(start + from.max(0.0) * length);
+                if since <= near {
+                    far = far.max(start + to.min(1.0) * length);
+                }
+                begin = (to >= 1.0).then_some(since);
+            }
+        }
+        let (chord, way) = place.unwrap_or((nearest.1, nearest.2));
+        if way > self.way {
+            (self.chord, self.way) = (chord, way);
+        }
+        self.far = far.max(self.way);
+        best
+    }
+}
+
+/// What a run came to.
+#[derive(Clone, Copy, Debug, Default)]
+struct Found {
+    time: f64,
+    /// Greatest distance from the path as a share of the tolerance there and what is granted to rounding, the block, and where.
+    share: f64,
+    block: usize,
+    at: Point,
+}
+
+/// Runs a program from the origin.
+fn run<S: Scalar>(steps: &[Step], cycle: f64) -> Found {
+    let axis = [1.0, 0.92, 0.84].map(|share| {
+        AxisLimits::linear(S::of(200.0 * share), S::of(2000.0 * share), S::of(50_000.0 * share))
+    });
+    let mut config = Config::new(Limits::new(axis).unwrap());
+    config.cycle = S::of(cycle);
+    let mut link = Box::new(Link::<S, AXES, 16, 64>::new());
+    let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; AXES]).unwrap();
+    let mut followed = Followed::new(steps);
+    let (mut next, mut finished) = (0, false);
+    let mut found = Found::default();
+    for cycles in 0.. {
+        let progress = loop {
+            while let Some(step) = steps.get(next) {
+                match planner.push(&step.block(next as u32)) {
+                    Ok(()) => next += 1,
+                    Err(PushError::Full) => break,
+                    Err(refused) => panic!("{refused}: {step:?}"),
+                }
+            }
+            if next == steps.len() && !finished {
+                planner.finish();
+                finished = true;
+            }
+            let progress = planner.poll();
+            if !matches!(progress, Progress::Planning | Progress::Planned) {
+                break progress;
+            }
+        };
+        let here = interpolator.tick();
+        let x = std::array::from_fn(|i| here.position_mm(i));
+        let (outside, block, tolerance) = followed.outside(&x);
+        let grant = tolerance * ROUNDING + steps[block].grant();
+        let share = (tolerance + outside) / (tolerance + grant);
+        if share > found.share {
+            (found.share, found.block, found.at) = (share, block, x);
+        }
+        if progress == Progress::Done && here.activity == Activity::Idle {
+            assert!(distance(&x, &steps[steps.len() - 1].to) < 2.0e-6, "beside the end");
+            found.time = f64::from(cycles) * cycle;
+            break;
+        }
+        assert!(f64::from(cycles) * cycle < 1000.0, "no end");
+    }
+    found
+}
+
+/// A number of any order of magnitude between two.
+fn any(rng: &mut Rng, least: f64, greatest: f64) -> f64 {
+    least * (greatest / least).powf(rng.f64())
+}
+
+/// A program that has not come to its end.
+struct Draft {
+    steps: Vec<Step>,
+    at: Point,
+    heading: f64,
+    tolerance: f64,
+    /// For so many blocks more.
+    alike: usize,
+    few: [f64; 3],
+    /// Of any other tolerance, mm.
+    range: [f64; 2],
+    flat: bool,
+}
+
+impl Draft {
+    fn new(rng: &mut Rng, ways: u8) -> Self {
+        let range = if ways == 1 && rng.u8(..4) == 0 { [0.0002, 1.0] } else { [0.002, 0.2] };
+        let few = [0; 3].map(|_| any(rng, range[0], range[1]));
+        let (at, flat) = ([0.0; AXES], rng.bool());
+        Self { steps: Vec::new(), at, heading: 0.0, tolerance: 0.0, alike: 0, few, range, flat }
+    }
+
+    /// Goes on in the heading, to which a way is turned.
+    fn push(&mut self, rng: &mut Rng, size: f64, feed: f64, way: u8) {
+        if self.alike == 0 {
+            let most = rng.usize(1..=10);
+            self.alike = rng.usize(1..=most);
+            self.tolerance = match rng.u8(..16) {
+                0 => 0.0,
+                1..=8 => self.few[rng.usize(..3)],
+                _ => any(rng, self.range[0], self.range[1]),
+            };
+        }
+        self.alike -= 1;
+        let from = self.at;
+        let round = |x: f64| (x * 1.0e6).round() / 1.0e6;
+        let (sin, cos) = self.heading.sin_cos();
+        let climb = if self.flat { 0.0 } else { size * 0.2 * (rng.f64() - 0.5) };
+        let bend = 3.0 * (rng.f64() - 0.5);
+        let way = match way {
+            // Tangent to the heading, with a chord as long as the size.
+            1 if bend.abs() > 0.05 && size > 0.05 => {
+                let radius = round(size / (2.0 * (0.5 * bend).sin()));
+                let centre = [round(from[0] - radius * sin), round(from[1] + radius * cos)];
+                Way::Arc(centre, bend)
+            }
+            2 => {
+                let away = |share: f64, turn: f64| {
+                    let (sin, cos) = (self.heading + turn).sin_cos();
+                    [
+                        from[0] + share * size * cos,
+                        from[1] + share * size * sin,
+                        from[2] + share * climb,
+                    ]
+                    .map(round)
+                };
+                Way::Curve([away(0.33, 0.0), away(0.67, bend * 0.3)])
+            }
+            _ => Way::Line,
+        };
+        let straight = [from[0] + size * cos, from[1] + size * sin, from[2] + climb].map(round);
+        let mut step = Step {
+            way,
+            to: straight,
+            // A curve needs some.
+            tolerance: if matches!(way, Way::Line) {
+                self.tolerance
+            } else {
+                self.tolerance.max(0.0005)
+            },
+            feed: feed.max(5.0 * size),
+            exact: rng.u8(..64) == 0,
+        };
+        match way {
+            Way::Arc(_, angle) => {
+                step.to = step.at(&from, 1.0).map(round);
+                self.heading += angle;
+            }
+            Way::Curve(_) => {
+                let (sin, cos) = (self.heading + 0.6 * bend).sin_cos();
+                step.to = [from[0] + size * cos, from[1] + size * sin, straight[2]].map(round);
+                self.heading += bend;
+            }
+            Way::Line => {}
+        }
+        self.at = step.to;
+        self.steps.push(step);
+    }
+}
+
+/// Blocks of all lengths in stretches that turn slightly, sharply, to and fro or anyhow. `ways`: of how many kinds.
+fn program(rng: &mut Rng, ways: u8) -> Vec<Step> {
+    let mut draft = Draft::new(rng, ways);
+    for _ in 0..rng.usize(1..8) {
+        let (kind, count) = (rng.u8(..6), rng.usize(1..16));
+        let (size, turn) = (any(rng, 0.02, 30.0), rng.f64() - 0.5);
+        let feed = any(rng, 3.0, 200.0);
+        for k in 0..count {
+            let size = if rng.u8(..4) == 0 { any(rng, 0.02, 30.0) } else { size };
+            draft.heading += match kind {
+                0 | 1 => turn,
+                2 => turn * rng.f64(),
+                3 => 3.0 * turn * if k % 2 == 0 { 1.0 } else { -1.0 },
+                4 => 6.0 * turn * rng.f64(),
+                _ => 0.0,
+            };
+            let way = if ways > 1 && rng.bool() { rng.u8(..ways) } else { 0 };
+            draft.push(rng, size, feed, way);
+        }
+    }
+    draft.steps
+}
+
+fn soak() -> u64 {
+    std::env::var("SOAK").ok().and_then(|factor| factor.parse().ok()).unwrap_or(1)
+}
+
+fn search<S: Scalar>(ways: u8, cases: u64) {
+    let first = std::env::var("FIRST").ok().and_then(|x| x.parse().ok()).unwrap_or(0);
+    let (mut worst, mut bad, mut time) = (0.0f64, Vec::new(), 0.0);
+    for seed in first..first + cases * soak() {
+        let mut rng = Rng::with_seed(seed);
+        let steps = program(&mut rng, ways);
+        let cycle = if rng.u8(..4) == 0 { 1.0e-4 } else { 1.0e-3 };
+        let found = run::<S>(&steps, cycle);
+        worst = worst.max(found.share);
+        time += found.time;
+        if found.share > 1.0 {
+            bad.push((seed, found));
+        }
+    }
+    bad.sort_by(|a, b| b.1.share.total_cmp(&a.1.share));
+    println!(
+        "{} {ways}: {} of {cases} bad, worst {worst} of the tolerance, {time} s",
+        S::NAME,
+        bad.len()
+    );
+    assert!(bad.is_empty(), "{:#?}", &bad[..bad.len().min(8)]);
+}
+
+#[test]
+fn lines_in_f64() {
+    search::<f64>(1, 1000);
+}
+
+#[test]
+fn lines_in_f32() {
+    search::<f32>(1, 500);
+}
+
+#[test]
+fn arcs_in_f64() {
+    search::<f64>(2, 400);
+}
+
+#[test]
+fn curves_in_f64() {
+    search::<f64>(3, 400);
+}
+
+#[test]
+fn curves_in_f32() {
+    search::<f32>(3, 200);
+}
+
+/// Behind an exact stop on a line of no tolerance a short line leads to a curve, in a wide band: the motion from rest does not
+/// begin by going back beside the stop.
+#[test]
+fn the_band_behind_an_exact_stop_begins_with_its_line() {
+    let steps = program(&mut Rng::with_seed(3779), 3);
+    let found = run::<f64>(&steps, 1.0e-3);
+    assert!(found.share <= 1.0, "{found:?}");
+}
