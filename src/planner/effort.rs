@@ -20,6 +20,8 @@ pub struct Effort<S> {
     pub plan: Work<S>,
     /// A stop, in all.
     pub stop: Work<S>,
+    /// What slows down to a lowered override, in all.
+    pub ease: Work<S>,
     /// A window that is reshaped.
     #[cfg(feature = "reshape")]
     pub shape: Work<S>,
@@ -30,6 +32,7 @@ impl<S: Scalar> Effort<S> {
     pub const NONE: Self = Self {
         plan: Work::NONE,
         stop: Work::NONE,
+        ease: Work::NONE,
         #[cfg(feature = "reshape")]
         shape: Work::NONE,
     };

@@ -7,6 +7,7 @@
 //!                └─ (seeded) ◀── Seeding                 │
 //!   Hold:       Slowing (its pieces as they are found) ───┼─▶ offered
 //!   Overrides:  Retuning ────────────────────────────────▶│
+//!   Easing:     Easing ──────────────────────────────────▶│
 //!   Reaction:   Reacting ────────────────────────────────▶│
 //!   BlockEnd:   Ending ───────────────────────────────────┘
 //!   Shape:      Shaping ──▶ Reshaped ─────────────────────▶ offered
@@ -20,6 +21,7 @@
 
 use super::command::Flow;
 use super::command::block_end::Ending;
+use super::command::easing::Easing;
 use super::command::reaction::Reacting;
 use super::command::retune::Retuning;
 use super::command::slowing::Slowing;
@@ -54,6 +56,8 @@ pub enum Purpose {
     Overrides,
     /// To come to rest at the end of a block.
     BlockEnd,
+    /// To slow down to what is asked for.
+    Easing(Overrides),
     /// To begin with what is asked for.
     Reaction(Overrides),
     /// To make the agreed motion faster.
@@ -86,6 +90,8 @@ pub enum Stage<S> {
     Seeding(Seeding<S>),
     /// Some steps of a clock that slows down, which are handed over.
     Slowing(Slowing<S>),
+    /// Some steps of a clock that slows down to a rate.
+    Easing(Easing<S>),
     /// A slice of looking for a rest at the end of a block.
     Ending(Ending<S>),
     /// A slice of a first answer to a command.
@@ -144,6 +150,7 @@ impl<S: Scalar> Making<S> {
     ) -> ControlFlow<Failure> {
         let flow = match &mut self.stage {
             Stage::Ending(ending) => horizon.go_on_ending(ending, &mut self.proposal, room),
+            Stage::Easing(easing) => horizon.go_on_easing(easing, &mut self.proposal),
             Stage::Reacting(reacting) => horizon.go_on_reacting(reacting, self.proposal, room),
             Stage::Retuning(retuning) => horizon.go_on_retuning(retuning, self.proposal, room),
             _ => return self.step_ahead(horizon, room),
@@ -255,6 +262,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 let (purpose, proposal, at) = (making.purpose, making.proposal, making.at);
                 self.abandon();
                 if failure == Failure::Unanswered {
+                    if matches!(purpose, Purpose::Easing(_)) {
+                        self.ease_again();
+                    }
                     if purpose == Purpose::Hold {
                         self.pressing.attempts = self.pressing.attempts.wrapping_add(1);
                     }
@@ -277,6 +287,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             Purpose::Ahead if ripe => {}
             Purpose::Ahead => self.effort.plan.learn(proposal.stretch.cells(), cycles),
             Purpose::Hold => self.effort.stop.learn(1, cycles),
+            Purpose::Easing(asked) => {
+                self.effort.ease.learn(1, cycles);
+                (self.pressing.reacted, self.pressing.easings) = (Some(asked), 0);
+            }
             #[cfg(feature = "reshape")]
             Purpose::Shape => self.effort.shape.learn(1, cycles),
             _ => {}
@@ -287,7 +301,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return Progress::Planned;
         }
         self.offer(proposal);
-        if matches!(purpose, Purpose::Reaction(_))
+        if matches!(purpose, Purpose::Easing(_) | Purpose::Reaction(_))
             && let Phase::Offered(offer) = &mut self.phase
         {
             // Should the command be taken back, the motion is planned on at once.
@@ -439,7 +453,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             // A stop at the end of a block is for a start that has not been taken up, too.
             Purpose::Ahead => paced && !brakes && !(wish.stop && at == self.horizon.end()),
             Purpose::Overrides => paced && !brakes,
-            Purpose::Reaction(overrides) => !brakes && wish.overrides == overrides,
+            Purpose::Easing(overrides) | Purpose::Reaction(overrides) => {
+                !brakes && wish.overrides == overrides
+            }
             Purpose::BlockEnd => paced && !brakes && (wish.stop || wish.single),
             #[cfg(feature = "reshape")]
             Purpose::Shape => paced && !brakes && !wish.stop && !wish.single,
@@ -449,8 +465,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             Branch::Cycle(cycle) => cycle.is_before(self.side.cycles()),
         };
         if passed {
-            if matches!(making.purpose, Purpose::Reaction(_)) {
-                self.pressing.reacted = None;
+            if matches!(making.purpose, Purpose::Easing(_) | Purpose::Reaction(_)) {
+                (self.pressing.reacted, self.pressing.eased) = (None, None);
             }
             if let (Purpose::BlockEnd, Phase::Following(now)) = (making.purpose, &mut self.phase) {
                 now.tried_block_end = false;
@@ -468,6 +484,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                     }
                 }
                 Purpose::Hold => self.effort.stop.learn(1, cycles),
+                Purpose::Easing(_) => self.effort.ease.learn(1, cycles),
                 #[cfg(feature = "reshape")]
                 Purpose::Shape => {
                     self.effort.shape.learn(1, cycles);

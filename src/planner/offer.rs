@@ -59,8 +59,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.decided(&offer) == Some(false) {
             #[cfg(feature = "defmt")]
             defmt::warn!("the plan from node {} came too late", offer.first.raw());
-            if offer.by_cycle && offer.taken.halt != Some(Halt::Hold) {
-                self.pressing.reacted = None;
+            if offer.taken.halt != Some(Halt::Hold) {
+                (self.pressing.reacted, self.pressing.eased) = (None, None);
             }
             self.late(offer.by_cycle);
         }

@@ -9,7 +9,8 @@
 //! | abort | everything is dropped (`drop_all`), [`Progress::Aborted`] until acknowledged | as a hold | as a hold |
 //! | hold, or an override of 0 | [`Progress::Held`] | [`brake`]: a plan that rests as soon as the limits allow; none if the plan under way already does | a plan from a node is withdrawn first, one from a servo cycle waited for |
 //! | a halt no longer wanted | - | the plan is taken further at once | - |
-//! | other overrides | in effect at once | [`retune`]: a plan at the new pace from the next servo cycle on, or from a node that is near | as for a hold |
+//! | lower overrides | in effect at once | [`easing`]: the motion slows down as soon as the limits allow; then [`retune`] from where it has | as for a hold |
+//! | higher overrides | in effect at once | [`retune`]: a plan at the new pace from the next servo cycle on, or from a node that is near | as for a hold |
 //! | stop, single block | held; in single block mode after every block, until a resume | [`block_end`]: a plan that rests at the end of a block, looked for once in every plan; none but a halt where the plan rests there anyway | withdrawn if the motion rests there before it, else waited for |
 //! | resume | ends the rest at a pause or in single block mode; a hold or a stop it has ended at the source | - | - |
 //!
@@ -19,22 +20,24 @@
 //! servo cycle, so the answer shows in the cycle after it. The cell under way is cut there: what is
 //! left of it starts at the very position, velocity and acceleration that the piece under way has
 //! at that moment, so the motion as planned before is a valid start for the solver, and the new
-//! plan joins without a step in any derivative up to the second. A hold is a march from there on ([`slowing`]); for the others
+//! plan joins without a step in any derivative up to the second. A hold is a march from there on ([`slowing`]), and so is the first answer to a lowered override ([`easing`]); for the others
 //! the cells within the distance that it takes to stop are cut finer, and the solver finds the states ([`retune`],
 //! [`block_end`]). Then the plan is offered. How many
 //! servo cycles ahead it branches off is what plans have taken so far ([`super::effort`]). If the interrupt
 //! has passed that cycle meanwhile, it refuses; then everything is as it was before and the
 //! next attempt allows more cycles.
 //!
-//! Where planning takes long, a first answer to an override comes before the whole one ([`reaction`]): a few steps for
-//! [`Aim::Slow`] or, when it is raised, [`Aim::Time`] over the path that is near. From then on the motion does
-//! what is asked for, and the whole answer branches off from that.
+//! An override has a first answer and a whole one. A lowered one is answered by a clock that slows down ([`easing`]), which takes a few slices
+//! and no solver. Where planning takes long, one that is raised is, by a few steps for [`Aim::Time`] over the path that is near
+//! ([`reaction`]); for [`Aim::Slow`] where no clock does. From then on the motion does what is asked for, and the whole answer branches
+//! off from that; it is owed until it has been taken, whatever is asked for by then.
 //!
 //! [`Aim::Slow`]: crate::profile::solver::Aim::Slow
 //! [`Aim::Time`]: crate::profile::solver::Aim::Time
 
 pub mod block_end;
 mod brake;
+pub mod easing;
 pub mod reaction;
 pub mod retune;
 pub mod slowing;
@@ -45,7 +48,7 @@ use super::phase::{Following, Halt, Offer, Phase, Rest};
 use super::{Planner, Progress};
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
-use crate::servo::control::Wish;
+use crate::servo::control::{Overrides, Wish};
 
 /// What a slice of an answer has come to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,11 +92,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if !brakes {
             (self.pressing.attempts, self.answered.quick) = (0, wish.quick);
         }
-        if wish.overrides == self.horizon.overrides() {
+        let paced = wish.overrides == self.horizon.overrides() && !self.horizon.is_eased();
+        if paced {
             (self.pressing.retunes, self.pressing.refused) = (0, None);
         }
-        self.pressing.reacted =
-            self.pressing.reacted.filter(|asked| !brakes && *asked == wish.overrides);
+        let stands = |asked: &Overrides| !brakes && *asked == wish.overrides;
+        self.pressing.reacted = self.pressing.reacted.filter(stands);
+        self.pressing.eased = self.pressing.eased.filter(stands);
         if brakes {
             if self.phase.halt() == Some(Halt::Hold) {
                 return Some(Progress::Waiting);
@@ -112,7 +117,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.phase.offer().is_some_and(stays) && !Halt::Block.is_wanted(wish) {
             self.revoke();
         }
-        if wish.overrides != self.horizon.overrides()
+        // A first answer on offer comes before the whole one.
+        let first = self.phase.offer().is_some() && self.pressing.reacted == Some(wish.overrides);
+        if !paced
+            && !first
             && !self.is_refused(wish.overrides, at)
             && self.revoke()
             && self.retune(wish.overrides, at)
@@ -134,7 +142,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             && let Some(rest) = self.horizon.agreed_block_end(at)
             && !offer.first.is_before(rest)
         {
+            let asked = self.horizon.overrides();
             self.revoke();
+            if self.horizon.overrides() != asked || self.horizon.is_eased() {
+                // A whole answer to other overrides: it waits until the motion has come farther, or both would be made for ever.
+                self.refuse(asked, at);
+            }
         }
         let Phase::Following(now) = &mut self.phase else { return None };
         if now.halt == Some(Halt::Block) {
@@ -184,7 +197,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.phase = Phase::Resting(Rest::Dropped { abort: wish.aborts });
             return Some(self.settled(Progress::Aborted));
         }
-        if wish.overrides != self.horizon.overrides() {
+        if wish.overrides != self.horizon.overrides() || self.horizon.is_eased() {
             self.horizon.set_overrides(wish.overrides);
         }
         let end = self.horizon.window.get_mut(end);

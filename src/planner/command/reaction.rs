@@ -35,6 +35,10 @@ const AT_ONCE: f64 = 3.0;
 pub struct Pressing {
     /// Overrides that the motion answers to already in part.
     pub reacted: Option<Overrides>,
+    /// Overrides for which it has been looked into whether the motion is to slow down.
+    pub eased: Option<Overrides>,
+    /// Attempts at that which have come to nothing.
+    pub easings: u8,
     /// Attempts to find a rest that have come to nothing.
     pub attempts: u8,
     /// Servo cycle of the first of them.
@@ -53,6 +57,8 @@ impl Pressing {
     /// Nothing is asked for.
     pub const NONE: Self = Self {
         reacted: None,
+        eased: None,
+        easings: 0,
         attempts: 0,
         attempted: CycleSerial::ZERO,
         retunes: 0,
@@ -161,6 +167,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         // It is a plan at the overrides that are in effect, though it is slower or faster.
         self.keep_overrides();
         self.loosen(stretch.first, stretch.last);
+        self.mark_eased(stretch.first);
         if self.holds_until(stretch, reacting.until) { Flow::Ready } else { Flow::Nothing }
     }
 

@@ -44,7 +44,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 {
     /// Begins a plan at other overrides: from a servo cycle on, or else from a node on. Whether one is in the making.
     pub(super) fn retune(&mut self, overrides: Overrides, at: NodeSerial) -> bool {
-        if self.react(overrides, at) {
+        if self.ease(overrides, at) || self.react(overrides, at) {
             return true;
         }
         let now = self.side.cycles();
@@ -54,17 +54,20 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         self.pressing.refused = None;
         let halt = self.phase.halt();
+        // The motion as it slows down is the best there is.
+        let eased = self.pressing.reacted == Some(overrides);
         while self.pressing.retunes < TRIES {
             let by_cycle = self.pressing.retunes == 0;
             self.pressing.retunes += 1;
             (self.pressing.at, self.pressing.retuned) = (at, now);
             let begun = if by_cycle {
                 let moment = self.moment_of_answer(at);
-                self.horizon.begin_retune(overrides, halt, |horizon| horizon.cut_in(moment?))
+                self.horizon
+                    .begin_retune((overrides, eased), halt, |horizon| horizon.cut_in(moment?))
             } else {
                 let node = self.horizon.branch(at, |_| S::ZERO);
                 let node = node.filter(|node| self.horizon.is_near(at, *node));
-                self.horizon.begin_retune(overrides, halt, |horizon| {
+                self.horizon.begin_retune((overrides, eased), halt, |horizon| {
                     let node = node?;
                     Some((horizon.window.clamped_index(node), Branch::Node(node)))
                 })
@@ -81,6 +84,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         self.pressing.refused = Some(overrides);
         false
+    }
+
+    /// Makes no more tries at other overrides for now.
+    pub(super) fn refuse(&mut self, overrides: Overrides, at: NodeSerial) {
+        (self.pressing.at, self.pressing.retuned) = (at, self.side.cycles());
+        self.pressing.refused = Some(overrides);
     }
 
     /// Whether the motion has come far enough since the last try for more of them.
@@ -106,38 +115,41 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// Begins a plan at other overrides from where `branch` finds it to leave the agreed one. There is a draft afterwards
-    /// only if there is an attempt.
+    /// only if there is an attempt. With `eased`, the motion slows down for these very overrides, and what it does until then is left as it is.
     fn begin_retune(
         &mut self,
-        overrides: Overrides,
+        (overrides, eased): (Overrides, bool),
         halt: Option<Halt>,
         branch: impl FnOnce(&mut Self) -> Option<(usize, Branch)>,
     ) -> Begun<S> {
         let mut stops = false;
         let begun = self.draft(|draft| {
+            let behind = draft.cells_behind_easing().filter(|_| eased);
             draft.try_overrides(overrides);
             let (first, branch) = branch(draft)?;
-            stops = branch.is_by_cycle() && draft.is_stopping(first);
+            let end = draft.end_index();
+            let from = behind.map_or(first, |cells| end.saturating_sub(cells).max(first));
+            stops = from == end || (branch.is_by_cycle() && draft.is_stopping(from));
             if stops {
                 return None;
             }
-            let end = draft.end_index();
-            draft.bound(first);
-            let speed = draft.window.get(first).map_or(S::ZERO, |station| station.state.b.sqrt());
-            let distance = draft.ramp(first, speed).greatest(draft.braking_distance(first));
+            draft.bound(from);
+            let speed = draft.window.get(from).map_or(S::ZERO, |station| station.state.b.sqrt());
+            let distance = draft.ramp(from, speed).greatest(draft.braking_distance(from));
             let by_cycle = branch.is_by_cycle();
-            let last = if by_cycle { draft.refine(first, end, distance).0 } else { end };
+            let last = if by_cycle { draft.refine(from, end, distance).0 } else { end };
             draft.bound_from(first);
             draft.loosen(first, last);
-            let mut stretch = Stretch { first, last, open: false };
+            let mut stretch = Stretch { first: from, last, open: false };
             let slower = draft.exceeds_goal(stretch);
             stretch.open = halt.is_none() && draft.is_open(stretch);
             let retuning = if slower {
                 // First down to the goal, at a penalty; then, with the speeds reached as bounds, for time.
                 Retuning::Slowing(draft.begin_improving(stretch, Aim::Slow))
             } else {
-                Retuning::Finding(draft.begin_finding(stretch, first + 1))
+                Retuning::Finding(draft.begin_finding(stretch, from + 1))
             };
+            let stretch = Stretch { first, ..stretch };
             Some((Proposal { stretch, branch, halt }, Stage::Retuning(retuning)))
         });
         match begun {
@@ -168,6 +180,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             return Flow::Working;
         }
         let stretch = proposal.stretch;
+        let found = Stretch { first: solving.first(), ..stretch };
         let runs =
             |horizon: &mut Self| horizon.holds(stretch) && horizon.crawl_in(stretch).is_none();
         match retuning {
@@ -183,7 +196,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
                 return if runs(self) { Flow::Ready } else { Flow::Nothing };
             }
         }
-        *retuning = Retuning::Improving(self.begin_improving(stretch, Aim::Time));
+        *retuning = Retuning::Improving(self.begin_improving(found, Aim::Time));
         Flow::Working
     }
 }

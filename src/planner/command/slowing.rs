@@ -100,30 +100,39 @@ impl<S: Scalar> Slowing<S> {
 
 /// How far the march has got.
 #[derive(Clone, Copy, Debug)]
-struct Place<S> {
+pub(super) struct Place<S> {
     /// Station from which the cell starts.
-    cell: usize,
+    pub cell: usize,
     /// What the clock shows since then, s.
-    shown: S,
-    clock: Clock<S>,
+    pub shown: S,
+    pub clock: Clock<S>,
 }
 
 /// Agreed pieces, as far as they are needed.
-struct Ahead<S, const N: usize> {
+pub(super) struct Ahead<S, const N: usize> {
     first: usize,
     shapes: heapless::Vec<Shape<S, N>, CELLS>,
 }
 
+impl<S: Scalar, const N: usize> Ahead<S, N> {
+    /// From the cell of station `first` on, over which this piece is agreed.
+    pub(super) fn from(first: usize, agreed: &Piece<S, N>) -> Option<Self> {
+        let mut shapes = heapless::Vec::new();
+        shapes.push(Shape::of(agreed)).ok()?;
+        Some(Self { first, shapes })
+    }
+}
+
 /// A piece to be made: of a run of the clock over the agreed piece between two instants of that, s from its start.
 #[derive(Clone, Copy, Debug)]
-struct Leg<S> {
+pub(super) struct Leg<S> {
     run: Run<S>,
     shows: [S; 2],
     sequel: Sequel,
 }
 
 impl<S: Scalar> Leg<S> {
-    fn piece<const N: usize>(&self, agreed: &Piece<S, N>) -> Piece<S, N> {
+    pub(super) fn piece<const N: usize>(&self, agreed: &Piece<S, N>) -> Piece<S, N> {
         self.run.piece(agreed, self.shows, self.sequel)
     }
 }
@@ -253,7 +262,11 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// What the axes do as agreed from station `i`.
-    fn ahead<'a>(&self, i: usize, ahead: &'a mut Ahead<S, N>) -> Option<&'a Shape<S, N>> {
+    pub(super) fn ahead<'a>(
+        &self,
+        i: usize,
+        ahead: &'a mut Ahead<S, N>,
+    ) -> Option<&'a Shape<S, N>> {
         let wanted = i.checked_sub(ahead.first)?;
         // At most as many as there is room for.
         while ahead.shapes.len() <= wanted {
@@ -329,7 +342,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
 
     /// What bounds the motion over the cell of station `i`. Where other limits come into effect behind it, neither is exceeded:
     /// what comes then goes on from there.
-    fn limits_over(&self, i: usize, quick: bool) -> Limits<S, N> {
+    pub(super) fn limits_over(&self, i: usize, quick: bool) -> Limits<S, N> {
         let sets = LimitSets::new(&self.config, &self.older);
         let number = |i| self.window.get(i).map(|station| station.cell.programmed.limits);
         let (here, behind) = (number(i).unwrap_or_default(), number(i + 1));
@@ -376,7 +389,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
 }
 
 /// A step within a cell, or to its end.
-struct Stride<'a, S, const N: usize> {
+pub(super) struct Stride<'a, S, const N: usize> {
     shape: &'a Shape<S, N>,
     place: Place<S>,
     /// Duration, s, unless it goes to the end of the cell: then about that.
@@ -387,7 +400,7 @@ struct Stride<'a, S, const N: usize> {
 }
 
 impl<'a, S: Scalar, const N: usize> Stride<'a, S, N> {
-    fn new(shape: &'a Shape<S, N>, place: Place<S>, longest: S) -> Self {
+    pub(super) fn new(shape: &'a Shape<S, N>, place: Place<S>, longest: S) -> Self {
         let Place { shown, clock, .. } = place;
         let half = S::of(0.5);
         let from = Instant::of(&shape.axes, shown);
@@ -408,8 +421,23 @@ impl<'a, S: Scalar, const N: usize> Stride<'a, S, N> {
         Self { shape, place, time, to_end, from }
     }
 
+    /// How long the agreed motion takes for its cell, s.
+    pub(super) fn cell_time(&self) -> S {
+        self.shape.time
+    }
+
+    /// How long it takes, s, about that if it goes to the end of the cell.
+    pub(super) fn time(&self) -> S {
+        self.time
+    }
+
+    /// The same for another time, s, or to the end of the cell in about that time.
+    pub(super) fn lasting(&self, time: S, to_end: bool) -> Self {
+        Self { time, to_end, ..*self }
+    }
+
     /// The bends at which the limits are kept.
-    fn bends(&self, limits: &Limits<S, N>, share: S) -> Option<[S; 2]> {
+    pub(super) fn bends(&self, limits: &Limits<S, N>, share: S) -> Option<[S; 2]> {
         let Place { shown, clock, .. } = self.place;
         let last = if self.to_end {
             self.shape.time
@@ -421,7 +449,7 @@ impl<'a, S: Scalar, const N: usize> Stride<'a, S, N> {
     }
 
     /// The bend after which the clock goes evenly, or else the greatest.
-    fn release(&self, [least, most]: [S; 2]) -> S {
+    pub(super) fn release(&self, [least, most]: [S; 2]) -> S {
         most.least(-self.place.clock.slope / self.time).greatest(least)
     }
 
@@ -436,7 +464,7 @@ impl<'a, S: Scalar, const N: usize> Stride<'a, S, N> {
     }
 
     /// How long it takes at a bend, s, and where it ends; `None` if the clock stops or the cell ends before.
-    fn end(&self, bend: S) -> Option<(S, Place<S>)> {
+    pub(super) fn end(&self, bend: S) -> Option<(S, Place<S>)> {
         let Place { cell, shown, clock } = self.place;
         let left = self.shape.time - shown;
         if self.to_end {
@@ -451,7 +479,7 @@ impl<'a, S: Scalar, const N: usize> Stride<'a, S, N> {
     }
 
     /// The same with its piece.
-    fn take(&self, bend: S) -> Option<(Leg<S>, Place<S>)> {
+    pub(super) fn take(&self, bend: S) -> Option<(Leg<S>, Place<S>)> {
         let (about, to) = self.end(bend)?;
         let (last, sequel) = if self.to_end {
             (self.shape.time, Sequel::Motion)

@@ -101,7 +101,7 @@ fn run<S: Scalar>(seed: u64, slices: u32) -> Interrupted {
             match planner.making.as_ref().map(|making| making.purpose) {
                 Some(Purpose::Hold) => interrupted[0] += 1,
                 Some(Purpose::Overrides) => interrupted[1] += 1,
-                Some(Purpose::Reaction(_)) => interrupted[2] += 1,
+                Some(Purpose::Easing(_) | Purpose::Reaction(_)) => interrupted[2] += 1,
                 _ => {}
             }
             match draws.below(8) {

@@ -167,20 +167,22 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
 
     /// A station in the middle of the cell of station `i`, `t` seconds after its start, in the
     /// motion as agreed: the rest of the cell is run as if nothing had been cut.
-    fn station_within(&self, i: usize, t: S) -> Option<Station<S, N>> {
-        self.station_between(i, t, self.window.get(i + 1)?.agreed)
+    pub fn station_within(&self, i: usize, t: S) -> Option<Station<S, N>> {
+        let (station, after) = self.window.pair(i)?;
+        self.station_between(i, t, [station.agreed, after.agreed])
     }
 
     /// The same in the motion of the draft.
     #[cfg(feature = "reshape")]
     pub fn station_on_the_way(&self, i: usize, t: S) -> Option<Station<S, N>> {
-        self.station_between(i, t, self.window.get(i + 1)?.state)
+        let (station, after) = self.window.pair(i)?;
+        self.station_between(i, t, [station.state, after.state])
     }
 
-    /// The same in the motion that arrives in a state at the next station.
-    fn station_between(&self, i: usize, t: S, arriving: PathState<S>) -> Option<Station<S, N>> {
+    /// The same in the motion from a state to another at the next station.
+    fn station_between(&self, i: usize, t: S, states: [PathState<S>; 2]) -> Option<Station<S, N>> {
         let (station, after) = self.window.pair(i)?;
-        let piece: Piece<S, N> = self.piece(i, arriving, Sequel::Motion)?;
+        let piece: Piece<S, N> = self.piece_between(i, states, Sequel::Motion)?;
         let here = piece.at(t);
         let distance = here.path_offset;
         if !(here.path_speed > self.crawl() * S::of(LEAST_SPEED)) {
@@ -223,7 +225,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         cut.arc_length = station.arc_length.plus(distance);
         cut.state = state;
         cut.agreed = state;
-        cut.lead_to(&after.node.at, arriving, piece.time - t);
+        cut.lead_to(&after.node.at, states[1], piece.time - t);
         (cut.cell.length > S::ZERO).then_some(cut)
     }
 

@@ -42,6 +42,7 @@ pub struct Draft<S, const N: usize> {
     stage: Stage,
     /// Overrides that were in effect before.
     overrides: Overrides,
+    eased: Option<NodeSerial>,
     /// The station whose cell was under way, as it was, with its running number.
     pub replaced: Option<(NodeSerial, Station<S, N>)>,
     /// Whether it is run by a clock that slows down.
@@ -65,6 +66,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         self.draft.set(Some(Draft {
             stage: Stage::Making,
             overrides: self.overrides,
+            eased: self.eased,
             replaced: None,
             slows: false,
             added: heapless::Vec::new(),
@@ -101,6 +103,12 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         }
     }
 
+    /// The draft answers to overrides in part only, up to station `i`.
+    pub fn mark_eased(&mut self, i: usize) {
+        debug_assert!(self.has_draft());
+        self.eased = Some(self.window.serial(i));
+    }
+
     /// Makes the draft, which starts at node `first` and ends at node `end`, the agreed plan.
     pub fn commit(&mut self, first: NodeSerial, end: NodeSerial) {
         debug_assert!(self.draft.as_ref().is_some_and(|draft| draft.stage == Stage::Offered));
@@ -123,9 +131,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     pub fn drop_draft(&mut self) {
         debug_assert!(self.has_draft());
         self.take_back();
-        let Some(Draft { overrides, replaced, .. }) = self.draft.as_ref() else { return };
+        let Some(Draft { overrides, eased, replaced, .. }) = self.draft.as_ref() else { return };
         let paced = self.overrides == *overrides;
-        self.overrides = *overrides;
+        (self.overrides, self.eased) = (*overrides, *eased);
         if let Some((serial, original)) = replaced {
             let i = self.window.clamped_index(*serial);
             if let Some(station) = self.window.get_mut(i) {

@@ -73,6 +73,8 @@ pub struct Horizon<S: Scalar, const N: usize, const NODES: usize> {
     end: NodeSerial,
     /// Node up to which it is run by a clock that slows down.
     slowed: Option<NodeSerial>,
+    /// Node up to which it slows down, or gathers speed, for overrides that it does not answer to in whole.
+    eased: Option<NodeSerial>,
     /// Overrides in effect.
     overrides: Overrides,
     draft: Optional<Draft<S, N>>,
@@ -89,6 +91,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         solver: Solver::new(),
         end: NodeSerial::ZERO,
         slowed: None,
+        eased: None,
         overrides: Overrides { feed: 0, rapid: 0 },
         draft: Optional::NONE,
         steps: 0,
@@ -102,7 +105,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         self.older = OlderLimits::NONE;
         self.window.begin(node, first);
         self.end = first;
-        self.slowed = None;
+        (self.slowed, self.eased) = (None, None);
         self.overrides = Overrides::PROGRAMMED;
         self.draft.set(None);
         self.steps = 0;
@@ -125,6 +128,16 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         self.slowed.is_some_and(|end| at.is_before(end))
     }
 
+    /// Whether it answers to overrides in part only: a whole answer is owed, whatever they are by now.
+    pub fn is_eased(&self) -> bool {
+        self.eased.is_some()
+    }
+
+    /// Cells from where such a part has come to its speed to the end of the agreed plan.
+    pub fn cells_behind_easing(&self) -> Option<usize> {
+        self.eased.map(|node| self.end_index().saturating_sub(self.window.clamped_index(node)))
+    }
+
     /// Overrides in effect.
     pub fn overrides(&self) -> Overrides {
         self.overrides
@@ -132,14 +145,14 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
 
     /// Puts other overrides into effect, on all cells.
     pub fn set_overrides(&mut self, overrides: Overrides) {
-        self.overrides = overrides;
+        (self.overrides, self.eased) = (overrides, None);
         self.bound_from(0);
     }
 
     /// Puts other overrides into effect in the draft, on no cell yet.
     pub fn try_overrides(&mut self, overrides: Overrides) {
         debug_assert!(self.has_draft());
-        self.overrides = overrides;
+        (self.overrides, self.eased) = (overrides, None);
     }
 
     /// Other limits for the blocks to come. Whether there was room for those in effect now.

@@ -218,7 +218,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// Stations that one answer may still add.
-    pub(super) fn room_to_add(&self) -> usize {
+    pub fn room_to_add(&self) -> usize {
         let added = self.draft.as_ref().map_or(ADDED, |draft| draft.added.len());
         (ADDED - added).min(self.window.room())
     }
