@@ -12,13 +12,15 @@ const USUAL: f64 = 1.25;
 /// What an estimate adds to the mean: mean deviations, and servo cycles, since a count of them is rounded down at either end.
 const DEVIATIONS: f64 = 3.0;
 const RESERVE_CYCLES: f64 = 2.0;
+/// What one adds to it that may be too small.
+const ROUNDED: f64 = 0.5;
 
 /// What plans and stops take, from the first slice to the offer.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort<S> {
     /// A plan, for each of the cells that it is looked for over.
     pub plan: Work<S>,
-    /// A stop, in all.
+    /// A stop, or a stage of one, for each of its slices.
     pub stop: Work<S>,
     /// What slows down to a lowered override, in all.
     pub ease: Work<S>,
@@ -62,6 +64,17 @@ impl<S: Scalar> Work<S> {
         self.deviation += (off.abs() - self.deviation) * S::of(NEW_IN_DEVIATION);
     }
 
+    /// What is known of others that take so many times as long.
+    pub fn times(&self, factor: f64) -> Self {
+        let factor = S::of(factor);
+        Self { mean: self.mean * factor, deviation: self.deviation * factor }
+    }
+
+    /// Whether anything is known, and that it takes time.
+    pub fn is_known(&self) -> bool {
+        self.mean > S::ZERO
+    }
+
     /// Servo cycles within which so many parts are done but for one time in some; 0 if they take none.
     pub fn cycles(&self, parts: usize) -> S {
         with_reserve((self.mean + self.deviation * S::of(DEVIATIONS)) * S::from_u32(parts as u32))
@@ -70,6 +83,13 @@ impl<S: Scalar> Work<S> {
     /// Servo cycles that so many parts take as a rule; 0 if they take none.
     pub fn usual(&self, parts: usize) -> S {
         with_reserve(self.mean * S::of(USUAL) * S::from_u32(parts as u32))
+    }
+}
+
+impl<S: Scalar> Work<S> {
+    /// Servo cycles that so many parts take as a rule, where one that comes too late costs little.
+    pub fn within(&self, parts: usize) -> S {
+        self.mean * S::of(USUAL) * S::from_u32(parts as u32) + S::of(ROUNDED)
     }
 }
 

@@ -6,6 +6,7 @@
 //!                │                  ▼                    │
 //!                └─ (seeded) ◀── Seeding                 │
 //!   Hold:       Slowing (its pieces as they are found) ───┼─▶ offered
+//!                  └─ (a stage of it, the rest evenly) ──▶│
 //!   Overrides:  Retuning ────────────────────────────────▶│
 //!   Easing:     Easing ──────────────────────────────────▶│
 //!   Reaction:   Reacting ────────────────────────────────▶│
@@ -25,6 +26,7 @@ use super::command::easing::Easing;
 use super::command::reaction::Reacting;
 use super::command::retune::Retuning;
 use super::command::slowing::Slowing;
+use super::command::stages::Marched;
 use super::horizon::{Horizon, Proposal};
 use super::phase::{Halt, Phase};
 #[cfg(feature = "reshape")]
@@ -73,6 +75,8 @@ pub struct Making<S> {
     /// Servo cycle in which it was begun, and where the motion was.
     began: CycleSerial,
     at: NodeSerial,
+    /// Slices so far.
+    slices: u16,
     /// Whether its states have been found for long, and it waits until more of it can be reshaped.
     #[cfg(feature = "reshape")]
     ripe: bool,
@@ -222,6 +226,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return progress;
         }
         let Some(making) = &mut self.making else { return Progress::Waiting };
+        making.slices = making.slices.saturating_add(1);
         if let Stage::Publishing { next } = making.stage {
             let proposal = making.proposal;
             let last = proposal.stretch.last.min(next + PIECES);
@@ -245,13 +250,18 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         let step = if let Stage::Slowing(slowing) = &mut making.stage {
             let side = &mut self.side;
+            slowing.look_at(side.cycles());
             match self
                 .horizon
                 .go_on_slowing(slowing, &mut making.proposal, |piece| side.write(piece))
             {
-                Flow::Working => ControlFlow::Continue(()),
-                Flow::Ready => return self.made(),
-                Flow::Nothing => ControlFlow::Break(Failure::Unanswered),
+                Marched::Working => ControlFlow::Continue(()),
+                Marched::Rests => return self.made(),
+                Marched::Evens { next } => {
+                    making.stage = Stage::Publishing { next };
+                    ControlFlow::Continue(())
+                }
+                Marched::Nothing => ControlFlow::Break(Failure::Unanswered),
             }
         } else {
             making.step(&mut *self.horizon, self.side.room())
@@ -278,7 +288,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// All pieces of a plan have been written: offers it.
     fn made(&mut self) -> Progress {
         let Some(making) = self.making.take() else { return Progress::Waiting };
-        let Making { purpose, began, proposal, .. } = making;
+        let Making { purpose, began, proposal, slices, .. } = making;
         #[cfg(feature = "reshape")]
         let ripe = making.ripe;
         let cycles = self.side.cycles().since(began).unwrap_or(0);
@@ -286,10 +296,16 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             #[cfg(feature = "reshape")]
             Purpose::Ahead if ripe => {}
             Purpose::Ahead => self.effort.plan.learn(proposal.stretch.cells(), cycles),
-            Purpose::Hold => self.effort.stop.learn(1, cycles),
             Purpose::Easing(asked) => {
                 self.effort.ease.learn(1, cycles);
                 (self.pressing.reacted, self.pressing.easings) = (Some(asked), 0);
+            }
+            Purpose::Hold => {
+                // A rest that is agreed anyway is no work.
+                if slices > 1 {
+                    self.effort.stop.learn(usize::from(slices), cycles);
+                }
+                self.pressing.attempts = 0;
             }
             #[cfg(feature = "reshape")]
             Purpose::Shape => self.effort.shape.learn(1, cycles),
@@ -343,6 +359,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             proposal,
             began,
             at,
+            slices: 0,
             #[cfg(feature = "reshape")]
             ripe: false,
             stage,
@@ -473,6 +490,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             }
             let cells = making.proposal.stretch.cells();
             let cycles = self.side.cycles().since(making.began).unwrap_or(0);
+            let slices = usize::from(making.slices);
             let (purpose, by_cycle) = (making.purpose, making.proposal.branch.is_by_cycle());
             match purpose {
                 Purpose::Ahead => {
@@ -483,8 +501,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                         self.vain = Some(Vain { at, last: self.last_node() });
                     }
                 }
-                Purpose::Hold => self.effort.stop.learn(1, cycles),
                 Purpose::Easing(_) => self.effort.ease.learn(1, cycles),
+                Purpose::Hold => self.effort.stop.learn(slices, cycles),
                 #[cfg(feature = "reshape")]
                 Purpose::Shape => {
                     self.effort.shape.learn(1, cycles);

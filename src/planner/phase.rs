@@ -38,6 +38,8 @@ use crate::servo::control::Wish;
 pub enum Halt {
     /// As soon as the limits allow.
     Hold,
+    /// Wherever: the motion slows down for a hold, and the next stage of that follows.
+    Slowing,
     /// At the end of a block.
     Block,
 }
@@ -46,7 +48,7 @@ impl Halt {
     /// Whether it is still asked for.
     pub fn is_wanted(self, wish: &Wish) -> bool {
         match self {
-            Self::Hold => wish.holds(),
+            Self::Hold | Self::Slowing => wish.holds(),
             Self::Block => wish.stop || wish.single,
         }
     }

@@ -22,6 +22,8 @@ pub const EVENTS: usize = 4;
 pub const QUEUE: usize = 16;
 /// Nodes of the planning window where motion is reshaped, which takes room for its stations.
 pub const RESHAPED_NODES: usize = 256;
+/// Bytes that a round takes from the line at most: what is dropped for an abort must not take longer than what a real line brings.
+pub const LINE: usize = 128;
 /// Most commands in a run.
 pub const COMMANDS: usize = 8;
 
@@ -248,9 +250,12 @@ impl<I: Iterator<Item = u8>> Line<I> {
         Self { frames, open: false }
     }
 
-    /// Gives the background as much as it takes.
+    /// Gives the background as much as it takes, or a round of it.
     pub fn feed<const NODES: usize>(&mut self, background: &mut Loop<'_, '_, NODES>) {
-        while !background.is_full() {
+        for _ in 0..LINE {
+            if background.is_full() {
+                return;
+            }
             let Some(byte) = self.frames.next() else { return };
             let _ = background.receive(byte);
             // The first frame opens the session, which is answered by the next planning step.

@@ -1,6 +1,7 @@
 //! Coming to rest on the path as soon as the limits allow.
 
 use super::slowing::{ATTEMPTS, Begun};
+use super::stages::Start;
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::planner::Planner;
@@ -9,9 +10,6 @@ use crate::planner::making::Purpose;
 use crate::planner::phase::{Halt, Phase};
 use crate::profile::solver::Stretch;
 use crate::servo::link::Branch;
-
-/// Cells that take as much work in a plan ahead as a stop does in all, as long as none has been measured.
-const CELLS: usize = 10;
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     Planner<'_, S, N, BLOCKS, NODES>
@@ -27,8 +25,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             });
             return self.propose(Purpose::Hold, made) || self.rest_next(Halt::Hold);
         }
-        if self.horizon.is_slowed(at) {
+        if self.horizon.slows_to_rest(at) {
             return self.rest_as_agreed();
+        }
+        let handover = self.horizon.handover(at);
+        if self.horizon.is_slowed(at) && handover.is_none() {
+            // Until the clock goes evenly.
+            return false;
         }
         let now = self.side.cycles();
         if usize::from(self.pressing.attempts) >= ATTEMPTS {
@@ -41,9 +44,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.pressing.attempts == 0 {
             self.pressing.attempted = now;
         }
-        let needed = self.effort.stop.cycles(1);
-        let needed = if needed > S::ZERO { needed } else { self.effort.plan.usual(CELLS) };
-        match self.horizon.begin_slowing(self.moment_after(needed), self.pressing.attempts, quick) {
+        let (needed, staging) = self.stage_of_stop(handover, at);
+        let start = match handover {
+            Some(handover) => Start::Handover(handover),
+            None => Start::Moment(self.moment_after(needed)),
+        };
+        match self.horizon.begin_slowing(start, self.pressing.attempts, quick, staging) {
             Begun::Attempt(begun) => self.make((Purpose::Hold, at), Some(begun)),
             // The rest that the plan comes to anyway may be nearer than any other.
             Begun::Soon => self.rest_as_agreed(),
@@ -86,7 +92,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let i = self.horizon.window.clamped_index(node);
         let stretch = Stretch { first: i, last: i, open: false };
         let purpose = match halt {
-            Halt::Hold => Purpose::Hold,
+            Halt::Hold | Halt::Slowing => Purpose::Hold,
             Halt::Block => Purpose::BlockEnd,
         };
         let branch = Branch::Node(node);

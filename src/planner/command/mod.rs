@@ -7,7 +7,7 @@
 //! | asked for | at rest | in motion | with a plan on offer |
 //! |---|---|---|---|
 //! | abort | everything is dropped (`drop_all`), [`Progress::Aborted`] until acknowledged | as a hold | as a hold |
-//! | hold, or an override of 0 | [`Progress::Held`] | [`brake`]: a plan that rests as soon as the limits allow; none if the plan under way already does | a plan from a node is withdrawn first, one from a servo cycle waited for |
+//! | hold, or an override of 0 | [`Progress::Held`] | [`brake`]: a plan that rests as soon as the limits allow, or the first and the next stage of it; none if the plan under way already does | a plan from a node is withdrawn first, one from a servo cycle waited for |
 //! | a halt no longer wanted | - | the plan is taken further at once | - |
 //! | lower overrides | in effect at once | [`easing`]: the motion slows down as soon as the limits allow; then [`retune`] from where it has | as for a hold |
 //! | higher overrides | in effect at once | [`retune`]: a plan at the new pace from the next servo cycle on, or from a node that is near | as for a hold |
@@ -20,7 +20,8 @@
 //! servo cycle, so the answer shows in the cycle after it. The cell under way is cut there: what is
 //! left of it starts at the very position, velocity and acceleration that the piece under way has
 //! at that moment, so the motion as planned before is a valid start for the solver, and the new
-//! plan joins without a step in any derivative up to the second. A hold is a march from there on ([`slowing`]), and so is the first answer to a lowered override ([`easing`]); for the others
+//! plan joins without a step in any derivative up to the second. A hold is a march from there on ([`slowing`]), in stages where planning takes
+//! time ([`stages`]), and so is the first answer to a lowered override ([`easing`]); for the others
 //! the cells within the distance that it takes to stop are cut finer, and the solver finds the states ([`retune`],
 //! [`block_end`]). Then the plan is offered. How many
 //! servo cycles ahead it branches off is what plans have taken so far ([`super::effort`]). If the interrupt
@@ -41,6 +42,7 @@ pub mod easing;
 pub mod reaction;
 pub mod retune;
 pub mod slowing;
+pub mod stages;
 #[cfg(test)]
 mod tests;
 
@@ -100,7 +102,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         self.pressing.reacted = self.pressing.reacted.filter(stands);
         self.pressing.eased = self.pressing.eased.filter(stands);
         if brakes {
-            if self.phase.halt() == Some(Halt::Hold) {
+            let slows = self.phase.halt() == Some(Halt::Slowing);
+            if self.phase.halt() == Some(Halt::Hold) || (slows && self.phase.offer().is_some()) {
                 return Some(Progress::Waiting);
             }
             let quick = wish.quick != self.answered.quick;
@@ -180,7 +183,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         let (mut rest, ended) = match self.phase {
             // A plan may end with a block by itself, where no more was known in time.
-            Phase::Following(Following { halt: None, .. }) => {
+            Phase::Following(Following { halt: None | Some(Halt::Slowing), .. }) => {
                 (Rest::IDLE, self.horizon.ends_block(end))
             }
             Phase::Following(Following { halt, .. }) => (Rest::IDLE, halt == Some(Halt::Block)),

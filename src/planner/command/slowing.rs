@@ -8,12 +8,14 @@
 //! within a step each, they are the last ones.
 //!
 //! The pieces are handed over as they are found; no solver is asked, and nothing is found that has to be improved. They are more
-//! than one to a cell ([`Sequel::Within`]): no plan branches off from within them ([`Horizon::is_slowed`]).
+//! than one to a cell ([`Sequel::Within`]): no plan branches off from within them ([`Horizon::is_slowed`]), but for the next stage of a stop,
+//! at a node that is put there for it ([`stages`](super::stages)).
 
-use super::Flow;
+use super::stages::{Marched, Staging, Start};
 use crate::machine::{LimitSets, Limits};
 use crate::number::Scalar;
-use crate::planner::horizon::{Horizon, Moment, Proposal};
+use crate::number::serial::CycleSerial;
+use crate::planner::horizon::{Handover, Horizon, Proposal};
 use crate::planner::making::Stage;
 use crate::planner::phase::Halt;
 use crate::profile::clock::{Clock, Instant, Shape};
@@ -32,16 +34,16 @@ const HALF_WAY: f64 = 2.0;
 /// Steps in which the clock must be able to go evenly again.
 const RELEASE_STEPS: usize = 48;
 /// Share of the limits with which that is tried: what is known of a step before it is taken is not exact.
-const RELEASED: f64 = 0.96;
+pub(super) const RELEASED: f64 = 0.96;
 /// From this part of all the pieces on that there may be, each step is longer than the one before by this factor.
 const MANY: usize = 2;
 const LONGER: f64 = 1.06;
 /// Where no step can be taken, one so much shorter is tried.
-const SHORTER: f64 = 0.5;
+pub(super) const SHORTER: f64 = 0.5;
 /// Halvings in the search for the hardest bend.
 const HALVINGS: u32 = 3;
 /// Steps taken in one slice.
-const STEPS_PER_SLICE: usize = 2;
+pub(super) const STEPS_PER_SLICE: usize = 2;
 /// Where a motion turns, a step takes at most this share of the time in which its velocity changes by as much as there is of it,
 /// but at least this share of what it takes elsewhere.
 const CALM: f64 = 0.15;
@@ -59,7 +61,7 @@ const LONGEST_LAST: f64 = 1.5;
 /// Servo cycles that the pieces last at least which stop it.
 const SHORTEST: f64 = 0.5;
 /// A slope that is none, in parts of 1 / step.
-const EVEN: f64 = 1.0e-5;
+pub(super) const EVEN: f64 = 1.0e-5;
 
 /// The rest that the plan comes to anyway is taken if the shortest stop takes as long but for this factor and
 /// so many servo cycles.
@@ -80,20 +82,27 @@ pub enum Begun<S> {
 /// A march under way.
 #[derive(Clone, Copy, Debug)]
 pub struct Slowing<S> {
-    place: Place<S>,
+    pub(super) place: Place<S>,
     /// Duration of a step, s.
-    step: S,
+    pub(super) step: S,
     /// Share of the limits.
-    share: S,
+    pub(super) share: S,
     /// Whether by the stop limits.
-    quick: bool,
+    pub(super) quick: bool,
     /// Pieces handed over.
-    pieces: usize,
+    pub(super) pieces: usize,
+    /// How far the stage has got, if it is one.
+    pub(super) staging: Staging<S>,
 }
 
 impl<S: Scalar> Slowing<S> {
+    /// Looks at the clock before a slice.
+    pub fn look_at(&mut self, now: CycleSerial) {
+        self.staging.look_at(now);
+    }
+
     /// Duration of the next step, s.
-    fn next<const NODES: usize>(&self) -> S {
+    pub(super) fn next<const NODES: usize>(&self) -> S {
         if self.pieces > NODES / MANY { self.step * S::of(LONGER) } else { self.step }
     }
 }
@@ -102,10 +111,10 @@ impl<S: Scalar> Slowing<S> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place<S> {
     /// Station from which the cell starts.
-    pub cell: usize,
+    pub(super) cell: usize,
     /// What the clock shows since then, s.
-    pub shown: S,
-    pub clock: Clock<S>,
+    pub(super) shown: S,
+    pub(super) clock: Clock<S>,
 }
 
 /// Agreed pieces, as far as they are needed.
@@ -126,9 +135,9 @@ impl<S: Scalar, const N: usize> Ahead<S, N> {
 /// A piece to be made: of a run of the clock over the agreed piece between two instants of that, s from its start.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Leg<S> {
-    run: Run<S>,
-    shows: [S; 2],
-    sequel: Sequel,
+    pub(super) run: Run<S>,
+    pub(super) shows: [S; 2],
+    pub(super) sequel: Sequel,
 }
 
 impl<S: Scalar> Leg<S> {
@@ -139,35 +148,42 @@ impl<S: Scalar> Leg<S> {
 
 /// What comes of a step: one leg, or the two or one that stop the clock; and where it leads.
 #[derive(Clone, Copy, Debug)]
-struct Stepped<S> {
-    legs: [Option<Leg<S>>; 2],
-    to: Place<S>,
+pub(super) struct Stepped<S> {
+    pub(super) legs: [Option<Leg<S>>; 2],
+    pub(super) to: Place<S>,
 }
 
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// Begins a stop. There is a draft afterwards only if there is an attempt.
     pub(super) fn begin_slowing(
         &mut self,
-        moment: Option<Moment<S>>,
+        start: Start<S>,
         attempt: u8,
         quick: bool,
+        mut staging: Staging<S>,
     ) -> Begun<S> {
         let mut soon = false;
         let begun = self.draft(|draft| {
             let (share, longer) = *SHARES.get(usize::from(attempt) % SHARES.len())?;
-            let (first, branch) = draft.cut_in(moment?)?;
+            let (first, branch, clock) = draft.branch_off(start, &mut staging)?;
             draft.window.measure(first);
             let stretch = draft.stretch_from(first);
-            let least = draft.stop_time(first, &draft.limits_over(first, quick));
+            let from = draft.window.get(first)?.state;
+            let from = PathState {
+                b: from.b * clock.rate * clock.rate,
+                a: from.a * clock.rate * clock.rate + from.b.sqrt() * clock.slope,
+            };
+            let least = draft.stop_time(first, from, &draft.limits_over(first, quick));
             soon = draft.rests_soon(stretch, least);
             if soon {
                 return None;
             }
             let step =
                 (least * S::of(1.0 / STEPS)).greatest(draft.config.cycle * S::of(LEAST_CYCLES));
-            let place = Place { cell: first, shown: S::ZERO, clock: Clock::NORMAL };
+            let place = Place { cell: first, shown: S::ZERO, clock };
             let step = step * S::of(longer);
-            let slowing = Slowing { place, step, share: S::of(share), quick, pieces: 0 };
+            let share = S::of(share);
+            let slowing = Slowing { place, step, share, quick, pieces: 0, staging };
             let proposal = Proposal { stretch, branch, halt: Some(Halt::Hold) };
             Some((proposal, Stage::Slowing(slowing)))
         });
@@ -198,28 +214,41 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         slowing: &mut Slowing<S>,
         proposal: &mut Proposal,
         mut hand_over: impl FnMut(&Piece<S, N>),
-    ) -> Flow {
+    ) -> Marched {
+        if let Some(release) = slowing.staging.released {
+            return self.go_on_releasing(slowing, release, proposal, hand_over);
+        }
         let stretch = proposal.stretch;
         let mut ahead = Ahead { first: slowing.place.cell, shapes: heapless::Vec::new() };
         for _ in 0..STEPS_PER_SLICE {
             if slowing.pieces + 3 > NODES {
-                return Flow::Nothing;
+                return Marched::Nothing;
             }
-            let Some(agreed) = self.agreed_piece(slowing.place.cell) else { return Flow::Nothing };
+            let Some(agreed) = self.agreed_piece(slowing.place.cell) else {
+                return Marched::Nothing;
+            };
             if ahead.shapes.is_empty() && ahead.shapes.push(Shape::of(&agreed)).is_err() {
-                return Flow::Nothing;
+                return Marched::Nothing;
             }
             let stepped = self.step(slowing, &agreed, stretch, &mut ahead).or_else(|| {
                 let shorter = Slowing { step: slowing.step * S::of(SHORTER), ..*slowing };
                 self.step(&shorter, &agreed, stretch, &mut ahead)
             });
-            let Some(Stepped { legs, to }) = stepped else { return Flow::Nothing };
+            let Some(mut stepped) = stepped else {
+                let ends = slowing.end_stage();
+                return if ends { Marched::Working } else { Marched::Nothing };
+            };
+            let to = stepped.to;
             let stops = to.clock == Clock::STOPPED;
             let Some(end) = (if stops { self.put_rest_at(to) } else { Some(to.cell) }) else {
-                return Flow::Nothing;
+                let ends = slowing.end_stage();
+                return if ends { Marched::Working } else { Marched::Nothing };
             };
             let rests = stops || end == stretch.last;
-            for leg in legs.iter().flatten() {
+            if !rests {
+                self.hand_over_behind(&mut stepped, slowing, proposal);
+            }
+            for leg in stepped.legs.iter().flatten() {
                 let mut piece = leg.piece(&agreed);
                 if rests
                     && leg.sequel != Sequel::Within
@@ -230,18 +259,22 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
                 }
                 hand_over(&piece);
             }
-            (slowing.place, slowing.pieces) = (to, slowing.pieces + 1);
+            slowing.pieces += 1;
             slowing.step = slowing.next::<NODES>();
             if rests {
                 return self.rest_at(stretch.first, end, proposal);
             }
+            slowing.place = stepped.to;
+            if slowing.staging.released.is_some() {
+                return Marched::Working;
+            }
         }
-        Flow::Working
+        Marched::Working
     }
 
     /// Puts a station where the clock stops.
     #[inline(never)]
-    fn put_rest_at(&mut self, place: Place<S>) -> Option<usize> {
+    pub(super) fn put_rest_at(&mut self, place: Place<S>) -> Option<usize> {
         let station = self.window.get(place.cell)?;
         let (whole, apart) = (station.cell.length, self.apart(station.bounds.jerk));
         if !self.cut_at_rest(place.cell, place.shown) {
@@ -252,13 +285,19 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// The march has come to station `last`, at which the motion rests.
-    fn rest_at(&mut self, first: usize, last: usize, proposal: &mut Proposal) -> Flow {
+    pub(super) fn rest_at(
+        &mut self,
+        first: usize,
+        last: usize,
+        proposal: &mut Proposal,
+    ) -> Marched {
         for i in last..self.window.len() {
             self.window.set_state(i, PathState::REST);
         }
-        self.mark_slowing();
+        let end = self.window.serial(last);
+        self.mark_slowing(end, Handover::none(end));
         proposal.stretch = Stretch { first, last, open: false };
-        Flow::Ready
+        Marched::Rests
     }
 
     /// What the axes do as agreed from station `i`.
@@ -296,7 +335,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let next = slowing.next::<NODES>();
         let mut good = |bend: S| {
             let (leg, to) = step.take(bend)?;
-            let runs = to.clock.rate <= S::ONE
+            let runs = to.clock.rate <= S::ONE.greatest(place.clock.rate)
                 && keeps(&leg.piece(piece), limits)
                 && self.evens_out(to, (next, share, quick), stretch, ahead);
             runs.then_some(Stepped { legs: [Some(leg), None], to })
@@ -320,7 +359,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
 
     /// The last pieces, if the clock can be stopped within a step or two.
     #[inline(never)]
-    fn stop(
+    pub(super) fn stop(
         &self,
         piece: &Piece<S, N>,
         place: Place<S>,
@@ -454,7 +493,7 @@ impl<'a, S: Scalar, const N: usize> Stride<'a, S, N> {
     }
 
     /// Whether one piece more would stop the clock.
-    fn may_stop(&self, [_, most]: [S; 2], longest: S) -> bool {
+    pub(super) fn may_stop(&self, [_, most]: [S; 2], longest: S) -> bool {
         let Place { shown, clock, .. } = self.place;
         clock.end().is_some_and(|(bend, time)| {
             bend <= most * S::of(RELEASED)

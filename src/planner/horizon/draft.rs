@@ -16,7 +16,7 @@
 //! ([`parting`](super::parting)), which serve every plan, and the speed bounds of planned cells, which every draft
 //! sets for itself ([`Horizon::loosen`]).
 
-use super::Horizon;
+use super::{Handover, Horizon};
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::number::vector::Vector;
@@ -45,8 +45,8 @@ pub struct Draft<S, const N: usize> {
     eased: Option<NodeSerial>,
     /// The station whose cell was under way, as it was, with its running number.
     pub replaced: Option<(NodeSerial, Station<S, N>)>,
-    /// Whether it is run by a clock that slows down.
-    pub slows: bool,
+    /// Up to where it is run by a clock that slows down, and where that may be taken further.
+    slows: Option<(NodeSerial, Handover<S>)>,
     /// Stations put in, in order: running number, and the cell that each was put into.
     pub added: heapless::Vec<(NodeSerial, Whole<S, N>), ADDED>,
 }
@@ -68,7 +68,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             overrides: self.overrides,
             eased: self.eased,
             replaced: None,
-            slows: false,
+            slows: None,
             added: heapless::Vec::new(),
         }));
     }
@@ -96,10 +96,10 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         }
     }
 
-    /// The draft is run by a clock that slows down.
-    pub fn mark_slowing(&mut self) {
+    /// The draft is run by a clock that slows down up to a node.
+    pub fn mark_slowing(&mut self, until: NodeSerial, handover: Handover<S>) {
         if let Some(draft) = self.draft.as_mut() {
-            draft.slows = true;
+            draft.slows = Some((until, handover));
         }
     }
 
@@ -112,8 +112,11 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// Makes the draft, which starts at node `first` and ends at node `end`, the agreed plan.
     pub fn commit(&mut self, first: NodeSerial, end: NodeSerial) {
         debug_assert!(self.draft.as_ref().is_some_and(|draft| draft.stage == Stage::Offered));
-        let slows = self.draft.as_ref().is_some_and(|draft| draft.slows);
-        self.slowed = slows.then_some(end);
+        let slows = self.draft.as_ref().and_then(|draft| draft.slows);
+        self.slowed = slows.map(|(until, _)| until);
+        if let Some((_, handover)) = slows {
+            self.handover = handover;
+        }
         self.draft.set(None);
         self.end = end;
         // The part of the window before is the same in both plans.

@@ -32,11 +32,11 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// of the plan if that is less; but not before the plan will be there, `planned` s from the end of the piece under way, of
     /// the cells that it would be looked for over. At its end the motion would rest.
     pub fn branch(&self, at: NodeSerial, planned: impl Fn(usize) -> S) -> Option<NodeSerial> {
-        if self.is_slowed(at) {
-            return Some(self.end);
-        }
         let end = self.end_index();
-        let first = self.window.clamped_index(at) + 1;
+        let mut first = self.window.clamped_index(at) + 1;
+        if let Some(even) = self.even_from(at) {
+            first = first.max(self.window.clamped_index(even));
+        }
         let mut left = S::ZERO;
         for i in first..end {
             left += self.agreed_time(i);
@@ -200,11 +200,11 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         speed * (time + limits.time_scale()) * S::of(0.6)
     }
 
-    /// The least time, s, in which the motion could come to rest if the path were straight from station `i` on: the acceleration
-    /// is built up to its depth, held, and released together with the speed.
-    pub fn stop_time(&self, i: usize, limits: &Limits<S, N>) -> S {
+    /// The least time, s, in which the motion could come to rest from a state if the path were straight from station `i` on: the
+    /// acceleration is built up to its depth, held, and released together with the speed.
+    pub fn stop_time(&self, i: usize, from: PathState<S>, limits: &Limits<S, N>) -> S {
         let Some(station) = self.window.get(i) else { return S::ZERO };
-        let (speed, slows) = (station.state.b.sqrt(), -station.state.a);
+        let (speed, slows) = (from.b.sqrt(), -from.a);
         let [acceleration, jerk] = limits.along(&station.node.tangent);
         let two = S::of(2.0);
         // All of it is speed that is left when the acceleration is built up and released at once.

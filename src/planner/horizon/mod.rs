@@ -28,6 +28,7 @@ use crate::number::optional::Optional;
 use crate::number::serial::{CycleSerial, NodeSerial};
 use crate::path::node::{Cell, Node};
 use crate::profile::bounds::Pace;
+use crate::profile::clock::Clock;
 use crate::profile::compile::{self, Placement};
 use crate::profile::law::{Law, PathState};
 use crate::profile::solver::{Solver, Stretch};
@@ -59,6 +60,22 @@ pub struct Proposal {
     pub halt: Option<Halt>,
 }
 
+/// Where a stop that is made in stages goes on ([`stages`](super::command::stages)), and how the clock of the agreed motion goes there.
+#[derive(Clone, Copy, Debug)]
+pub struct Handover<S> {
+    pub node: NodeSerial,
+    pub clock: Clock<S>,
+    /// Servo cycle at whose end the motion is about there.
+    pub when: CycleSerial,
+}
+
+impl<S: Scalar> Handover<S> {
+    /// Nowhere: a node that is passed.
+    pub const fn none(node: NodeSerial) -> Self {
+        Self { node, clock: Clock::STOPPED, when: CycleSerial::ZERO }
+    }
+}
+
 /// The window, and what is planned on it.
 ///
 /// While there is no draft, every station up to the end of the agreed plan has the state of that plan, and every one
@@ -75,6 +92,8 @@ pub struct Horizon<S: Scalar, const N: usize, const NODES: usize> {
     slowed: Option<NodeSerial>,
     /// Node up to which it slows down, or gathers speed, for overrides that it does not answer to in whole.
     eased: Option<NodeSerial>,
+    /// Where a stop goes on in that.
+    handover: Handover<S>,
     /// Overrides in effect.
     overrides: Overrides,
     draft: Optional<Draft<S, N>>,
@@ -92,6 +111,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         end: NodeSerial::ZERO,
         slowed: None,
         eased: None,
+        handover: Handover::none(NodeSerial::ZERO),
         overrides: Overrides { feed: 0, rapid: 0 },
         draft: Optional::NONE,
         steps: 0,
@@ -136,6 +156,23 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// Cells from where such a part has come to its speed to the end of the agreed plan.
     pub fn cells_behind_easing(&self) -> Option<usize> {
         self.eased.map(|node| self.end_index().saturating_sub(self.window.clamped_index(node)))
+    }
+
+    /// Where the next stage of a stop goes on, with the motion at a node.
+    pub fn handover(&self, at: NodeSerial) -> Option<Handover<S>> {
+        let Handover { node, .. } = self.handover;
+        let lies_within = self.slowed.is_some_and(|end| node.is_before(end));
+        (lies_within && at.is_before(node)).then_some(self.handover)
+    }
+
+    /// Whether the motion at a node is run by a clock that slows down until it rests.
+    pub fn slows_to_rest(&self, at: NodeSerial) -> bool {
+        self.is_slowed(at) && self.slowed == Some(self.end)
+    }
+
+    /// Node from which on the agreed motion is run by a clock of its own no more, if that is ahead of a node.
+    pub fn even_from(&self, at: NodeSerial) -> Option<NodeSerial> {
+        self.slowed.filter(|end| at.is_before(*end))
     }
 
     /// Overrides in effect.
