@@ -10,8 +10,10 @@ use splineway::{
 const AXES: usize = 3;
 /// Chords of an arc or curve leave it by no more, mm.
 const SAGITTA: f64 = 5.0e-6;
-/// What is granted to the finest input and to the rounding of the longest lines in `f32`, mm.
-const FINEST: f64 = 1.5e-6;
+/// What is granted to the finest input, mm.
+const FINEST: f64 = 1.0e-6;
+/// And in `f32` to the directions of long lines, mm.
+const SINGLE: f64 = 1.0e-5;
 /// Share of a tolerance that is granted to rounding.
 const ROUNDING: f64 = 5.0e-4;
 
@@ -248,7 +250,8 @@ fn run<S: Scalar>(steps: &[Step], cycle: f64) -> Found {
         let here = interpolator.tick();
         let x = std::array::from_fn(|i| here.position_mm(i));
         let (outside, block, tolerance) = followed.outside(&x);
-        let grant = tolerance * ROUNDING + steps[block].grant();
+        let single = if S::NAME == "f32" { SINGLE } else { 0.0 };
+        let grant = tolerance * ROUNDING + steps[block].grant() + single;
         let share = (tolerance + outside) / (tolerance + grant);
         if share > found.share {
             (found.share, found.block, found.at) = (share, block, x);
