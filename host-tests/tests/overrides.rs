@@ -341,7 +341,7 @@ fn a_lowered_override_is_answered_at_once_in_f32() {
 /// Whatever is turned, pressed and taken back meanwhile.
 fn any_turns(draws: &mut Draws, cycles: u32, often: u32) -> Vec<(u32, Turn)> {
     let (mut turns, mut cycle) = (Vec::new(), draws.below(cycles));
-    for _ in 0..1 + draws.below(60) {
+    for _ in 0..=draws.below(60) {
         let percent = [0, 1, 5, 20, 50, 80, 100, 100, 150, 200][draws.below(10) as usize];
         let turn = match draws.below(16) {
             0..=9 => Turn::Feed(percent),
