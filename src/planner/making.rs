@@ -320,6 +320,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if matches!(purpose, Purpose::Easing(_) | Purpose::Reaction(_))
             && let Phase::Offered(offer) = &mut self.phase
         {
+            offer.begins = true;
             // Should the command be taken back, the motion is planned on at once.
             offer.taken.checkpoint = offer.first;
         }

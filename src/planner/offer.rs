@@ -40,7 +40,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let by_cycle = branch.is_by_cycle();
         let checkpoint = first.plus(run);
         let taken = Following { halt, checkpoint, shown: end, tried_block_end: false };
-        self.phase = Phase::Offered(Offer { first, end, by_cycle, taken, before });
+        self.phase = Phase::Offered(Offer { first, end, by_cycle, begins: false, taken, before });
         self.counters.plans += 1;
         #[cfg(feature = "defmt")]
         defmt::debug!(

@@ -117,6 +117,8 @@ pub struct Offer {
     pub end: NodeSerial,
     /// Whether it branches off at a servo cycle.
     pub by_cycle: bool,
+    /// Whether it is a first answer to overrides, behind which the whole one branches off.
+    pub begins: bool,
     /// What will be if it is taken.
     pub taken: Following,
     /// What was before, and will be again if it is refused; `None` at rest.

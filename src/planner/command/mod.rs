@@ -83,8 +83,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let resumed = wish.resumes != self.answered.resumes;
         self.answered.resumes = wish.resumes;
         let brakes = self.brakes(wish);
+        let paced = wish.overrides == self.horizon.overrides() && !self.horizon.is_eased();
         let rests = at == self.horizon.end();
-        if rests && (brakes || wish.stop || wish.overrides != self.horizon.overrides()) {
+        if rests && (brakes || wish.stop || !paced) {
             // A start that has not been taken up.
             self.revoke();
         }
@@ -94,7 +95,6 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if !brakes {
             (self.pressing.attempts, self.answered.quick) = (0, wish.quick);
         }
-        let paced = wish.overrides == self.horizon.overrides() && !self.horizon.is_eased();
         if paced {
             (self.pressing.retunes, self.pressing.refused) = (0, None);
         }
@@ -121,9 +121,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.revoke();
         }
         // A first answer on offer comes before the whole one.
-        let first = self.phase.offer().is_some() && self.pressing.reacted == Some(wish.overrides);
+        let begins = self.phase.offer().is_some_and(|offer| offer.begins)
+            && self.pressing.reacted == Some(wish.overrides);
         if !paced
-            && !first
+            && !begins
             && !self.is_refused(wish.overrides, at)
             && self.revoke()
             && self.retune(wish.overrides, at)

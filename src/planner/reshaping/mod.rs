@@ -762,8 +762,14 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         };
         let taken =
             Following { halt: proposal.halt, checkpoint, shown: end, tried_block_end: false };
-        self.phase =
-            Phase::Offered(Offer { first: change.start, end, by_cycle: false, taken, before });
+        self.phase = Phase::Offered(Offer {
+            first: change.start,
+            end,
+            by_cycle: false,
+            begins: false,
+            taken,
+            before,
+        });
         self.counters.plans += 1;
     }
 
