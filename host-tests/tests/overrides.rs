@@ -363,8 +363,11 @@ fn any_turns(draws: &mut Draws, cycles: u32, often: u32) -> Vec<(u32, Turn)> {
     turns
 }
 
+/// Where a plan ahead on offer kept an answer waiting at a crawl, and where a rest of a hold was put too near to a station.
+const FOUND: [u64; 2] = [364, 711];
+
 fn nothing_is_exceeded_or_lost<S: Scalar>() {
-    for seed in paths(120) {
+    for seed in paths(120).chain(FOUND) {
         let mut draws = Draws::new(seed + 1000);
         let path = Path::any(&mut draws, true);
         let turns = any_turns(&mut draws, 600, 1 + seed as u32 % 20);

@@ -22,8 +22,8 @@ pub struct Effort<S> {
     pub plan: Work<S>,
     /// A stop, or a stage of one, for each of its slices.
     pub stop: Work<S>,
-    /// What slows down to a lowered override, in all.
-    pub ease: Work<S>,
+    /// A first answer to an override, in all.
+    pub first: Work<S>,
     /// A window that is reshaped.
     #[cfg(feature = "reshape")]
     pub shape: Work<S>,
@@ -34,7 +34,7 @@ impl<S: Scalar> Effort<S> {
     pub const NONE: Self = Self {
         plan: Work::NONE,
         stop: Work::NONE,
-        ease: Work::NONE,
+        first: Work::NONE,
         #[cfg(feature = "reshape")]
         shape: Work::NONE,
     };

@@ -297,9 +297,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             Purpose::Ahead if ripe => {}
             Purpose::Ahead => self.effort.plan.learn(proposal.stretch.cells(), cycles),
             Purpose::Easing(asked) => {
-                self.effort.ease.learn(1, cycles);
+                self.effort.first.learn(1, cycles);
                 (self.pressing.reacted, self.pressing.easings) = (Some(asked), 0);
             }
+            Purpose::Reaction(_) => self.effort.first.learn(1, cycles),
             Purpose::Hold => {
                 // A rest that is agreed anyway is no work.
                 if slices > 1 {
@@ -502,7 +503,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                         self.vain = Some(Vain { at, last: self.last_node() });
                     }
                 }
-                Purpose::Easing(_) => self.effort.ease.learn(1, cycles),
+                Purpose::Easing(_) | Purpose::Reaction(_) => self.effort.first.learn(1, cycles),
                 Purpose::Hold => self.effort.stop.learn(slices, cycles),
                 #[cfg(feature = "reshape")]
                 Purpose::Shape => {

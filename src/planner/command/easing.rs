@@ -70,9 +70,6 @@ const KEPT: usize = 2;
 const SHARES: [f64; 4] = [1.0, 0.95, 0.88, 0.75];
 /// Attempts in a row.
 pub const ATTEMPTS: usize = SHARES.len();
-/// Cells that take as much work in a plan ahead as this does in all, as long as none has been measured.
-const CELLS: usize = 4;
-
 /// A march under way.
 #[derive(Clone, Copy, Debug)]
 pub struct Easing<S> {
@@ -113,9 +110,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.pressing.eased = Some(asked);
             return false;
         }
-        let needed = self.effort.ease.usual(1);
-        let needed = if needed > S::ZERO { needed } else { self.effort.plan.usual(CELLS) };
-        let Some(moment) = self.moment_after(needed) else { return false };
+        let Some(moment) = self.moment_of_first_answer() else { return false };
         self.pressing.eased = Some(asked);
         let (halt, attempt) = (self.phase.halt(), self.pressing.easings);
         let begun = self.horizon.draft(|draft| draft.begin_easing(moment, (asked, attempt), halt));

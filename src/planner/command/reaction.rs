@@ -19,7 +19,7 @@ use crate::servo::link::Room;
 
 /// Newton steps of a first answer.
 const STEPS: u16 = 4;
-/// Cells that take as much work in a plan ahead as a first answer does in all.
+/// Cells that take as much work in a plan ahead as a first answer does in all, as long as none has been measured.
 const CELLS: usize = 4;
 /// The same of a whole answer that takes long.
 const LONG: usize = 18;
@@ -95,6 +95,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         self.moment_after(self.effort.plan.usual(PLANS * self.cells_ahead(at)))
     }
 
+    /// The same for a first answer.
+    pub(super) fn moment_of_first_answer(&self) -> Option<Moment<S>> {
+        let needed = self.effort.first.usual(1);
+        let needed = if needed > S::ZERO { needed } else { self.effort.plan.usual(CELLS) };
+        self.moment_after(needed)
+    }
+
     /// Begins a first answer if the whole one takes long and there is none yet. Whether one is in the making.
     pub(super) fn react(&mut self, asked: Overrides, at: NodeSerial) -> bool {
         let long = self.effort.plan.usual(LONG) > S::of(AT_ONCE);
@@ -103,7 +110,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         self.pressing.reacted = Some(asked);
         let halt = self.phase.halt();
-        let Some(moment) = self.moment_after(self.effort.plan.usual(CELLS)) else { return false };
+        let Some(moment) = self.moment_of_first_answer() else { return false };
         let begun = self.horizon.begin_reaction(moment, asked, halt);
         self.make((Purpose::Reaction(asked), at), begun)
     }

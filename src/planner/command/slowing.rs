@@ -272,16 +272,17 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         Marched::Working
     }
 
-    /// Puts a station where the clock stops.
+    /// Puts a station where the clock stops, unless that is too near to another: then nothing has changed.
     #[inline(never)]
     pub(super) fn put_rest_at(&mut self, place: Place<S>) -> Option<usize> {
         let station = self.window.get(place.cell)?;
         let (whole, apart) = (station.cell.length, self.apart(station.bounds.jerk));
-        if !self.cut_at_rest(place.cell, place.shown) {
-            return None;
-        }
-        let length = self.window.get(place.cell)?.cell.length;
-        (length > apart && whole - length > apart).then_some(place.cell + 1)
+        let cut = self.station_within(place.cell, place.shown)?;
+        let mut before = *station;
+        before.lead_to(&cut.node.at, cut.agreed, place.shown);
+        let length = before.cell.length;
+        let fits = length > apart && whole - length > apart;
+        (fits && self.cut_at_rest(place.cell, place.shown)).then_some(place.cell + 1)
     }
 
     /// The march has come to station `last`, at which the motion rests.
