@@ -207,17 +207,27 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         true
     }
 
-    /// A slice of it: some steps, whose pieces are handed over.
-    #[inline(never)]
+    /// A slice of it.
     pub fn go_on_slowing(
+        &mut self,
+        slowing: &mut Slowing<S>,
+        proposal: &mut Proposal,
+        hand_over: impl FnMut(&Piece<S, N>),
+    ) -> Marched {
+        match slowing.staging.released {
+            Some(release) => self.go_on_releasing(slowing, release, proposal, hand_over),
+            None => self.march_on(slowing, proposal, hand_over),
+        }
+    }
+
+    /// Some steps, whose pieces are handed over.
+    #[inline(never)]
+    fn march_on(
         &mut self,
         slowing: &mut Slowing<S>,
         proposal: &mut Proposal,
         mut hand_over: impl FnMut(&Piece<S, N>),
     ) -> Marched {
-        if let Some(release) = slowing.staging.released {
-            return self.go_on_releasing(slowing, release, proposal, hand_over);
-        }
         let stretch = proposal.stretch;
         let mut ahead = Ahead { first: slowing.place.cell, shapes: heapless::Vec::new() };
         for _ in 0..STEPS_PER_SLICE {
@@ -275,14 +285,21 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// Puts a station where the clock stops, unless that is too near to another: then nothing has changed.
     #[inline(never)]
     pub(super) fn put_rest_at(&mut self, place: Place<S>) -> Option<usize> {
+        let fits = self.has_room_at(place)?;
+        (fits && self.cut_at_rest(place.cell, place.shown)).then_some(place.cell + 1)
+    }
+
+    /// Whether a place lies apart from the stations on both sides.
+    // What it needs of the stack is not needed while the station is put in.
+    #[inline(never)]
+    fn has_room_at(&self, place: Place<S>) -> Option<bool> {
         let station = self.window.get(place.cell)?;
         let (whole, apart) = (station.cell.length, self.apart(station.bounds.jerk));
         let cut = self.station_within(place.cell, place.shown)?;
         let mut before = *station;
         before.lead_to(&cut.node.at, cut.agreed, place.shown);
         let length = before.cell.length;
-        let fits = length > apart && whole - length > apart;
-        (fits && self.cut_at_rest(place.cell, place.shown)).then_some(place.cell + 1)
+        Some(length > apart && whole - length > apart)
     }
 
     /// The march has come to station `last`, at which the motion rests.
