@@ -84,9 +84,7 @@ impl<S: Scalar> Work<S> {
     pub fn usual(&self, parts: usize) -> S {
         with_reserve(self.mean * S::of(USUAL) * S::from_u32(parts as u32))
     }
-}
 
-impl<S: Scalar> Work<S> {
     /// Servo cycles that so many parts take as a rule, where one that comes too late costs little.
     pub fn within(&self, parts: usize) -> S {
         self.mean * S::of(USUAL) * S::from_u32(parts as u32) + S::of(ROUNDED)

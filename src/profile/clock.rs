@@ -12,6 +12,7 @@
 use crate::machine::{AxisLimits, Limits};
 use crate::number::Scalar;
 use crate::number::vector::norm;
+use crate::profile::law::PathState;
 use crate::servo::piece::Piece;
 
 /// Share of the limits with which a bend is chosen: the quintic is not quite what it stands for.
@@ -37,6 +38,12 @@ impl<S: Scalar> Clock<S> {
     pub const NORMAL: Self = Self { rate: S::ONE, slope: S::ZERO };
     /// For good.
     pub const STOPPED: Self = Self { rate: S::ZERO, slope: S::ZERO };
+
+    /// A state of the motion as it is run by it.
+    pub fn run(self, PathState { b, a }: PathState<S>) -> PathState<S> {
+        let Self { rate, slope } = self;
+        PathState { b: b * rate * rate, a: a * rate * rate + b.sqrt() * slope }
+    }
 
     /// How it goes `time` seconds later, at a bend, 1/s2.
     #[inline]

@@ -444,15 +444,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
 }
 
 /// The state of a station in the agreed motion as it is run by a clock there.
-fn by_clock<S: Scalar, const N: usize>(
-    station: &Station<S, N>,
-    Clock { rate, slope }: Clock<S>,
-) -> PathState<S> {
-    if station.rest {
-        return PathState::REST;
-    }
-    let PathState { b, a } = station.agreed;
-    PathState { b: b * rate * rate, a: a * rate * rate + b.sqrt() * slope }
+fn by_clock<S: Scalar, const N: usize>(station: &Station<S, N>, clock: Clock<S>) -> PathState<S> {
+    if station.rest { PathState::REST } else { clock.run(station.agreed) }
 }
 
 impl<S: Scalar> Easing<S> {

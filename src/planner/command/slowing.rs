@@ -168,11 +168,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             let (first, branch, clock) = draft.branch_off(start, &mut staging)?;
             draft.window.measure(first);
             let stretch = draft.stretch_from(first);
-            let from = draft.window.get(first)?.state;
-            let from = PathState {
-                b: from.b * clock.rate * clock.rate,
-                a: from.a * clock.rate * clock.rate + from.b.sqrt() * clock.slope,
-            };
+            let from = clock.run(draft.window.get(first)?.state);
             let least = draft.stop_time(first, from, &draft.limits_over(first, quick));
             soon = draft.rests_soon(stretch, least);
             if soon {
@@ -244,15 +240,11 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
                 let shorter = Slowing { step: slowing.step * S::of(SHORTER), ..*slowing };
                 self.step(&shorter, &agreed, stretch, &mut ahead)
             });
-            let Some(mut stepped) = stepped else {
-                let ends = slowing.end_stage();
-                return if ends { Marched::Working } else { Marched::Nothing };
-            };
+            let Some(mut stepped) = stepped else { return slowing.end_stage() };
             let to = stepped.to;
             let stops = to.clock == Clock::STOPPED;
             let Some(end) = (if stops { self.put_rest_at(to) } else { Some(to.cell) }) else {
-                let ends = slowing.end_stage();
-                return if ends { Marched::Working } else { Marched::Nothing };
+                return slowing.end_stage();
             };
             let rests = stops || end == stretch.last;
             if !rests {

@@ -30,7 +30,6 @@ use crate::planner::horizon::{Handover, Horizon, Moment, Proposal};
 use crate::planner::making::PIECES;
 use crate::planner::phase::Halt;
 use crate::profile::clock::{Clock, Shape};
-use crate::profile::law::PathState;
 use crate::profile::slowed::keeps;
 use crate::servo::link::Branch;
 use crate::servo::piece::{Piece, Sequel};
@@ -139,15 +138,15 @@ impl<S: Scalar> Staging<S> {
 }
 
 impl<S: Scalar> Slowing<S> {
-    /// No step has been found: what there is of the stage is ended, if no time is left to try others. Whether there is any.
-    pub(super) fn end_stage(&mut self) -> bool {
+    /// No step has been found: what there is of the stage is ended, if no time is left to try others.
+    pub(super) fn end_stage(&mut self) -> Marched {
         let Self { place, pieces, .. } = *self;
         if self.staging.whole || !self.staging.pressed || pieces == 0 {
-            return false;
+            return Marched::Nothing;
         }
         let station = (!(place.shown > S::ZERO)).then_some(place.cell);
         self.staging.released = Some(Release { station, clock: place.clock });
-        true
+        Marched::Working
     }
 }
 
@@ -359,10 +358,10 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         {
             return Marched::Nothing;
         }
+        let even = Clock { rate, slope: S::ZERO };
         for i in stretch.first..stretch.last {
             if let Some(station) = self.window.get_mut(i) {
-                let PathState { b, a } = station.state;
-                station.state = PathState { b: b * rate * rate, a: a * rate * rate };
+                station.state = even.run(station.state);
             }
         }
         let at = release.clock;
