@@ -208,6 +208,9 @@ fn offsets_and_cycles_lead_where_they_say() {
         ("G0 X10\nG92 X0\nG0 X5\nG92.1\nG0 X5", "G0 X10, G0 X15, G0 X5"),
         ("G0 X10\nG92 X0\nG92.2\nG0 X5\nG92.3\nG0 X5", "G0 X10, G0 X5, G0 X15"),
         ("G0 X10\nG92 X0\nG92.3\nG0 X5", "G0 X10, G0 X15"),
+        // G52 and G92 share what G92.3 brings back.
+        ("G52 X10\nG92.2\nG0 X5\nG92.3\nG0 X5", "G0 X5, G0 X15"),
+        ("G92 X10\nG92.2\nG52 X3\nG92.2\nG92.3\nG0 X5", "G0 X8"),
         ("G52 X100\nG0 X1\nG52 X0\nG0 X1", "G0 X101, G0 X1"),
         ("G10 L2 P1 X10\nG52 X100\nG0 X1", "G0 X111"),
         ("G10 L2 P1 X10\nG52 X100\nG53 G0 X1", "G0 X1"),
@@ -253,6 +256,15 @@ fn offsets_and_cycles_lead_where_they_say() {
         (
             "G83 X1 Z-3 R1 Q2.5 F60",
             "G0 Z1, G0 X1Z1, F1 X1Z-1.5, G0 X1Z1, G0 X1Z-1.246, F1 X1Z-3, G0 X1Z1",
+        ),
+        // Depths that are not exact in any binary number are one peck.
+        ("G81 Z-19.5678 R-9.2625 F60", "G0 Z-9.2625, F1 Z-19.5678, G0 0"),
+        ("G82 Z-19.5678 R-9.2625 P1 F60", "G0 Z-9.2625, F1 Z-19.5678, dwell 1, G0 0"),
+        ("G83 Z-19.5678 R-9.2625 Q10.3053 F60", "G0 Z-9.2625, F1 Z-19.5678, G0 0"),
+        // A row of cycles goes on behind G28, on its own level and with its words.
+        (
+            "G0 Z5\nG99 G81 X1 Z-1 R1 F60\nG28 X0\nG98 G81 X2\nG80",
+            "G0 Z5, G0 X1Z5, G0 X1Z1, F1 X1Z-1, G0 X1Z1, G0 Z1, G0 X2Z1, F1 X2Z-1, G0 X2Z5",
         ),
         ("G73 X1 Z-3 R1 Q2 F60", "G0 Z1, G0 X1Z1, F1 X1Z-1, G0 X1Z-0.746, F1 X1Z-3, G0 X1Z1"),
         (
@@ -449,6 +461,7 @@ fn numbers_and_lines() {
         ("G81 X1 Z-1 R1 L0 F60", "L0"),
         ("G81", "G81 needs axis words"),
         ("G81 X1 A5 Z-1 R1 F60", "word A"),
+        ("G0 X1\nO5\nG0 X2\nM2", "runs on into O5"),
         ("M98", "M98 needs a P word"),
         ("M98 P7", "there is no O7 in this file"),
         ("M99", "M99 outside of a subprogram"),
@@ -482,7 +495,8 @@ fn printers() {
         ("G1 X1e-05 F60", "F1 X0.00001"),
         ("G1 E-0.8 F2100\nG1 X1", "F35 X1"),
         ("G92 E0\nG1 X1 F60", "F1 X1"),
-        ("G1 X5 F60\nG92\nG1 X1", "F1 X5, F1 X6"),
+        // G0 is run as G1: at the feed in force.
+        ("G0 X1 F600\nG1 Y1 F60\nG0 X2\nG0 X3 F120", "F10 X1, F1 X1Y1, F1 X2Y1, F2 X3Y1"),
         ("G1 X5 F60\nG92 X0 E0\nG1 X1", "F1 X5, F1 X6"),
         ("G4 P500", "dwell 0.5"),
         ("G4 S30", "dwell 30"),
@@ -529,6 +543,8 @@ fn printers() {
         ("T1 S1", "word S"),
         ("T1 F3000 X5", "word X"),
         ("G52 X5", "G52 is not known"),
+        ("G92", "G92 without axis words is read in two ways"),
+        ("G2 X3 I1 P2", "word P"),
         ("M862.3 P \"MK3S", "not closed"),
         ("G1 X \"5\"", "no number behind"),
     ] {
@@ -633,18 +649,26 @@ fn the_machine_brings_offsets_tools_and_reference_points() {
     for (text, expected) in [
         ("G55 G0 X1", "G0 X101"),
         ("G43 H1 G0 Z5\nG43 H12 Z5", "G0 Z80.5, G0 Z25"),
-        ("T12 M6\nG43 Z1", "M6:12!, "),
+        // G43 on its own is for the tool in the spindle, not for one that is only got ready.
+        ("T12 M6\nG43 G0 Z1", "M6:12!, G0 Z21"),
+        ("T1 M6\nT12\nG43 G0 Z1\nM6\nG43 Z1", "M6:1!, T:12, G0 Z76.5, M6:12!, G0 Z21"),
+        ("M61 Q12\nT1\nG43 G0 Z1", "M61:12, T:1, G0 Z21"),
+        ("T2 M6\nG43 H0 G0 Z1", "M6:2!, G0 Z1"),
         ("G91 G28 Z0", "G0 Z30"),
         ("G30 X1", "G0 X1, G0 X-5"),
     ] {
         let (program, findings) = examine(text, options);
-        if text.contains("M6") {
-            // No motion code is in force there.
-            assert!(findings.iter().any(Finding::is_error));
-            continue;
-        }
         assert!(findings.iter().all(|finding| !finding.is_error()), "{text}: {findings:?}");
         assert_eq!(story(&program), expected, "{text}");
+    }
+    for (text, part) in [
+        ("T12 M6\nG43 Z1", "without a motion code"),
+        ("T12\nG43 G0 Z1", "G43 needs an H word"),
+        ("T12 M6\nG43 H0 G0 Z1", "line 2, column 5: G43 with H0 is read in two ways"),
+        ("T2 M6\nG43 G0 Z1", "no length of tool 2"),
+    ] {
+        let (_, findings) = examine(text, options);
+        assert!(findings.iter().any(|finding| finding.to_string().contains(part)), "{findings:?}");
     }
     for (text, part) in [
         ("[work.G60]\nX = 1\n", "work.G60"),

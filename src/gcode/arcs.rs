@@ -1,6 +1,7 @@
 //! Arcs (G2, G3) and curves (G5, G5.1).
 
 use super::AXES;
+use super::dialect::Dialect;
 use super::error::{Reason, Refusal};
 use super::groups::Found;
 use super::modal::{Mode, Plane};
@@ -61,7 +62,10 @@ impl Reader {
                 return refuse(column, Reason::Coordinate { axis, value: coord.to_mm() });
             }
         }
-        let turns = words.take_in('P', code, (1.0, TURNS), true)?.unwrap_or(1.0);
+        // Of printers some do not know P, others run so many circles more: there it is nobody's word.
+        let is_marlin = self.settings.dialect == Dialect::Marlin;
+        let turns = if is_marlin { None } else { words.take_in('P', code, (1.0, TURNS), true)? };
+        let turns = turns.unwrap_or(1.0);
         Ok(Motion::Arc { to, plane, centre, turn, extra_turns: turns as u16 - 1 })
     }
 

@@ -53,7 +53,7 @@ impl Reader {
         let clear = series.clear.ok_or(missing(found, clear))?;
         let here = at(&self.position, axis);
         let (clear, bottom) = self.levels(axis, here, clear, bottom, found)?;
-        let peck = self.peck(&series, found, clear.minus(bottom), words)?;
+        let peck = self.peck(&series, found, difference(clear, bottom), words)?;
         if cycle == Cycle::Counterbore && series.dwell.is_none() {
             return Err(missing(found, "a P word, the dwell in seconds"));
         }
@@ -136,28 +136,26 @@ impl Reader {
         Ok(series)
     }
 
-    /// Depth of a peck in a hole of so much depth, mm: all of it, if the cycle has none.
+    /// Depth of a peck in a hole of so much depth: all of it, to the unit, if the cycle has none.
     fn peck(
         &self,
         series: &Series,
         found: Found,
-        depth: f64,
+        depth: Coord,
         words: &Words,
     ) -> Result<Coord, Refusal> {
-        let peck = match series.cycle {
-            Cycle::Peck | Cycle::ChipBreak => {
-                series.peck.ok_or(missing(found, "a Q word, the depth of a peck"))?
-            }
-            _ => depth,
-        };
-        if depth > peck * PECKS {
+        if !matches!(series.cycle, Cycle::Peck | Cycle::ChipBreak) {
+            return Ok(depth);
+        }
+        let peck = series.peck.ok_or(missing(found, "a Q word, the depth of a peck"))?;
+        if depth.to_mm() > peck * PECKS {
             let scale = self.scale();
-            let (least, greatest) = (depth / PECKS / scale, Coord::LIMIT_MM);
+            let (least, greatest) = (depth.to_mm() / PECKS / scale, Coord::LIMIT_MM);
             let range =
                 Reason::Range { letter: 'Q', value: peck / scale, least, greatest, whole: false };
             return Err(Refusal::new(words.column('Q'), range));
         }
-        Ok(Coord::ZERO.plus(peck.min(depth)))
+        Ok(Coord::from_mm(peck).map_or(depth, |peck| peck.min(depth)))
     }
 
     /// From hole to hole: where the first is seen from the tool (G91), or nothing.

@@ -13,7 +13,7 @@ pub enum Dialect {
     /// The same but for the motion mode before any code: G0.
     Grbl,
     /// Printers. `G4 P` is in milliseconds, `G4 S` in seconds; E words are of the extruder; M codes take words
-    /// without a number, and text; G28 is for the axes named, whatever the numbers.
+    /// without a number, and text; G28 is for the axes named, whatever the numbers; G0 runs at the feed in force.
     Marlin,
 }
 

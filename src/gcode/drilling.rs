@@ -2,12 +2,14 @@
 
 use super::AXES;
 use super::modal::Cycle;
-use super::offsets::{Place, sum};
+use super::offsets::{Place, difference, sum};
 use crate::block::{Block, Feed, Motion};
 use crate::number::Coord;
 
 /// Length of the rise that breaks a chip, and above the last depth where a peck goes on, mm (LinuxCNC).
 const CLEARANCE: f64 = 0.254;
+/// What is left of a hole that is less than this is no peck of its own, but the rounding of those before: 1 nm.
+const REST: i64 = 1_000_000;
 
 /// What the cycles of the lines before have said.
 #[derive(Clone, Copy, Debug)]
@@ -131,8 +133,9 @@ impl Drilling {
                 rapid(self.along(position, self.clear))
             }
             DrillStage::Feed => {
-                self.depth = Coord::from_raw(self.depth.raw().saturating_sub(self.peck.raw()))
-                    .max(self.bottom);
+                let next = difference(self.depth, self.peck);
+                let rest = difference(next, self.bottom);
+                self.depth = if rest.raw() < REST { self.bottom } else { next };
                 self.stage = match (self.depth == self.bottom, self.cycle) {
                     (false, _) => DrillStage::Lift,
                     (true, Cycle::Counterbore) => DrillStage::Dwell,

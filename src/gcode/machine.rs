@@ -39,6 +39,7 @@ impl Reader {
                 let missing = Reason::Missing { code, what: "a Q word, the number of the tool" };
                 self.tool = Some(tool.ok_or(Refusal::new(column, missing))? as u32);
             }
+            self.loaded = self.tool;
             self.push_event(code, self.tool.map(f64::from), code.tenths == 60, column)?;
         }
         if let Some((code, column)) = spindle {

@@ -118,8 +118,8 @@ impl Reader {
         if to == self.position {
             return Ok(());
         }
+        // (A row of cycles goes on behind it, as in LinuxCNC: on its own level, and with its words.)
         self.curve = None;
-        self.series = None;
         self.push_move(Motion::Line { to }, Feed::Rapid, false, column)
     }
 
@@ -345,7 +345,9 @@ impl Reader {
         linear: bool,
         words: &mut Words,
     ) -> Result<Feed<f64>, Refusal> {
-        if self.modal.mode == Mode::Rapid {
+        // Printers run G0 as G1: at the feed in force, if there is one.
+        let as_feed = self.settings.dialect == Dialect::Marlin && self.feed.is_some();
+        if self.modal.mode == Mode::Rapid && !as_feed {
             return Ok(Feed::Rapid);
         }
         if self.modal.inverse_time {

@@ -114,7 +114,7 @@ pub struct Frame {
     active: usize,
     shift: Place,
     kind: Shift,
-    /// The last shift of G92, for G92.3.
+    /// The last shift of G92 or G52, for G92.3: they share it, as in LinuxCNC.
     aside: Place,
     /// Length of the tool, along Z.
     tool: Coord,
@@ -230,6 +230,7 @@ impl Frame {
         if let Some(shift) = self.shift.get_mut(axis) {
             *shift = value;
         }
+        self.aside = self.shift;
         self.kind = if self.shift == Place::default() { Shift::None } else { Shift::Local };
     }
 
@@ -253,7 +254,7 @@ impl Frame {
         }
     }
 
-    /// G92.3: the last shift of G92, if G92.1 has not cleared it.
+    /// G92.3: the last shift of G92 or G52, if G92.1 has not cleared it.
     pub fn restore_shift(&mut self) {
         self.shift = self.aside;
         self.kind = if self.shift == Place::default() { Shift::None } else { Shift::Preset };

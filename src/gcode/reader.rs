@@ -134,7 +134,10 @@ pub struct Reader {
     pub(super) named: [bool; AXES],
     pub(super) feed: Option<FeedWord>,
     pub(super) spindle: Option<f64>,
+    /// The tool that T or M61 has named last.
     pub(super) tool: Option<u32>,
+    /// The tool that M6 or M61 has put into the spindle.
+    pub(super) loaded: Option<u32>,
     /// Which of M3, M4 and M5 holds of a laser.
     #[cfg(feature = "outputs")]
     pub(super) beam: u16,
@@ -170,6 +173,7 @@ impl Reader {
             feed: None,
             spindle: None,
             tool: None,
+            loaded: None,
             #[cfg(feature = "outputs")]
             beam: 5,
             #[cfg(feature = "outputs")]

@@ -65,19 +65,27 @@ impl Reader {
             _ => {
                 let h = words.take_in('H', code, (0.0, 99_999.0), true)?.map(|h| h as u32);
                 let missing = Reason::Missing { code, what: "an H word, the number of a tool" };
-                match h.or(self.tool).ok_or(Refusal::new(column, missing))? {
+                match h.or(self.loaded).ok_or(Refusal::new(column, missing))? {
+                    0 if self.loaded.and_then(|tool| self.length_of(tool)).is_some() => {
+                        let what = "with H0 is read in two ways: none, or the tool that is loaded";
+                        return Err(context(code, words.column('H'), what));
+                    }
                     0 => Coord::ZERO,
                     number => {
-                        let tools = self.settings.setup.tools.iter().flatten();
-                        let found = tools.into_iter().find(|tool| tool.0 == number);
                         let unknown = Refusal::new(words.column('H'), Reason::NoTool(number));
-                        found.ok_or(unknown)?.1
+                        self.length_of(number).ok_or(unknown)?
                     }
                 }
             }
         };
         self.frame.set_tool(length);
         Ok(())
+    }
+
+    /// Length of a tool in the table.
+    fn length_of(&self, number: u32) -> Option<Coord> {
+        let mut tools = self.settings.setup.tools.iter().flatten();
+        tools.find(|tool| tool.0 == number).map(|tool| tool.1)
     }
 
     /// G68 about a point (or where the tool is), G69.
@@ -149,12 +157,10 @@ impl Reader {
         let is_marlin = self.settings.dialect == Dialect::Marlin;
         if values == [None; AXES] {
             if is_marlin && code.tenths == 920 {
-                // With an E word it is of the extruder only; alone it is of all axes.
+                // With an E word it is of the extruder only; alone it does nothing there, and sets all axes to 0 elsewhere.
                 if !words.has('E') {
-                    for axis in 0..3 {
-                        let here = self.position.get(axis).copied().unwrap_or_default();
-                        self.frame.preset(axis, here, Coord::ZERO);
-                    }
+                    let what = "without axis words is read in two ways: name the axes";
+                    return Err(context(code, column, what));
                 }
                 self.extruder(code, words);
                 return Ok(());

@@ -22,6 +22,7 @@ pub struct State {
     feed: Option<FeedWord>,
     spindle: Option<f64>,
     tool: Option<u32>,
+    loaded: Option<u32>,
     ended: bool,
     #[cfg(feature = "outputs")]
     laser: (u16, bool),
@@ -66,6 +67,7 @@ impl State {
             feed: None,
             spindle: None,
             tool: None,
+            loaded: None,
             ended: false,
             #[cfg(feature = "outputs")]
             laser: (5, true),
@@ -91,7 +93,8 @@ impl Reader {
         state.frame.clone_from(&self.frame);
         state.position = self.position;
         state.named = self.named;
-        (state.feed, state.spindle, state.tool) = (self.feed, self.spindle, self.tool);
+        (state.feed, state.spindle) = (self.feed, self.spindle);
+        (state.tool, state.loaded) = (self.tool, self.loaded);
         state.ended = self.has_ended();
         #[cfg(feature = "outputs")]
         {
@@ -107,7 +110,8 @@ impl Reader {
         self.frame.clone_from(&state.frame);
         self.position = state.position;
         self.named = state.named;
-        (self.feed, self.spindle, self.tool) = (state.feed, state.spindle, state.tool);
+        (self.feed, self.spindle) = (state.feed, state.spindle);
+        (self.tool, self.loaded) = (state.tool, state.loaded);
         self.set_ended(state.ended);
         #[cfg(feature = "outputs")]
         {
@@ -141,7 +145,7 @@ impl Reader {
         self.frame.rotation = None;
         self.frame.select(0);
         self.named = [false; AXES];
-        (self.feed, self.spindle, self.tool) = (None, None, None);
+        (self.feed, self.spindle, self.tool, self.loaded) = (None, None, None, None);
         #[cfg(feature = "outputs")]
         {
             (self.beam, self.was_rapid) = (5, true);

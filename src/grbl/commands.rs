@@ -45,11 +45,18 @@ impl<S: Scalar, const N: usize> Station<S, N> {
                 Ok(())
             }
             [b'$', b'J', b'=', ..] if self.is_cancelled => Ok(()),
+            [b'$', b'J', b'=', ..] if self.is_barred => Err(Error::NotIdle),
             [b'$', b'J', b'=', jog @ ..] => {
                 needs(idle || self.lock == Lock::Open && planner.is_jogging())?;
                 self.jog(jog, planner)
             }
-            b"$C" => self.toggle_check(planner, idle),
+            b"$C" => {
+                if self.touched && idle {
+                    // Before lines that are only checked change them.
+                    self.keep_offsets(store);
+                }
+                self.toggle_check(planner, idle)
+            }
             b"$X" => self.unlock(),
             b"$$" => needs(rests || self.check).map(|()| self.begin_list(List::Settings)),
             b"$#" => needs(rests || self.check).map(|()| self.begin_list(List::Parameters)),
@@ -99,7 +106,7 @@ impl<S: Scalar, const N: usize> Station<S, N> {
         for &byte in &self.line {
             match byte {
                 b'(' => within = true,
-                b')' => within = false,
+                b')' if within => within = false,
                 b';' if !within => break,
                 b' ' | b'\t' => {}
                 // It is no longer than it was.

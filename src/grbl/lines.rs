@@ -84,13 +84,15 @@ impl<S: Scalar, const N: usize> Station<S, N> {
                 // Shorter than a line.
                 let _ = self.line.extend_from_slice(text);
                 self.from_startup = true;
-                self.is_cancelled = false;
+                (self.is_cancelled, self.is_barred) = (false, false);
                 return Some(Ok(()));
             }
         }
         let taken = self.inbox.take(&mut self.line)?;
         self.is_cancelled = self.cancelled > 0;
         self.cancelled = self.cancelled.saturating_sub(1);
+        self.is_barred = self.barred > 0;
+        self.barred = self.barred.saturating_sub(1);
         Some(taken)
     }
 
@@ -104,7 +106,9 @@ impl<S: Scalar, const N: usize> Station<S, N> {
         let outcome = match line {
             [] | [b'%'] => Ok(()),
             [b'$', ..] => self.command(planner, store),
-            _ if self.lock != Lock::Open || planner.is_jogging() => Err(Error::Locked),
+            _ if self.lock != Lock::Open || self.is_barred || planner.is_jogging() => {
+                Err(Error::Locked)
+            }
             _ => self.read(planner).map(|()| self.doing = Doing::Line { waiting: None }),
         };
         if outcome == Err(Error::Travel) && !is_command && !self.check {

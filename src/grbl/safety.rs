@@ -19,7 +19,12 @@ impl<S: Scalar, const N: usize> Station<S, N> {
                     controls.resume();
                 }
             }
-            Realtime::Hold if self.jogging => controls.cancel_jog(),
+            Realtime::Hold if self.jogging => {
+                controls.cancel_jog();
+                // What came before it and has not been read must not move on.
+                self.cancelled = self.inbox.waiting();
+                self.barred = self.cancelled;
+            }
             Realtime::Hold => {
                 self.held = true;
                 controls.hold();
@@ -79,7 +84,9 @@ impl<S: Scalar, const N: usize> Station<S, N> {
             (self.lock, self.unsaid) = (Lock::Alarm, Some(Alarm::HomingReset));
         }
         self.inbox.clear();
-        (self.doing, self.startup, self.cancelled) = (Doing::Nothing, None, 0);
+        (self.doing, self.startup) = (Doing::Nothing, None);
+        (self.cancelled, self.barred) = (0, 0);
+        self.checked |= self.check;
         (self.status, self.check) = (false, false);
         self.abort = Some(Abort::Reset);
         if self.lock == Lock::Sleep {
@@ -90,7 +97,7 @@ impl<S: Scalar, const N: usize> Station<S, N> {
     /// The end of check mode: a reset, behind what waits to be said.
     pub(super) fn leave_check(&mut self, controls: Controls<'_>) {
         controls.abort();
-        self.check = false;
+        (self.check, self.checked) = (false, true);
         self.abort = Some(Abort::Reset);
     }
 
@@ -198,7 +205,13 @@ impl<S: Scalar, const N: usize> Station<S, N> {
         if self.inputs.door && self.lock == Lock::Open {
             self.hold_for_door(planner.controls());
         }
+        if core::mem::take(&mut self.checked) {
+            // What is only checked moves no zero either.
+            self.load_offsets();
+        }
         if abort == Abort::Reset {
+            // A sender may have had lines under way when it was asked for: they belong to what has been dropped.
+            self.barred = self.inbox.waiting();
             self.overrides = [100; 3];
             self.probed = ([Coord::ZERO; N], false);
             planner.controls().feed_override(100);

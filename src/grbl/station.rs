@@ -127,6 +127,10 @@ pub struct Station<S: Scalar, const N: usize> {
     /// Lines that came before a jog was called off, and the line under way is one of them: they begin none.
     pub(super) cancelled: usize,
     pub(super) is_cancelled: bool,
+    /// Lines that came before a hold that ended a jog, or while a reset was not complete, and whether the line under way is one of them:
+    /// they begin no motion.
+    pub(super) barred: usize,
+    pub(super) is_barred: bool,
     /// Number of the last line of a program: its tag.
     pub(super) tag: u32,
     /// The travel of the configuration, which holds without soft limits.
@@ -136,6 +140,8 @@ pub struct Station<S: Scalar, const N: usize> {
     pub(super) unsaid: Option<Alarm>,
     pub(super) lock: Lock,
     pub(super) check: bool,
+    /// Lines have been checked, and the abort that ends that is not complete.
+    pub(super) checked: bool,
     pub(super) held: bool,
     pub(super) door: bool,
     pub(super) jogging: bool,
@@ -206,12 +212,15 @@ impl<S: Scalar, const N: usize> Station<S, N> {
             from_startup: false,
             cancelled: 0,
             is_cancelled: false,
+            barred: 0,
+            is_barred: false,
             tag: 0,
             travel: None,
             abort: None,
             unsaid: None,
             lock: Lock::Open,
             check: false,
+            checked: false,
             held: false,
             door: false,
             jogging: false,

@@ -438,6 +438,82 @@ fn switches_lock_the_machine() {
     });
 }
 
+/// A sender may have lines under way when it is told to reset: they were part of what is dropped, and each is answered.
+#[test]
+fn lines_that_come_while_a_reset_brakes_begin_no_motion() {
+    for check in [false, true] {
+        with_rig(|rig| {
+            if check {
+                rig.ask("$C");
+            }
+            rig.send(b"G91 G1 X50 F3000\nG1 X5\n");
+            rig.rounds(300);
+            rig.heard();
+            rig.send(b"\x18X100\n$J=G91 X5 F1000\n$G\nG1 Z5 X");
+            rig.rounds(300);
+            rig.send(b"7 F500\n");
+            rig.rounds(3);
+            let rest = rig.place();
+            let heard = rig.heard();
+            let modes = "[GC:G0 G54 G17 G21 G90 G94 M5 M9 T0 F0 S0]";
+            let banner = "Grbl 1.1h ['$' for help]";
+            let expected = ["", banner, "error:9", "error:8", modes, "ok", "error:9"];
+            assert_eq!(heard, expected);
+            rig.rounds(300);
+            assert!(rest == rig.place() && rest[0] < 50 * MM);
+            // What comes behind the banner is done.
+            assert_eq!(rig.answer("G91 G0 Y1"), "ok");
+            rig.settle();
+            assert_eq!(rig.place(), [rest[0], MM, 0]);
+        });
+    }
+}
+
+/// A hold in a jog ends it, and what had come before the hold and had not been read begins nothing.
+#[test]
+fn a_hold_in_a_jog_is_for_what_waits_too() {
+    with_rig(|rig| {
+        rig.send(b"$J=G91 X50 F3000\n");
+        rig.rounds(100);
+        rig.heard();
+        rig.send(b"$J=G91 X50 F3000\nG1 Y5 F600\n!");
+        rig.rounds(500);
+        let rest = rig.place();
+        assert_eq!(rig.heard(), ["ok", "error:9"]);
+        assert!(rest[0] < 20 * MM && rest[1] == 0 && rig.station.state() == State::Idle);
+        assert_eq!(rig.answer("$J=G91 Y1 F600"), "ok");
+        rig.settle();
+        assert_eq!(rig.place(), [rest[0], MM, 0]);
+    });
+}
+
+/// What is only checked moves no zero.
+#[test]
+fn zeros_that_are_set_in_check_mode_are_forgotten() {
+    for end in [&b"$C\n"[..], b"\x18"] {
+        with_rig(|rig| {
+            rig.send(b"G10 L2 P1 X3\n$C\nG10 L2 P1 X40\nG92 Y5\nG0 X9 Y9\n");
+            rig.rounds(10);
+            rig.send(end);
+            rig.rounds(10);
+            assert!(rig.ask("$#").contains(&"[G54:3.000,0.000,0.000]".into()));
+            assert_eq!(rig.answer("G0 X1 Y1"), "ok");
+            rig.settle();
+            assert_eq!(rig.place(), [4 * MM, MM, 0]);
+        });
+    }
+}
+
+#[test]
+fn a_bracket_that_closes_nothing_joins_no_digits() {
+    with_rig(|rig| {
+        assert_eq!(rig.answer("$J=G91 X1)0 F600"), "error:1");
+        assert_eq!(rig.answer("$J=G91 X1(a)F600"), "ok");
+        rig.settle();
+        assert_eq!(rig.place(), [MM, 0, 0]);
+    });
+}
+
 #[test]
 fn reports_tell_what_the_mask_asks_for() {
     with_rig(|rig| {

@@ -285,7 +285,7 @@ impl<'a> Run<'a> {
             self.refuse(Some(1), text);
             return false;
         }
-        if self.has_label {
+        if self.has_label || self.given > 0 || !self.asides.is_empty() {
             let text =
                 format!("the program runs on into O{number}: M2 or M30 is missing before it");
             self.refuse(Some(1), text);
