@@ -1,7 +1,7 @@
 //! Laws of the reader. (Every code has its lines in the tests of the host package.)
 
 use super::{AXES, Action, Dialect, Reader, Reason, Settings};
-use crate::block::{Block, Motion};
+use crate::block::{Block, Feed, Motion};
 use crate::number::Coord;
 use std::vec::Vec;
 
@@ -162,6 +162,53 @@ fn whatever_comes_is_read_or_refused() {
         }
     }
     assert!(read > 1000, "{read}");
+}
+
+/// Holes of any depth in decimals, of mm and of inches: as many moves down at the feed as pecks, each where it belongs.
+#[test]
+fn a_hole_is_drilled_as_often_as_it_has_pecks() {
+    let mut seed = 7u64;
+    let mut draw = |most: u64| {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 33) % most
+    };
+    for round in 0..4000 {
+        let inches = round % 2 == 1;
+        // In 1e-4 of the unit; every other hole is a whole number of pecks.
+        let clear = draw(400_000) as i64 - 200_000;
+        let peck = 1 + draw(50_000) as i64;
+        let pecks = 1 + draw(8) as i64;
+        let rest = if round % 4 < 2 { 0 } else { draw(peck as u64) as i64 };
+        let depth = peck * pecks - rest;
+        let cycle = ["G81", "G82 P1", "G83", "G73"][draw(4) as usize];
+        let is_pecked = matches!(cycle, "G83" | "G73");
+        let units = if inches { "G20" } else { "G21" };
+        let text = |value: i64| {
+            let sign = if value < 0 { "-" } else { "" };
+            std::format!("{sign}{}.{:04}", value.abs() / 10_000, value.abs() % 10_000)
+        };
+        let (r, z, q) = (text(clear), text(clear - depth), text(peck));
+        let q = if is_pecked { std::format!("Q{q}") } else { "".into() };
+        let line = std::format!("{units} {cycle} R{r} Z{z} {q} F60");
+        let mut reader = Reader::new(&Settings::default());
+        reader.line(1, line.as_bytes()).unwrap();
+        let mut ends = Vec::new();
+        for action in actions(&mut reader) {
+            if let Action::Move(Block { motion: Motion::Line { to }, feed, .. }) = action
+                && feed != Feed::Rapid
+            {
+                ends.push(to[2].to_mm());
+            }
+        }
+        let scale = if inches { 25.4e-4 } else { 1.0e-4 };
+        let count = if is_pecked { pecks } else { 1 };
+        assert_eq!(ends.len(), count as usize, "{line}: {ends:?}");
+        for (number, end) in (1..).zip(&ends) {
+            let down = if number == count { depth } else { peck * number };
+            let expected = (clear - down) as f64 * scale;
+            assert!((end - expected).abs() < 1.0e-9, "{line}: {ends:?}, {expected}");
+        }
+    }
 }
 
 /// Outputs of M62 to M68, a laser's power, coolant with a lead.

@@ -91,6 +91,8 @@ impl ControllerCommand {
             !is_grbl || !self.once,
             "--once ends after a program, and grbl knows no end of one"
         );
+        let axes = self.axes;
+        ensure!(matches!(axes, 3 | 6 | 9), "axes is {axes}; this controller has 3, 6 or 9");
         let line = self.tcp.map_or_else(Line::terminal, Line::network)?;
         println!("port: {}", line.name());
         std::io::stdout().flush()?;

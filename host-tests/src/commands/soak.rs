@@ -177,10 +177,9 @@ impl Soak {
             for _ in 0..self.threads.unwrap_or_else(cores).max(1) {
                 scope.spawn(|| {
                     loop {
-                        let number = next.fetch_add(1, Relaxed);
-                        if number >= end {
-                            return;
-                        }
+                        // (Not beyond the end: the last number of all would be followed by 0.)
+                        let step = |number: u64| (number < end).then(|| number + 1);
+                        let Ok(number) = next.fetch_update(Relaxed, Relaxed, step) else { return };
                         let run = run(&Case::new(number), plant, None);
                         let mut tally = lock(tally);
                         tally.add(number, &run);

@@ -312,7 +312,10 @@ fn notice(state: State, paused: Option<u32>) -> Option<String> {
         (State::Held, Some(line)) => {
             Some(format!("line {line}: the program pauses; \"resume\" goes on"))
         }
-        (State::Held, None) => Some("the machine is held; \"resume\" goes on".to_owned()),
+        (State::Held, None) => Some(
+            "the machine is held; \"resume\" goes on, and \"feed 100\" where an override of 0 holds it"
+                .to_owned(),
+        ),
         (State::SenderLost, _) => Some(
             "the controller has not heard from here for too long and has stopped the machine; \"resume\" goes on, \
              \"abort\" ends the program"
