@@ -461,7 +461,6 @@ fn numbers_and_lines() {
         ("G81 X1 Z-1 R1 L0 F60", "L0"),
         ("G81", "G81 needs axis words"),
         ("G81 X1 A5 Z-1 R1 F60", "word A"),
-        ("G0 X1\nO5\nG0 X2\nM2", "runs on into O5"),
         ("M98", "M98 needs a P word"),
         ("M98 P7", "there is no O7 in this file"),
         ("M99", "M99 outside of a subprogram"),
@@ -685,6 +684,7 @@ fn the_machine_brings_offsets_tools_and_reference_points() {
 #[test]
 fn subprograms_end_where_they_should() {
     for (text, part) in [
+        ("G0 X1\nO5\nG0 X2\nM2", "runs on into O5"),
         ("M98 P1\nM30\nO1\nG0 X1\nO2\nM99", "O1 runs on into O2"),
         ("M98 P1\nM30\nO1\nG0 X1", "the file ends before M99 of the subprogram O1"),
         ("O9\nG0 X1\nO1\nG0 X2\nM99", "runs on into O1"),
