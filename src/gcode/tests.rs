@@ -175,10 +175,10 @@ fn a_hole_is_drilled_as_often_as_it_has_pecks() {
     for round in 0..4000 {
         let inches = round % 2 == 1;
         // In 1e-4 of the unit; every other hole is a whole number of pecks.
-        let clear = draw(400_000) as i64 - 200_000;
-        let peck = 1 + draw(50_000) as i64;
-        let pecks = 1 + draw(8) as i64;
-        let rest = if round % 4 < 2 { 0 } else { draw(peck as u64) as i64 };
+        let clear = draw(400_000).cast_signed() - 200_000;
+        let peck = 1 + draw(50_000).cast_signed();
+        let pecks = 1 + draw(8).cast_signed();
+        let rest = if round % 4 < 2 { 0 } else { draw(peck.cast_unsigned()).cast_signed() };
         let depth = peck * pecks - rest;
         let cycle = ["G81", "G82 P1", "G83", "G73"][draw(4) as usize];
         let is_pecked = matches!(cycle, "G83" | "G73");
@@ -188,7 +188,7 @@ fn a_hole_is_drilled_as_often_as_it_has_pecks() {
             std::format!("{sign}{}.{:04}", value.abs() / 10_000, value.abs() % 10_000)
         };
         let (r, z, q) = (text(clear), text(clear - depth), text(peck));
-        let q = if is_pecked { std::format!("Q{q}") } else { "".into() };
+        let q = if is_pecked { std::format!("Q{q}") } else { std::string::String::new() };
         let line = std::format!("{units} {cycle} R{r} Z{z} {q} F60");
         let mut reader = Reader::new(&Settings::default());
         reader.line(1, line.as_bytes()).unwrap();
