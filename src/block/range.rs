@@ -10,6 +10,7 @@ pub fn in_range<S: Scalar>(quantity: Quantity, value: S) -> Result<(), BlockErro
 }
 
 /// Every coordinate of a point within [`Coord::LIMIT_MM`].
+#[inline(never)]
 pub fn check_coordinates<const N: usize>(point: &[Coord; N]) -> Result<(), BlockError> {
     point.iter().enumerate().try_for_each(|(axis, coord)| check_coordinate(axis, *coord))
 }

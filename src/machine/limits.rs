@@ -212,6 +212,7 @@ impl<S: Scalar, const N: usize> Limits<S, N> {
     }
 
     /// Greatest acceleration and jerk along a direction, mm/s2 and mm/s3.
+    #[inline(never)]
     pub(crate) fn along(&self, direction: &[S; N]) -> [S; 2] {
         let [mut acceleration, mut jerk] = [S::of(UNLIMITED); 2];
         for (axis, share) in self.shares(direction) {
@@ -227,6 +228,7 @@ impl<S: Scalar, const N: usize> Limits<S, N> {
 
     /// Longest time any axis or motor needs to build up its full acceleration, s: the time scale on which
     /// the machine's motion changes.
+    #[inline(never)]
     pub(crate) fn time_scale(&self) -> S {
         let mut scale = S::ZERO;
         for axis in self.axes.iter().chain(self.motors().map(|motor| &motor.limits)) {

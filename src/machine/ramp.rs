@@ -23,6 +23,7 @@ impl<S: Scalar> Ramp<S> {
     pub const UNSET: Self = Self { jerk: S::ZERO, time: S::ZERO };
 
     /// Along a unit direction.
+    #[inline(never)]
     pub fn new<const N: usize>(limits: &Limits<S, N>, direction: &Vector<S, N>) -> Self {
         let mut jerk = S::of(UNLIMITED);
         for (axis, share) in limits.shares(direction) {

@@ -80,6 +80,7 @@ impl Coord {
 
     /// The point at `fraction` (in 1/2^62, 0..=2^62) of the line to `to`; exact to one unit.
     #[must_use]
+    #[inline(never)]
     pub(crate) fn towards(self, to: Self, fraction: i64) -> Self {
         let step = i128::from(to.0) - i128::from(self.0);
         Self(self.0 + ((step * i128::from(fraction)) >> 62) as i64)

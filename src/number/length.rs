@@ -88,6 +88,7 @@ impl Length {
 
     /// The share that it is of a whole, in units of 1 / 2^62: 0 to 2^62 for lengths from 0 up to the whole. (Bit by bit: a
     /// division of wide integers takes twenty times as long on the target.)
+    #[inline(never)]
     pub const fn share_of(self, whole: Self) -> i64 {
         debug_assert!(self.0 >= 0 && self.0 <= whole.0);
         let whole = if whole.0 > 0 { whole.0 as u64 } else { 1 };

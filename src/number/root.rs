@@ -33,6 +33,7 @@ pub fn sqrtf(x: f32) -> f32 {
 
 /// Cube root for estimates, to 2e-4 from 1e-10 to 1e10 and 1e-3 from 1e-12 to 1e12: libm's costs some thousand instructions where f64 is software.
 /// x^(1/4 + 1/16), and two steps of Halley's method for the rest of the exponent.
+#[inline(never)]
 pub fn cube_root<S: super::Scalar>(x: S) -> S {
     let quarter = x.sqrt().sqrt();
     let mut root = quarter * quarter.sqrt().sqrt();

@@ -1,7 +1,9 @@
 //! Vectors over the axes.
+//!
+//! What is made of two goes through both by iterators: by an index it would be checked, with a panic that can be reached, wherever the
+//! compiler leaves a loop as it is (`opt-level = "s"`).
 
 use super::{Coord, Scalar};
-use core::array::from_fn;
 
 /// A vector with one component per axis.
 pub type Vector<S, const N: usize> = [S; N];
@@ -27,7 +29,11 @@ pub fn norm<S: Scalar, const N: usize>(a: &Vector<S, N>) -> S {
 
 /// `a - b`.
 pub fn sub<S: Scalar, const N: usize>(a: &Vector<S, N>, b: &Vector<S, N>) -> Vector<S, N> {
-    from_fn(|i| a[i] - b[i])
+    let mut out = *a;
+    for (x, y) in out.iter_mut().zip(b) {
+        *x = *x - *y;
+    }
+    out
 }
 
 /// `x a + y b`.
@@ -37,12 +43,20 @@ pub fn mix<S: Scalar, const N: usize>(
     y: S,
     b: &Vector<S, N>,
 ) -> Vector<S, N> {
-    from_fn(|i| x * a[i] + y * b[i])
+    let mut out = *a;
+    for (a, b) in out.iter_mut().zip(b) {
+        *a = x * *a + y * *b;
+    }
+    out
 }
 
 /// The point `offset` mm away from `at`.
 pub fn shifted<S: Scalar, const N: usize>(at: &[Coord; N], offset: &Vector<S, N>) -> [Coord; N] {
-    from_fn(|i| at[i].plus(offset[i]))
+    let mut out = *at;
+    for (coord, offset) in out.iter_mut().zip(offset) {
+        *coord = coord.plus(*offset);
+    }
+    out
 }
 
 #[cfg(test)]

@@ -1,30 +1,41 @@
 //! Conversions between `f32` and wide integers in few instructions where the processor has none for them.
 //!
 //! Path coordinates and lengths are 64-bit integers, and on a Cortex-M every use of one in `f32` is a conversion: the
-//! compiler's own functions take some fifty instructions for each, these some fifteen. The bits are the same.
+//! compiler's own functions take some fifty instructions for each, these some twenty-five. The bits are the same.
+
+use core::num::NonZeroU32;
 
 /// Bits of an `f32` below its leading one.
 const FRACTION: u32 = 23;
+/// The bit of the sign.
+const SIGN: u32 = 1 << 31;
 /// Exponent of one.
 const ONE: u32 = 127;
 
 /// The `f32` nearest to an integer, as `as` has it.
 #[cfg_attr(not(target_arch = "arm"), allow(dead_code))]
+#[inline(never)]
 pub fn nearest(x: i64) -> f32 {
     let size = x.unsigned_abs();
-    let zeros = ((size >> 32) as u32).leading_zeros();
-    // The upper 32 bits from the leading one on. What is cut off only says on which side of a middle it is.
-    let shifted = size << zeros;
-    let top = (shifted >> 32) as u32 | u32::from(shifted as u32 != 0);
-    // Where the leading one lies in the lower half the whole is one word, and the shift has left it in the upper.
-    let (word, power) = if zeros == 32 { (size as u32, 0) } else { (top, 32 - zeros) };
-    // Rounded once, by the processor; a power of two is exact.
-    let magnitude = word as f32 * f32::from_bits((ONE + power) << FRACTION);
-    if x < 0 { -magnitude } else { magnitude }
+    let (high, low) = ((size >> 32) as u32, size as u32);
+    // The upper 32 bits from the leading one on. What is cut off only says on which side of a middle it is. By words: a
+    // shift of a wide integer is twice as long.
+    let (word, power) = match NonZeroU32::new(high) {
+        None => (low, 0),
+        Some(high) => {
+            let zeros = high.leading_zeros();
+            let top = high.get() << zeros | low >> 1 >> (31 - zeros);
+            (top | u32::from(low << zeros != 0), 32 - zeros)
+        }
+    };
+    // Rounded once, by the processor; a power of two is exact, and brings the sign.
+    let sign = (x >> 32) as u32 & SIGN;
+    word as f32 * f32::from_bits(sign | (ONE + power) << FRACTION)
 }
 
 /// An `f32` without its fraction, as `as` has it: saturated; NaN gives 0.
 #[cfg_attr(not(target_arch = "arm"), allow(dead_code))]
+#[inline(never)]
 pub fn truncated(x: f32) -> i64 {
     scaled::<1, 0>(x)
 }
@@ -34,6 +45,7 @@ const FIVES: u64 = 244_140_625;
 
 /// Whole units of 1e-12 in an `f32`, rounded towards zero: exact, where a product in `f32` is off by up to 6e-8 of
 /// itself (a tenth of a nanometre over 3 mm). Saturated; NaN gives 0.
+#[inline(never)]
 pub fn units(x: f32) -> i64 {
     scaled::<FIVES, 12>(x)
 }

@@ -41,6 +41,7 @@ pub struct Corner<S> {
 
 impl<S: Scalar> Corner<S> {
     /// The corner between two unit directions.
+    #[inline(never)]
     pub fn new<const N: usize>(tangent_in: &Vector<S, N>, tangent_out: &Vector<S, N>) -> Self {
         let cos_turn = dot(tangent_in, tangent_out).least(S::ONE).greatest(-S::ONE);
         // From the difference, which keeps its digits where the turn is slight.

@@ -92,6 +92,7 @@ pub fn standstill<S: Scalar, const N: usize>(
 }
 
 /// Length of the first cell from rest, mm.
+#[inline(never)]
 pub fn rest_cell<S: Scalar, const N: usize>(
     segment: &Segment<S, N>,
     feed: S,

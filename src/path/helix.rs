@@ -126,12 +126,14 @@ impl Helix {
     }
 
     /// Angle of the whole, rad, signed.
+    #[inline(never)]
     fn angle(&self) -> f64 {
         let turns = TAU * f64::from(self.turns);
         self.sweep + if self.sweep < 0.0 { -turns } else { turns }
     }
 
     /// Where the arc is at a share of its angle.
+    #[inline(never)]
     pub fn polar(&self, share: i64) -> Polar {
         let per = 1.0 / WHOLE as f64;
         // Whole turns drop out of the product exactly.
@@ -198,12 +200,14 @@ impl Helix {
     }
 
     /// What the axes outside the plane travel, mm.
+    #[inline(never)]
     pub fn climb<const N: usize>(&self, start: &[Coord; N], end: &[Coord; N]) -> [f64; N] {
         from_fn(|i| if self.turns_axis(i) { 0.0 } else { end[i].minus(start[i]) })
     }
 
     /// Length per share where the radius is `radius`, mm. It depends on nothing else, so that
     /// on a circle it is the same everywhere to the last bit.
+    #[inline(never)]
     fn speed<const N: usize>(&self, radius: f64, climb: &[f64; N]) -> f64 {
         let round = self.angle() * radius;
         let mut square = round * round + self.growth * self.growth;

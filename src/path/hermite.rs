@@ -20,6 +20,7 @@ pub struct Hermite<S, const N: usize> {
 
 impl<S: Scalar, const N: usize> Hermite<S, N> {
     /// The curve between two directions: `length` is the parameter length, mm, `tangent_offset` the end point minus `length x start tangent`, mm.
+    #[inline(never)]
     pub fn new(
         start: &Frame<S, N>,
         end: &Frame<S, N>,
@@ -56,6 +57,7 @@ impl<S: Scalar, const N: usize> Hermite<S, N> {
     }
 
     /// The curve of a cell.
+    #[inline(never)]
     pub fn of_cell(from: &Node<S, N>, cell: &Cell<S, N>, to: &Node<S, N>) -> Self {
         Self::new(&from.frame(), &to.frame(), cell.length, &cell.tangent_offset)
     }

@@ -152,6 +152,7 @@ pub fn corner_mode<S: Scalar, const N: usize>(
 
 /// Whether a stop between two blocks costs less than what lets the motion pass: where the feed changes, the place
 /// of the change gives way by a share of the band; the slower feed is reached in less.
+#[inline(never)]
 fn stop_is_shorter<S: Scalar, const N: usize>(
     before: &QueuedBlock<S, N>,
     after: &QueuedBlock<S, N>,
@@ -254,6 +255,7 @@ impl<S: Scalar> Taken<S> {
 }
 
 /// What the joint behind the front block takes of either segment. `last`: whether the motion rests at the end of the next.
+#[inline(never)]
 pub fn reach<S: Scalar, const N: usize>(
     (item, segment, entrance): (&QueuedBlock<S, N>, &Segment<S, N>, &Entrance<S>),
     (next, ahead, last): (&QueuedBlock<S, N>, &Segment<S, N>, bool),

@@ -92,6 +92,7 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
     }
 
     /// Share of the segment at an arc length from the start, in 1/[`WHOLE`].
+    #[inline(never)]
     fn share(&self, s: Length) -> i64 {
         if s >= self.exact_length { WHOLE } else { s.max(Length::ZERO).share_of(self.exact_length) }
     }
@@ -107,6 +108,7 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
     }
 
     /// Direction and bend at a share of the segment.
+    #[inline(never)]
     fn frame(&self, share: i64) -> Frame<S, N> {
         match &self.shape {
             Shape::Line(tangent) => Frame { tangent: *tangent, curvature: zero() },
@@ -186,6 +188,7 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
 
     /// Offset from a node of the curve to the point `along` mm further on (back if negative), at the segment's own
     /// [`rate`](Self::rate).
+    #[inline(never)]
     pub fn walk(&self, frame: &Frame<S, N>, rate: S, along: S) -> Vector<S, N> {
         match &self.shape {
             Shape::Line(tangent) => from_fn(|i| tangent[i] * along),
@@ -199,6 +202,7 @@ impl<S: Scalar, const N: usize> Segment<S, N> {
 
 /// Position after `along` mm of a circle or helix minus `along x tangent`:
 /// in the plane (R sin phi - R phi) along the tangent and R (1 - cos phi) towards the centre.
+#[inline(never)]
 fn tangent_offset_along<S: Scalar, const N: usize>(
     helix: &Helix,
     rate: S,

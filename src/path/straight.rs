@@ -68,30 +68,37 @@ impl<const N: usize> Sleeve<N> {
         if !(near > 0.0 && far > near) {
             return None;
         }
-        let narrowed = |bounds: &[Bounds; N], slack: f64| -> [Bounds; N] {
-            let most = slack / libm::sqrt(N as f64);
-            from_fn(|i| {
-                let Bounds { low, high } = bounds[i];
-                Bounds {
-                    low: low.max((here[i] - most) / near),
-                    high: high.min((here[i] + most) / near),
-                }
-            })
-        };
         let inside = |bounds: &[Bounds; N]| {
             bounds
                 .iter()
                 .zip(there)
                 .all(|(bounds, x)| x / far >= bounds.low && x / far <= bounds.high)
         };
-        let straight = narrowed(&self.straight, slack.exact);
-        let rounded = narrowed(&self.rounded, slack.rounded);
+        let straight = narrowed(&self.straight, (&here, near), slack.exact);
+        let rounded = narrowed(&self.rounded, (&here, near), slack.rounded);
         let longer = Self { direction: self.direction, straight, rounded };
         if inside(&straight) {
             return Some((longer, slack.exact));
         }
         inside(&rounded).then_some((longer, slack.rounded))
     }
+}
+
+/// Bounds of s that a vertex leaves, `near` mm along the direction.
+#[inline(never)]
+fn narrowed<const N: usize>(
+    bounds: &[Bounds; N],
+    (vertex, near): (&[f64; N], f64),
+    slack: f64,
+) -> [Bounds; N] {
+    let most = slack / libm::sqrt(N as f64);
+    from_fn(|i| {
+        let Bounds { low, high } = bounds[i];
+        Bounds {
+            low: low.max((vertex[i] - most) / near),
+            high: high.min((vertex[i] + most) / near),
+        }
+    })
 }
 
 /// Where a piece of a line ends, and its tag.

@@ -53,6 +53,7 @@ impl<S: Scalar> Work<S> {
     /// So many parts took so many servo cycles, or have taken them so far when it was too late: that is more than was reckoned
     /// with, so that the next estimate is greater all the same. (One in twenty plans takes twice as long as the others: an estimate by
     /// the worst of them would hold back the next twenty.)
+    #[inline(never)]
     pub fn learn(&mut self, parts: usize, cycles: u32) {
         let per_part = S::from_u32(cycles) / S::from_u32(parts.max(1) as u32);
         if !(self.mean > S::ZERO) {

@@ -349,6 +349,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// Takes what has been begun, in a draft, for the plan in the making. Whether anything was.
+    #[inline(never)]
     pub(super) fn make(
         &mut self,
         (purpose, at): (Purpose, NodeSerial),

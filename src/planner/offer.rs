@@ -75,6 +75,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// Takes back a plan that has not been decided on. Whether there is none any more.
+    #[inline(never)]
     pub(super) fn revoke(&mut self) -> bool {
         let Phase::Offered(offer) = self.phase else { return true };
         // One that branches off at a servo cycle will be decided on within a few.
@@ -103,6 +104,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// Servo cycles in a lead.
+    #[inline(never)]
     pub(super) fn most_reaction(&self) -> u32 {
         let config = &self.horizon.config;
         (config.lead / config.cycle).to_i64().clamp(1, 1_000_000) as u32

@@ -40,6 +40,7 @@ impl<S: Scalar> Clock<S> {
     pub const STOPPED: Self = Self { rate: S::ZERO, slope: S::ZERO };
 
     /// A state of the motion as it is run by it.
+    #[inline(never)]
     pub fn run(self, PathState { b, a }: PathState<S>) -> PathState<S> {
         let Self { rate, slope } = self;
         PathState { b: b * rate * rate, a: a * rate * rate + b.sqrt() * slope }
@@ -63,6 +64,7 @@ impl<S: Scalar> Clock<S> {
 
     /// When exactly it shows `last` if it shows `first` now, `time` seconds from now or a rounding away. In `f64`: at the speed of
     /// the motion a fraction of a nanosecond is a way that would be felt as jerk.
+    #[inline(never)]
     pub fn exactly(self, [first, last]: [S; 2], time: S, bend: S) -> S {
         let clock = Clock { rate: self.rate.to_f64(), slope: self.slope.to_f64() };
         let shown = clock.shown(time.to_f64(), bend.to_f64());
@@ -73,6 +75,7 @@ impl<S: Scalar> Clock<S> {
     }
 
     /// When it shows so much, about `guess` seconds from now; `None` if it stops before.
+    #[inline(never)]
     pub fn when(self, shown: S, bend: S, guess: S) -> Option<S> {
         let mut time = guess;
         for _ in 0..ROUNDS {
@@ -124,6 +127,7 @@ pub struct Instant<S, const N: usize> {
 
 impl<S: Scalar, const N: usize> Instant<S, N> {
     /// `t` seconds after the start of a piece with these coefficients.
+    #[inline(never)]
     pub fn of(axes: &[[S; 5]; N], t: S) -> Self {
         let n = |x: f64| S::of(x);
         let (mut velocity, mut acceleration, mut jerk) = ([S::ZERO; N], [S::ZERO; N], [S::ZERO; N]);
@@ -223,6 +227,7 @@ pub struct Shape<S, const N: usize> {
 
 impl<S: Scalar, const N: usize> Shape<S, N> {
     /// That of a piece.
+    #[inline(never)]
     pub fn of(piece: &Piece<S, N>) -> Self {
         Self { time: piece.time, axes: piece.axes }
     }

@@ -107,10 +107,12 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
         serial.since(self.first).map_or(0, |ahead| (ahead as usize).min(self.len() - 1))
     }
 
+    #[inline(never)]
     pub fn get(&self, index: usize) -> Option<&Station<S, N>> {
         self.stations.get(index)
     }
 
+    #[inline(never)]
     pub fn get_mut(&mut self, index: usize) -> Option<&mut Station<S, N>> {
         self.stations.get_mut(index)
     }
@@ -124,6 +126,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
     }
 
     /// Two neighbouring stations.
+    #[inline(never)]
     pub fn pair(&self, index: usize) -> Option<(&Station<S, N>, &Station<S, N>)> {
         Some((self.stations.get(index)?, self.stations.get(index + 1)?))
     }
@@ -233,6 +236,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
     }
 
     /// Sets a station's state in the plan that is being worked on.
+    #[inline(never)]
     pub fn set_state(&mut self, index: usize, state: PathState<S>) {
         if let Some(station) = self.stations.get_mut(index) {
             station.state = state;
@@ -343,6 +347,7 @@ impl<S: Scalar, const N: usize> Station<S, N> {
     /// How the path arrives at the next station. A node at rest holds the direction in which the
     /// motion goes on, which says nothing of the cell before: that is taken for an arc, as long
     /// as this one's curvature and chord make it.
+    #[inline(never)]
     pub fn arrival(&self, next: &Self) -> Node<S, N> {
         let (here, cell) = (&self.node, &self.cell);
         if cell.straight {

@@ -76,6 +76,7 @@ impl<S: Scalar, const N: usize> Piece<S, N> {
     /// Makes a piece that comes to rest do so exactly at a place: what its polynomials have lost to rounding (in
     /// `f32`, a ten-millionth of the cell's length) is made up for at its start, where the motion is fast and
     /// pieces meet within rounding anyway.
+    #[inline(never)]
     pub fn end_at(&mut self, place: &[Coord; N]) {
         let end = self.at(self.time);
         for (i, (origin, place)) in self.origin.iter_mut().zip(place).enumerate() {
@@ -110,6 +111,7 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
         path: [const { S::Shared::ZERO }; 4],
     };
 
+    #[inline(never)]
     pub fn store(&self, piece: &Piece<S, N>) {
         point();
         self.serial.store(piece.serial.raw(), Relaxed);

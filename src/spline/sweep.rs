@@ -169,6 +169,32 @@ enum Stage {
     Shortening { round: u8 },
 }
 
+/// How a sweep changes the weights. (A closure would be a sweep of its own in the image.)
+#[derive(Clone, Copy, Debug)]
+enum Change {
+    /// Towards the target everywhere.
+    Smooths,
+    /// The spline is drawn back into the tube where it is outside.
+    Repairs,
+}
+
+impl Change {
+    /// The factor of a weight, by the distance over the target.
+    #[inline]
+    fn factor<S: Scalar>(self, ratio: S) -> S {
+        match self {
+            Self::Smooths => {
+                let ratio = ratio.greatest(S::of(LEAST_CHANGE)).least(S::of(MOST_CHANGE));
+                ratio * ratio.sqrt()
+            }
+            Self::Repairs => {
+                let growth = S::ONE + (ratio - S::ONE) * S::of(REPAIR_GROWTH);
+                growth.greatest(S::ONE).least(S::of(MOST_REPAIR))
+            }
+        }
+    }
+}
+
 impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
     /// Smooths the spline by `sweeps` sweeps, and as many repairs as the tube asks for, up to
     /// eight; the `free` control points may move.
@@ -208,10 +234,7 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
     ) -> Option<Smoothing<S>> {
         let stage = match stage {
             Stage::Sweeps(left) => {
-                self.sweep(system, free, |ratio| {
-                    let ratio = ratio.greatest(S::of(LEAST_CHANGE)).least(S::of(MOST_CHANGE));
-                    ratio * ratio.sqrt()
-                });
+                self.sweep(system, free, Change::Smooths);
                 match left {
                     0 | 1 => Stage::Repairs { left: REPAIRS, outside: 0 },
                     _ => Stage::Sweeps(left - 1),
@@ -224,7 +247,7 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
                 if left == 0 {
                     Stage::Shortening { round: 0 }
                 } else {
-                    self.repair(system, free);
+                    self.sweep(system, free, Change::Repairs);
                     Stage::Repairs { left: left - 1, outside: outside as u16 }
                 }
             }
@@ -252,13 +275,12 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
         sum
     }
 
-    /// Moves what is tried of the `free` control points to the minimiser for new weights: `change` is the factor of a weight
-    /// by the distance over the target.
+    /// Moves what is tried of the `free` control points to the minimiser for new weights.
     fn sweep<const SIZE: usize>(
         &mut self,
         system: &mut System<S, N, SIZE>,
         free: &Range<usize>,
-        change: impl Fn(S) -> S,
+        change: Change,
     ) {
         let spans = free.start.saturating_sub(3)..free.end.min(self.spans.len());
         self.assemble(system, (free, &spans), change);
@@ -270,14 +292,6 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
                 *x += *dx;
             }
         }
-    }
-
-    /// Draws the spline back into the tube where it is outside.
-    fn repair<const SIZE: usize>(&mut self, system: &mut System<S, N, SIZE>, free: &Range<usize>) {
-        self.sweep(system, free, |ratio| {
-            let growth = S::ONE + (ratio - S::ONE) * S::of(REPAIR_GROWTH);
-            growth.greatest(S::ONE).least(S::of(MOST_REPAIR))
-        });
     }
 
     /// What is kept free of the tube between the check points of a span, as tried.
@@ -310,7 +324,7 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
         &mut self,
         system: &mut System<S, N, SIZE>,
         (free, spans): (&Range<usize>, &Range<usize>),
-        change: impl Fn(S) -> S,
+        change: Change,
     ) {
         system.begin(free);
         let mut misses = [[S::ZERO; N]; ABREAST];
@@ -336,7 +350,7 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
             let (least, most) = (stiffness * S::of(LEAST_WEIGHT), stiffness * S::of(MOST_WEIGHT));
             let weight = |check: &CheckPoint<S, N>, miss: &Vector<S, N>| {
                 let ratio = (norm(miss) + sag) / (check.radius * S::of(TARGET));
-                (check.weight * change(ratio)).greatest(least).least(most)
+                (check.weight * change.factor(ratio)).greatest(least).least(most)
             };
             let Some(poles) = some(self.poles, k) else { return };
             let checks = part_mut(self.checks, span.range());

@@ -8,7 +8,7 @@ use super::bezier;
 use crate::number::Scalar;
 use crate::number::list::some;
 use crate::number::quadrature::TWO;
-use crate::number::vector::{Vector, dot, norm};
+use crate::number::vector::{Vector, dot, mix, norm};
 use core::array::from_fn;
 use core::ops::Range;
 
@@ -160,7 +160,7 @@ impl<S: Scalar> Span<S> {
     pub fn second<const N: usize>(&self, edges: &[Vector<S, N>; 3]) -> [Vector<S, N>; 2] {
         let part = |k: usize| -> Vector<S, N> {
             let (a, b) = (self.seconds[k] * self.firsts[k], self.seconds[k] * self.firsts[k + 1]);
-            from_fn(|i| b * edges[k + 1][i] - a * edges[k][i])
+            mix(b, &edges[k + 1], -a, &edges[k])
         };
         [part(0), part(1)]
     }
@@ -280,9 +280,7 @@ impl<S: Scalar> Span<S> {
         let zero = S::ZERO;
         let start = [b0 * a0, -(b0 * (a0 + a1)), b0 * a1, zero];
         let end = [zero, b1 * a1, -(b1 * (a1 + a2)), b1 * a2];
-        let at = |near: f64| -> [S; 4] {
-            from_fn(|j| S::of(near) * start[j] + S::of(1.0 - near) * end[j])
-        };
+        let at = |near: f64| mix(S::of(near), &start, S::of(1.0 - near), &end);
         [at(NEAR[0]), at(NEAR[1])]
     }
 
@@ -308,7 +306,11 @@ pub fn edges<S: Scalar, const N: usize>(
     let Some([a, b, c, d]) = some(poles, span) else { return [[S::ZERO; N]; 3] };
     let edge = |a: &Pole<S, N>, b: &Pole<S, N>| -> Vector<S, N> {
         let (from, to) = (moved(a), moved(b));
-        from_fn(|i| a.edge[i] + (to[i] - from[i]))
+        let mut edge = a.edge;
+        for ((x, from), to) in edge.iter_mut().zip(&from).zip(&to) {
+            *x += *to - *from;
+        }
+        edge
     };
     [edge(a, b), edge(b, c), edge(c, d)]
 }

@@ -310,6 +310,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     }
 
     /// Drops the front block; the next one starts where its joint ended.
+    #[inline(never)]
     pub(super) fn next_block(&mut self, config: &Config<S, N>) {
         let done = self.queue.pop_front();
         #[cfg(feature = "shaping")]

@@ -26,6 +26,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     }
 
     /// The tag at a place of the front block (0) or the next (1), mm from its start.
+    #[inline(never)]
     pub(super) fn tag_at(&self, item: usize, s: S) -> u32 {
         let count = |index: usize| self.queue.get(index).map_or(0, |item| usize::from(item.marks));
         let first = if item == 0 { 0 } else { count(0) };
@@ -61,6 +62,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     }
 
     /// Forgets the marks of the front block up to a place on it.
+    #[inline(never)]
     pub(super) fn pass_marks(&mut self, s: Length) {
         let Some(front) = self.queue.front_mut() else { return };
         let passed = s.to_mm::<S>();

@@ -168,6 +168,7 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
     }
 
     /// Ends the growing line where it is.
+    #[inline(never)]
     pub fn settle(&mut self) {
         let start = self.vertices.back().map_or(Length::ZERO, |v| v.s);
         if let Some(vertex) = self.growing.take()

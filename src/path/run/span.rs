@@ -83,6 +83,7 @@ impl<S: Scalar, const N: usize> SpanCurve<S, N> {
     }
 
     /// Direction and bend before a part.
+    #[inline(never)]
     pub fn frame(&self, part: u32) -> Frame<S, N> {
         let u = self.place(part);
         let [a, b, c] = &self.first;
@@ -97,6 +98,7 @@ impl<S: Scalar, const N: usize> SpanCurve<S, N> {
     }
 
     /// The cell over a part, between two nodes.
+    #[inline(never)]
     pub fn cell(
         &self,
         part: u32,

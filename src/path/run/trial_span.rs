@@ -134,6 +134,7 @@ impl<S: Scalar, const N: usize, const CHECKS: usize> Checked<'_, S, N, CHECKS> {
     }
 
     /// Takes note of what one misses the poly-line by.
+    #[inline(never)]
     fn see(&mut self, check: &CheckPoint<S, N>) {
         let miss = norm(&check.slipped(&check.off));
         self.most = self.most.greatest(miss + (self.radius - check.radius));

@@ -193,6 +193,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// The time, s, in which the speed of a station would fall to a share of it on a straight.
+    #[inline(never)]
     fn fall_time(&self, i: usize, rate: S) -> S {
         let Some(station) = self.window.get(i) else { return S::ZERO };
         let speed = station.agreed.b.sqrt().greatest(station.bounds.goal);
@@ -444,6 +445,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
 }
 
 /// The state of a station in the agreed motion as it is run by a clock there.
+#[inline(never)]
 fn by_clock<S: Scalar, const N: usize>(station: &Station<S, N>, clock: Clock<S>) -> PathState<S> {
     if station.rest { PathState::REST } else { clock.run(station.agreed) }
 }

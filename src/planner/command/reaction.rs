@@ -80,6 +80,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     Planner<'_, S, N, BLOCKS, NODES>
 {
     /// Where the motion is, and when an answer that takes so many servo cycles can take effect.
+    #[inline(never)]
     pub(super) fn moment_after(&self, cycles: S) -> Option<Moment<S>> {
         let mut moment = self.moment()?;
         let work = (cycles + S::of(0.5)).to_i64().clamp(0, 1_000_000) as u32;
@@ -153,6 +154,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// Whether the motion ends where it does only because no more is known.
+    #[inline(never)]
     pub(super) fn is_open(&mut self, stretch: Stretch) -> bool {
         let rests = self.window.get(stretch.last).is_some_and(|station| station.rest);
         // A plan that was made to rest at its end does so with all that the limits allow.

@@ -4,7 +4,7 @@ use super::Flow;
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::planner::Planner;
-use crate::planner::horizon::{Horizon, Proposal};
+use crate::planner::horizon::{Horizon, Moment, Proposal};
 use crate::planner::making::{Purpose, Stage};
 use crate::planner::phase::Halt;
 use crate::profile::solver::{Aim, Stretch};
@@ -26,6 +26,15 @@ pub enum Retuning<S> {
     Slowing(Solving<S>),
     /// With the speeds reached as bounds, states of least time are being found.
     Improving(Solving<S>),
+}
+
+/// Where a plan at other overrides leaves the agreed one.
+#[derive(Clone, Copy, Debug)]
+enum Leaves<S> {
+    /// Within a cell.
+    Within(Moment<S>),
+    /// At a node.
+    At(NodeSerial),
 }
 
 /// What the beginning of a try has come to.
@@ -60,18 +69,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             let by_cycle = self.pressing.retunes == 0;
             self.pressing.retunes += 1;
             (self.pressing.at, self.pressing.retuned) = (at, now);
-            let begun = if by_cycle {
-                let moment = self.moment_of_answer(at);
-                self.horizon
-                    .begin_retune((overrides, eased), halt, |horizon| horizon.cut_in(moment?))
+            let leaves = if by_cycle {
+                self.moment_of_answer(at).map(Leaves::Within)
             } else {
                 let node = self.horizon.branch(at, |_| S::ZERO);
-                let node = node.filter(|node| self.horizon.is_near(at, *node));
-                self.horizon.begin_retune((overrides, eased), halt, |horizon| {
-                    let node = node?;
-                    Some((horizon.window.clamped_index(node), Branch::Node(node)))
-                })
+                node.filter(|node| self.horizon.is_near(at, *node)).map(Leaves::At)
             };
+            let begun = self.horizon.begin_retune((overrides, eased), halt, leaves);
             match begun {
                 Begun::Attempt(begun) => return self.make((Purpose::Overrides, at), Some(begun)),
                 Begun::Stops => {
@@ -114,19 +118,23 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         node != self.end() && time < self.config.lead * S::of(NEAR_LEADS)
     }
 
-    /// Begins a plan at other overrides from where `branch` finds it to leave the agreed one. There is a draft afterwards
-    /// only if there is an attempt. With `eased`, the motion slows down for these very overrides, and what it does until then is left as it is.
+    /// Begins a plan at other overrides from where it `leaves` the agreed one. There is a draft afterwards only if there is
+    /// an attempt. With `eased`, the motion slows down for these very overrides, and what it does until then is left as it is.
+    #[inline(never)]
     fn begin_retune(
         &mut self,
         (overrides, eased): (Overrides, bool),
         halt: Option<Halt>,
-        branch: impl FnOnce(&mut Self) -> Option<(usize, Branch)>,
+        leaves: Option<Leaves<S>>,
     ) -> Begun<S> {
         let mut stops = false;
         let begun = self.draft(|draft| {
             let behind = draft.cells_behind_easing().filter(|_| eased);
             draft.try_overrides(overrides);
-            let (first, branch) = branch(draft)?;
+            let (first, branch) = match leaves? {
+                Leaves::Within(moment) => draft.cut_in(moment)?,
+                Leaves::At(node) => (draft.window.clamped_index(node), Branch::Node(node)),
+            };
             let end = draft.end_index();
             let from = behind.map_or(first, |cells| end.saturating_sub(cells).max(first));
             stops = from == end || (branch.is_by_cycle() && draft.is_stopping(from));
@@ -160,6 +168,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// Whether a speed in a stretch is more than what is asked for. Asked after [`Horizon::loosen`].
+    #[inline(never)]
     pub(super) fn exceeds_goal(&self, stretch: Stretch) -> bool {
         (stretch.first..stretch.last).any(|i| {
             self.window.get(i).is_some_and(|station| station.bounds.speed > station.bounds.goal)

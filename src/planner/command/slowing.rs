@@ -311,6 +311,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// What the axes do as agreed from station `i`.
+    #[inline(never)]
     pub(super) fn ahead<'a>(
         &self,
         i: usize,
@@ -391,6 +392,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
 
     /// What bounds the motion over the cell of station `i`. Where other limits come into effect behind it, neither is exceeded:
     /// what comes then goes on from there.
+    #[inline(never)]
     pub(super) fn limits_over(&self, i: usize, quick: bool) -> Limits<S, N> {
         let sets = LimitSets::new(&self.config, &self.older);
         let number = |i| self.window.get(i).map(|station| station.cell.programmed.limits);
@@ -449,6 +451,7 @@ pub(super) struct Stride<'a, S, const N: usize> {
 }
 
 impl<'a, S: Scalar, const N: usize> Stride<'a, S, N> {
+    #[inline(never)]
     pub(super) fn new(shape: &'a Shape<S, N>, place: Place<S>, longest: S) -> Self {
         let Place { shown, clock, .. } = place;
         let half = S::of(0.5);
@@ -486,6 +489,7 @@ impl<'a, S: Scalar, const N: usize> Stride<'a, S, N> {
     }
 
     /// The bends at which the limits are kept.
+    #[inline(never)]
     pub(super) fn bends(&self, limits: &Limits<S, N>, share: S) -> Option<[S; 2]> {
         let Place { shown, clock, .. } = self.place;
         let last = if self.to_end {
@@ -498,6 +502,7 @@ impl<'a, S: Scalar, const N: usize> Stride<'a, S, N> {
     }
 
     /// The bend after which the clock goes evenly, or else the greatest.
+    #[inline(never)]
     pub(super) fn release(&self, [least, most]: [S; 2]) -> S {
         most.least(-self.place.clock.slope / self.time).greatest(least)
     }
@@ -513,6 +518,7 @@ impl<'a, S: Scalar, const N: usize> Stride<'a, S, N> {
     }
 
     /// How long it takes at a bend, s, and where it ends; `None` if the clock stops or the cell ends before.
+    #[inline(never)]
     pub(super) fn end(&self, bend: S) -> Option<(S, Place<S>)> {
         let Place { cell, shown, clock } = self.place;
         let left = self.shape.time - shown;
@@ -528,6 +534,7 @@ impl<'a, S: Scalar, const N: usize> Stride<'a, S, N> {
     }
 
     /// The same with its piece.
+    #[inline(never)]
     pub(super) fn take(&self, bend: S) -> Option<(Leg<S>, Place<S>)> {
         let (about, to) = self.end(bend)?;
         let (last, sequel) = if self.to_end {

@@ -60,6 +60,7 @@ pub struct Whole<S, const N: usize> {
 
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// Begins a draft: everything is as agreed, and what is changed from now on can be taken back.
+    #[inline(never)]
     pub fn begin_draft(&mut self) {
         debug_assert!(!self.has_draft(), "one plan at a time");
         debug_assert!(self.is_as_agreed());

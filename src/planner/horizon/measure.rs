@@ -24,6 +24,7 @@ const APART_CYCLES: f64 = 2.0;
 
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// How long the agreed plan takes for the cell of station `i`, s; 0 if there is none.
+    #[inline(never)]
     pub fn agreed_time(&self, i: usize) -> S {
         self.window.pair(i).map_or(S::ZERO, |(station, next)| station.agreed_time(next))
     }
@@ -109,6 +110,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// Whether a block ends at station `i`.
+    #[inline(never)]
     pub fn ends_block(&self, i: usize) -> bool {
         let Some((before, here)) = i.checked_sub(1).and_then(|i| self.window.pair(i)) else {
             return false;
@@ -125,6 +127,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// go of the brake as fast as the limits allow, hardly any speed would be left. To go on from there without
     /// that rest would save nothing, and a motion that all but rests in the middle is one that
     /// no solver gets going again.
+    #[inline(never)]
     pub fn is_stopping(&self, first: usize) -> bool {
         let end = self.end_index();
         first < end
@@ -183,6 +186,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// About what braking takes from a station, mm: v (v / A + A / J) / 2 and a fifth more.
+    #[inline(never)]
     pub fn braking_distance(&self, i: usize) -> S {
         let Some(station) = self.window.get(i) else { return S::ZERO };
         let PathState { b, a } = station.state;

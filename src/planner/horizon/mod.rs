@@ -137,6 +137,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// Index of the station there: it is not released before the motion has passed it.
+    #[inline(never)]
     pub fn end_index(&self) -> usize {
         debug_assert!(self.window.find(self.end).is_some());
         self.window.clamped_index(self.end)
@@ -210,6 +211,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// Bounds of the cell of station `i` anew, at the pace that is set.
+    #[inline(never)]
     pub fn bound(&mut self, i: usize) {
         let pace = pace(&self.config, &self.older, self.overrides);
         self.window.bound(i, &pace);
@@ -278,6 +280,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// The motion over a cell as agreed.
+    #[inline(never)]
     pub fn agreed_piece(&self, i: usize) -> Option<Piece<S, N>> {
         let (station, after) = self.window.pair(i)?;
         self.piece_between(i, [station.agreed, after.agreed], Sequel::Motion)
@@ -310,6 +313,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         self.window.measure(i);
     }
 
+    #[inline(never)]
     fn piece_between(
         &self,
         i: usize,

@@ -31,6 +31,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// To improve the states of a stretch for an aim.
+    #[inline(never)]
     pub fn begin_improving(&mut self, stretch: Stretch, aim: Aim) -> Solving<S> {
         let iterations = self.config.iterations;
         self.solver
@@ -102,6 +103,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// Gives stations the states of the plan that is being executed.
+    #[inline(never)]
     pub fn take_agreed(&mut self, stations: Range<usize>) {
         for i in stations {
             if let Some(station) = self.window.get_mut(i) {
