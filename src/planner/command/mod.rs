@@ -229,8 +229,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     fn drop_all(&mut self) {
         let end = self.horizon.end_index();
         self.horizon.window.truncate(end);
-        if let Some(station) = self.horizon.window.last() {
+        #[cfg(feature = "limits")]
+        let newest = self.horizon.older.newest();
+        if let Some(station) = self.horizon.window.last_mut() {
             self.builder.restart(station.node.at);
+            // What was dropped leaves no limits in use but the newest.
+            #[cfg(feature = "limits")]
+            {
+                station.cell.programmed.limits = newest;
+            }
         }
         #[cfg(feature = "outputs")]
         self.drop_switches();
