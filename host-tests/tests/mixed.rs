@@ -1267,6 +1267,31 @@ fn a_hold_does_not_wait_for_an_answer_that_is_on_offer() {
     }
 }
 
+/// A plan ahead that waits to be reshaped does not keep the answer to an override waiting that has been raised again, nor a stop.
+#[test]
+fn a_plan_that_waits_to_be_reshaped_keeps_no_command_waiting() {
+    let bend = |k: u32| {
+        let (sin, cos) = (f64::from(k) * 0.05).sin_cos();
+        [10.0 * sin, 10.0 - 10.0 * cos + 0.3 * (f64::from(k) * 0.7).sin()]
+    };
+    let points: Vec<_> = (1..100).map(bend).collect();
+    for slices in [30, 10, 4] {
+        for (when, wait) in [(100, 5), (150, 40), (200, 90), (250, 150), (300, 300), (350, 20)] {
+            for press in [Press::Feed(1), Press::Stop] {
+                let back =
+                    if matches!(press, Press::Stop) { Press::Resume } else { Press::Feed(100) };
+                let presses = vec![(when, press), (when + wait, back)];
+                let parts = vec![lines(&points, 30.0, 0.02)];
+                let case = Case { slices, ..Case::plain(3, 1.0e-3, parts, presses) };
+                let case = Case { reshape: true, ..case };
+                let found = Kind::Large.run(&case);
+                let lags = found.as_ref().map(|found| Kind::Large.lags(&case, found));
+                assert!(matches!(lags, Ok(None)), "{slices}, {when}, {wait}: {lags:?}, {found:?}");
+            }
+        }
+    }
+}
+
 /// Blocks of more sets of limits than are kept are dropped: the next block may have another.
 #[test]
 fn limits_can_be_set_after_an_abort() {
