@@ -380,6 +380,14 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// before can be reshaped with it.
     #[cfg(feature = "reshape")]
     fn may_ripen(&mut self) -> bool {
+        let wish = self.requests.read();
+        if wish.stop || wish.single {
+            return false;
+        }
+        // Where an answer to overrides is owed, the motion may be as slow as they were, and the place where the plan leaves it far off.
+        if self.horizon.is_eased() || wish.overrides != self.horizon.overrides() {
+            return false;
+        }
         let lead = self.horizon.config.lead;
         let Some(making) = &mut self.making else { return false };
         let (Phase::Following(_), Branch::Node(branch)) = (self.phase, making.proposal.branch)
@@ -441,6 +449,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 .reshaping(|planner, memory| planner.begin_shaping(memory, proposal.stretch, at))
         {
             let making = self.making.as_mut()?;
+            if !making.ripe {
+                let cycles = self.side.cycles().since(making.began).unwrap_or(0);
+                self.effort.plan.learn(proposal.stretch.cells(), cycles);
+            }
             making.ripe = true;
             making.stage = Stage::Shaping(shaping);
             return Some(Progress::Planning);
@@ -506,13 +518,14 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 }
                 Purpose::Easing(_) | Purpose::Reaction(_) => self.effort.first.learn(1, cycles),
                 Purpose::Hold => self.effort.stop.learn(slices, cycles),
+                // It takes several plans: counted as one, soon it is given as much time as it takes.
+                Purpose::Overrides | Purpose::BlockEnd => self.effort.plan.learn(cells, cycles),
                 #[cfg(feature = "reshape")]
                 Purpose::Shape => {
                     self.effort.shape.learn(1, cycles);
                     self.abandon();
                     return;
                 }
-                _ => {}
             }
             self.late(by_cycle);
         }

@@ -74,12 +74,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
     }
 
-    /// Takes back a plan that has not been decided on. Whether there is none any more.
+    /// Takes back a plan that has not been decided on, unless it will be within so many servo cycles. Whether there is none any more.
     #[inline(never)]
-    pub(super) fn revoke(&mut self) -> bool {
+    pub(super) fn revoke(&mut self, soon: u32) -> bool {
         let Phase::Offered(offer) = self.phase else { return true };
-        // One that branches off at a servo cycle will be decided on within a few.
-        if offer.by_cycle {
+        // Where planning takes long, one may be ready long before the servo cycle at which it branches off.
+        if offer.by_cycle && self.side.undecided_for() <= soon {
             return false;
         }
         self.side.withdraw();

@@ -296,6 +296,12 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
             self.flags().offer.compare_exchange(offer | OPEN, offer | REFUSED, Relaxed, Relaxed);
     }
 
+    /// Servo cycles until the interpolator decides on the last offer, which branches off at one.
+    pub fn undecided_for(&self) -> u32 {
+        let branch = CycleSerial::from_raw(self.flags().branch.load(Relaxed));
+        branch.since(self.cycles()).unwrap_or(0)
+    }
+
     /// Whether the buffer that is taken for the spare one is: nothing is undecided, and of what was taken the verdict has been heard.
     fn has_spare(&self) -> bool {
         self.taken == self.offered || self.shared.offer.load(Relaxed) & VERDICT == REFUSED

@@ -13,6 +13,9 @@ use crate::path::node::{Cell, Node};
 use crate::path::queued::{Entrance, Joint, QueuedBlock};
 use crate::path::transition::Transition;
 
+/// Times as long as reckoned with that the cell behind a node that is passed may be: where two of them are left, they are halves.
+const BENT_MOST: f64 = 1.06;
+
 impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// The next cell, if enough is known to cut it. `last` is the node the last one ended at.
     ///
@@ -217,7 +220,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let goal = if body.next > body.s {
             body.next
         } else {
-            next_cut(&front.segment, (&front.block, front.entrance.taken), body.left(), body.ends)
+            let begins = front.entrance.taken;
+            let goal = next_cut(&front.segment, (&front.block, begins), body.left(), body.ends);
+            // What is bent behind a node that is passed is no longer than was reckoned with, however long the line is.
+            let bent = front.entrance.joint == Joint::Through && body.s == begins;
+            if bent && (goal - body.s).to_mm::<S>() > body.ends.first * S::of(BENT_MOST) {
+                body.s + Length::from_mm(body.ends.first).max(Length::UNIT)
+            } else {
+                goal
+            }
         };
         #[cfg(feature = "shaping")]
         let free = self.free(front, &body, config);

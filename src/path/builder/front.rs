@@ -77,9 +77,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             if entrance.joint == Joint::Through {
                 until += segment.exact_length / PASSED_SHARE;
             }
-            let first = (until - entrance.taken).to_mm();
-            self.stage =
-                Stage::Body(Body::new(entrance.taken, until, EndSizes { first, last: first }));
+            let last = (until - entrance.taken).to_mm();
+            let first = if entrance.joint == Joint::Through {
+                BentLengths::new(segment.length, entrance.length_before).before
+            } else {
+                last
+            };
+            self.stage = Stage::Body(Body::new(entrance.taken, until, EndSizes { first, last }));
             return;
         }
         let until = segment.exact_length - self.kept;
@@ -156,7 +160,14 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         self.entrance.taken = s;
         self.pass_marks(s);
         let until = segment.exact_length - self.kept;
-        let size = (until - s).to_mm();
-        self.stage = Stage::Body(Body::new(s, until, EndSizes { first: size, last: size }));
+        let first = (until - s).to_mm();
+        let mut last = first;
+        if let Some(front) = self.queue.front()
+            && front.joint == Joint::Through
+            && let Some(ahead) = self.queue.get(1).and_then(|next| next.segment.as_ref())
+        {
+            last = BentLengths::new(segment.length, ahead.length).before;
+        }
+        self.stage = Stage::Body(Body::new(s, until, EndSizes { first, last }));
     }
 }

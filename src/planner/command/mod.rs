@@ -7,10 +7,10 @@
 //! | asked for | at rest | in motion | with a plan on offer |
 //! |---|---|---|---|
 //! | abort | everything is dropped (`drop_all`), [`Progress::Aborted`] until acknowledged | as a hold | as a hold |
-//! | hold, or an override of 0 | [`Progress::Held`] | [`brake`]: a plan that rests as soon as the limits allow, or the first and the next stage of it; none if the plan under way already does | a plan from a node is withdrawn first, one from a servo cycle waited for |
+//! | hold, or an override of 0 | [`Progress::Held`] | [`brake`]: a plan that rests as soon as the limits allow, or the first and the next stage of it; none if the plan under way already does | it is withdrawn first, or waited for if it branches off at one of the next servo cycles |
 //! | a halt no longer wanted | - | the plan is taken further at once | - |
-//! | lower overrides | in effect at once | [`easing`]: the motion slows down as soon as the limits allow; then [`retune`] from where it has | as for a hold |
-//! | higher overrides | in effect at once | [`retune`]: a plan at the new pace from the next servo cycle on, or from a node that is near | as for a hold |
+//! | lower overrides | in effect at once | [`easing`]: the motion slows down as soon as the limits allow; then [`retune`] from where it has | as for a hold, but one from a servo cycle within a lead is waited for |
+//! | higher overrides | in effect at once | [`retune`]: a plan at the new pace from the next servo cycle on, or from a node that is near | the same |
 //! | stop, single block | held; in single block mode after every block, until a resume | [`block_end`]: a plan that rests at the end of a block, looked for once in every plan; none but a halt where the plan rests there anyway | withdrawn if the motion rests there before it, else waited for |
 //! | resume | ends the rest at a pause or in single block mode; a hold or a stop it has ended at the source | - | - |
 //!
@@ -52,6 +52,9 @@ use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::servo::control::{Overrides, Wish};
 
+/// Servo cycles within which a plan on offer must be decided on for a hold to wait for that.
+const SOON: u32 = 2;
+
 /// What a slice of an answer has come to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Flow {
@@ -84,10 +87,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         self.answered.resumes = wish.resumes;
         let brakes = self.brakes(wish);
         let paced = wish.overrides == self.horizon.overrides() && !self.horizon.is_eased();
-        let rests = at == self.horizon.end();
+        let (rests, lead) = (at == self.horizon.end(), self.most_reaction());
         if rests && (brakes || wish.stop || !paced) {
             // A start that has not been taken up.
-            self.revoke();
+            self.revoke(lead);
         }
         if self.phase.offer().is_none() && at == self.horizon.end() {
             return self.obey_at_rest(wish, resumed);
@@ -107,7 +110,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 return Some(Progress::Waiting);
             }
             let quick = wish.quick != self.answered.quick;
-            let planned = self.revoke() && self.brake(at, quick);
+            let planned = self.revoke(SOON) && self.brake(at, quick);
             // If it could not be done at once: the plan is not taken further, and ends at rest.
             return Some(if planned { Progress::Planning } else { Progress::Waiting });
         }
@@ -118,7 +121,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         let stays = |offer: &Offer| offer.before.is_some() && offer.taken.halt == Some(Halt::Block);
         if self.phase.offer().is_some_and(stays) && !Halt::Block.is_wanted(wish) {
-            self.revoke();
+            self.revoke(lead);
         }
         // A first answer on offer comes before the whole one.
         let begins = self.phase.offer().is_some_and(|offer| offer.begins)
@@ -126,7 +129,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if !paced
             && !begins
             && !self.is_refused(wish.overrides, at)
-            && self.revoke()
+            && self.revoke(lead)
             && self.retune(wish.overrides, at)
         {
             return Some(Progress::Planning);
@@ -147,7 +150,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             && !offer.first.is_before(rest)
         {
             let asked = self.horizon.overrides();
-            self.revoke();
+            self.revoke(self.most_reaction());
             if self.horizon.overrides() != asked || self.horizon.is_eased() {
                 // A whole answer to other overrides: it waits until the motion has come farther, or both would be made for ever.
                 self.refuse(asked, at);
@@ -226,8 +229,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     fn drop_all(&mut self) {
         let end = self.horizon.end_index();
         self.horizon.window.truncate(end);
-        if let Some(station) = self.horizon.window.last() {
+        #[cfg(feature = "limits")]
+        let newest = self.horizon.older.newest();
+        if let Some(station) = self.horizon.window.last_mut() {
             self.builder.restart(station.node.at);
+            // What was dropped leaves no limits in use but the newest.
+            #[cfg(feature = "limits")]
+            {
+                station.cell.programmed.limits = newest;
+            }
         }
         #[cfg(feature = "outputs")]
         self.drop_switches();

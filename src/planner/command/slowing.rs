@@ -58,6 +58,8 @@ pub const ATTEMPTS: usize = SHARES.len();
 const LAST: [f64; 3] = [0.95, 0.8, 0.6];
 /// Steps that the last piece lasts at most: in a longer one the motion would not be what it stands for.
 const LONGEST_LAST: f64 = 1.5;
+/// Share of a short cell that is left behind a rest at least.
+const LEAST_PART_LEFT: f64 = 0.25;
 /// Servo cycles that the pieces last at least which stop it.
 const SHORTEST: f64 = 0.5;
 /// A slope that is none, in parts of 1 / step.
@@ -281,7 +283,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         (fits && self.cut_at_rest(place.cell, place.shown)).then_some(place.cell + 1)
     }
 
-    /// Whether a place lies apart from the stations on both sides.
+    /// Whether a place lies behind the station before it, and apart from the next, to which the motion will go on from rest: where
+    /// cells are short, so far that its part is not much shorter than they are. Up to the rest they are run once, as the motion
+    /// slows down: it may be as near as it is to a motion that is slow.
     // What it needs of the stack is not needed while the station is put in.
     #[inline(never)]
     fn has_room_at(&self, place: Place<S>) -> Option<bool> {
@@ -291,7 +295,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let mut before = *station;
         before.lead_to(&cut.node.at, cut.agreed, place.shown);
         let length = before.cell.length;
-        Some(length > apart && whole - length > apart)
+        Some(length > S::ZERO && whole - length > apart.least(whole * S::of(LEAST_PART_LEFT)))
     }
 
     /// The march has come to station `last`, at which the motion rests.

@@ -27,8 +27,10 @@ const CRAWL: f64 = 4.0;
 const LEAP: f64 = 2.5e-4;
 /// Share of a crawl below which an acceleration across the path, over the square of the speed, says nothing of a curvature.
 const SLOW: f64 = 0.05;
-/// Share of a crawl below which a motion is not cut: it comes to rest or gets going in a moment.
+/// Share of a crawl below which a motion is not cut that comes to rest or gets going in a moment: in so many servo cycles its acceleration
+/// takes it there. (One that is asked to be so slow is cut.)
 const LEAST_SPEED: f64 = 1.0e-3;
+const MOMENT: f64 = 4.0;
 /// Start curvature times length from which on it is not the path's, rad: no cell of a path turns so far. It is that of a motion
 /// which hardly moved.
 const MOST_TURN: f64 = 1.0;
@@ -185,7 +187,10 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let piece: Piece<S, N> = self.piece_between(i, states, Sequel::Motion)?;
         let here = piece.at(t);
         let distance = here.path_offset;
-        if !(here.path_speed > self.crawl() * S::of(LEAST_SPEED)) {
+        let along = dot(&here.acceleration, &station.node.tangent).abs();
+        let soon =
+            (along * self.config.cycle * S::of(MOMENT)).least(self.crawl() * S::of(LEAST_SPEED));
+        if !(here.path_speed > soon) {
             return None;
         }
         // What is left of the cell must make good what is rounded here, in ever less time.
