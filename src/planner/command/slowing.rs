@@ -42,8 +42,9 @@ const LONGER: f64 = 1.06;
 pub(super) const SHORTER: f64 = 0.5;
 /// Halvings in the search for the hardest bend.
 const HALVINGS: u32 = 3;
-/// Steps taken in one slice.
+/// Steps taken in one slice, and strides of the clock that may be tried for them; with fewer than half of these left no other step is begun.
 pub(super) const STEPS_PER_SLICE: usize = 2;
+const STRIDES: usize = 80;
 /// Where a motion turns, a step takes at most this share of the time in which its velocity changes by as much as there is of it,
 /// but at least this share of what it takes elsewhere.
 const CALM: f64 = 0.15;
@@ -91,6 +92,8 @@ pub struct Slowing<S> {
     pub(super) share: S,
     /// Whether by the stop limits.
     pub(super) quick: bool,
+    /// Whether the next step is to be a shorter one.
+    pub(super) shorter: bool,
     /// Pieces handed over.
     pub(super) pieces: usize,
     /// How far the stage has got, if it is one.
@@ -181,7 +184,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             let place = Place { cell: first, shown: S::ZERO, clock };
             let step = step * S::of(longer);
             let share = S::of(share);
-            let slowing = Slowing { place, step, share, quick, pieces: 0, staging };
+            let slowing = Slowing { place, step, share, quick, shorter: false, pieces: 0, staging };
             let proposal = Proposal { stretch, branch, halt: Some(Halt::Hold) };
             Some((proposal, Stage::Slowing(slowing)))
         });
@@ -228,7 +231,11 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     ) -> Marched {
         let stretch = proposal.stretch;
         let mut ahead = Ahead { first: slowing.place.cell, shapes: heapless::Vec::new() };
+        let mut strides = STRIDES;
         for _ in 0..STEPS_PER_SLICE {
+            if strides < STRIDES / 2 {
+                break;
+            }
             if slowing.pieces + 3 > NODES {
                 return Marched::Nothing;
             }
@@ -238,11 +245,16 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             if ahead.shapes.is_empty() && ahead.shapes.push(Shape::of(&agreed)).is_err() {
                 return Marched::Nothing;
             }
-            let stepped = self.step(slowing, &agreed, stretch, &mut ahead).or_else(|| {
-                let shorter = Slowing { step: slowing.step * S::of(SHORTER), ..*slowing };
-                self.step(&shorter, &agreed, stretch, &mut ahead)
-            });
-            let Some(mut stepped) = stepped else { return slowing.end_stage() };
+            let Some(mut stepped) =
+                self.step(slowing, &agreed, stretch, (&mut ahead, &mut strides))
+            else {
+                if slowing.shorter {
+                    return slowing.end_stage();
+                }
+                slowing.shorter = true;
+                return Marched::Working;
+            };
+            slowing.shorter = false;
             let to = stepped.to;
             let stops = to.clock == Clock::STOPPED;
             let Some(end) = (if stops { self.put_rest_at(to) } else { Some(to.cell) }) else {
@@ -337,9 +349,13 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         slowing: &Slowing<S>,
         piece: &Piece<S, N>,
         stretch: Stretch,
-        ahead: &mut Ahead<S, N>,
+        (ahead, strides): (&mut Ahead<S, N>, &mut usize),
     ) -> Option<Stepped<S>> {
-        let Slowing { place, step: longest, share, quick, .. } = *slowing;
+        let Slowing { place, step: mut longest, share, quick, .. } = *slowing;
+        let mut next = slowing.next::<NODES>();
+        if slowing.shorter {
+            (longest, next) = (longest * S::of(SHORTER), next * S::of(SHORTER));
+        }
         let limits = &self.limits_over(place.cell, quick);
         let shape = Shape::of(piece);
         let step = Stride::new(&shape, place, longest);
@@ -347,15 +363,15 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         if let Some(stops) = self.stop(piece, place, ([least, most], longest), limits) {
             return Some(stops);
         }
-        let next = slowing.next::<NODES>();
-        let mut good = |bend: S| {
+        let mut good = |bend: S, least: usize| {
+            *strides = (*strides).max(least);
             let (leg, to) = step.take(bend)?;
             let runs = to.clock.rate <= S::ONE.greatest(place.clock.rate)
                 && keeps(&leg.piece(piece), limits)
-                && self.evens_out(to, (next, share, quick), stretch, ahead);
+                && self.evens_out(to, (next, share, quick), stretch, (ahead, strides));
             runs.then_some(Stepped { legs: [Some(leg), None], to })
         };
-        if let Some(hardest) = good(least) {
+        if let Some(hardest) = good(least, 0) {
             return Some(hardest);
         }
         // Even again, or on the way there.
@@ -364,12 +380,12 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let mut found = None;
         for _ in 0..HALVINGS {
             let bend = (hard + soft) * S::of(0.5);
-            match good(bend) {
+            match good(bend, 0) {
                 Some(stepped) => (soft, found) = (bend, Some(stepped)),
                 None => hard = bend,
             }
         }
-        found.or_else(|| good(soft))
+        found.or_else(|| good(soft, RELEASE_STEPS))
     }
 
     /// The last pieces, if the clock can be stopped within a step or two.
@@ -418,7 +434,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         mut place: Place<S>,
         (longest, share, quick): (S, S, bool),
         stretch: Stretch,
-        ahead: &mut Ahead<S, N>,
+        (ahead, strides): (&mut Ahead<S, N>, &mut usize),
     ) -> bool {
         for _ in 0..RELEASE_STEPS {
             if !(place.clock.rate > S::ZERO) {
@@ -427,6 +443,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             if (place.clock.slope * longest).abs() < S::of(EVEN) || place.cell >= stretch.last {
                 return place.clock.rate <= S::ONE;
             }
+            let Some(left) = strides.checked_sub(1) else { return false };
+            *strides = left;
             let Some(shape) = self.ahead(place.cell, ahead) else { return false };
             let step = Stride::new(shape, place, longest);
             let limits = self.limits_over(place.cell, quick);
