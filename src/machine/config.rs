@@ -72,10 +72,10 @@ pub struct Config<S, const N: usize> {
     /// 10 to 20 are needed as a rule; as many again are allowed if the first do not lead to a motion, and half
     /// as many for the answer to an operator's command.
     pub iterations: u16,
-    /// Sweeps in which a stretch of a run of short lines is smoothed before six of its spans are handed
-    /// on, 0 to 100; 0 leaves the spline as it is laid. Every number gives a path inside the tolerance: up to
-    /// eight more are made where the sweeps have led out of it, and what is still outside stays where it
-    /// was. A sweep costs a banded factorisation over at most 48 control points.
+    /// Sweeps in which a new stretch of a run of short lines is smoothed before four of its spans are handed
+    /// on, 0 to 100; one of which most has been smoothed before takes a quarter as many. 0 leaves the spline as it is laid. Every
+    /// number gives a path inside the tolerance: up to eight more are made where the sweeps have led far out of it, and what
+    /// is still outside is moved by less. A sweep costs a banded factorisation over at most 48 control points.
     pub sweeps: u16,
 }
 

@@ -11,12 +11,19 @@
 //!
 //! One sweep, against the thesis's iteration (chapter 3): *categorisation*: a check point
 //! whose distance nears the band gets a greater weight, one that is well inside a lesser one (its
-//! distance over the radius, to the power 1.5), so the weights tend to the multipliers of the
+//! distance over the radius, or that to the power 1.5), so the weights tend to the multipliers of the
 //! band; *direction and sensitivity*: the exact minimiser of the price plus the weighted squares of
 //! the distances, for all control points together - one band matrix of half-width 3, the same for
 //! all axes, factored once per sweep, where the thesis tries one point at a time; *move distance*:
-//! all of it where the bound of [`super::tube`] allows it, else half of it, or none, for the control
+//! all of it where the bound of [`super::tube`] allows it, else a part of it, or none, for the control
 //! points around the place. So the path is inside the band after any number of sweeps, also none.
+//!
+//! A run of lines is smoothed again and again, a stretch of it that slides on: what lies in its front has been many times, and
+//! its end will be as often. So it need not be drawn into the band by the weights each time. Where it is
+//! nearly inside, the moves are shortened: the bound is convex, and what the spline was is inside, so the share of the
+//! moves that leads to the edge of the band can be told; it is left to the places that are outside, and rises to the
+//! whole over some control points on either side, so that the path does not bend there. The weights of those places grow, and what is
+//! shortened now is made good by the sweeps over the next stretch.
 //!
 //! All of this takes a while on a small processor, so it is done in steps ([`Smoothing`]), each of which costs one band
 //! system at most: between two of them the spline is as it was, with what is tried beside it.
@@ -54,8 +61,17 @@ const TARGET: f64 = 0.98;
 const WOUND_UP: f64 = 1.3;
 /// Rounds in which moves are shortened where they lead out of the band.
 const ROUNDS: u8 = 8;
-/// Rounds in which they are halved; after that they are dropped.
-const HALVINGS: u8 = 3;
+/// Rounds in which a part of them is left; after that they are dropped.
+const PARTS: u8 = 3;
+/// Greatest part that is left, in the first rounds.
+const MOST_LEFT: f64 = 0.9;
+/// What is left of the part that leads to the edge of the band: all that is known of it is a bound.
+const SURELY: f64 = 0.98;
+/// A stretch of lines is nearly inside where this part of its moves is. (None: paths with noise and stairs take up to a tenth longer;
+/// more than half: nothing is gained.)
+const NEARLY: f64 = 0.4;
+/// Control points over which the part rises to the whole.
+const RAMP: f64 = 6.0;
 /// Check points whose distances and weights are found side by side.
 const ABREAST: usize = 4;
 
@@ -105,6 +121,9 @@ pub trait Kind<S> {
     /// What is minimised.
     const DERIVATIVE: Derivative;
 
+    /// The factor of a weight in a sweep, by the distance over the target.
+    fn change(ratio: S) -> S;
+
     /// Whether span number `k` may be bent as the edges of its control polygon make it.
     fn admits<const N: usize>(&self, k: usize, span: &Span<S>, edges: &[Vector<S, N>; 3]) -> bool;
 }
@@ -116,6 +135,11 @@ pub struct OfLines;
 impl<S: Scalar> Kind<S> for OfLines {
     const REFERENCE: Reference = Reference::Lines;
     const DERIVATIVE: Derivative = Derivative::Third;
+
+    fn change(ratio: S) -> S {
+        // With a power of 1.5 few sweeps end sometimes before the weights, sometimes behind them.
+        ratio
+    }
 
     fn admits<const N: usize>(&self, _: usize, span: &Span<S>, edges: &[Vector<S, N>; 3]) -> bool {
         span.goes_on(edges)
@@ -132,6 +156,10 @@ pub struct OfSpline<'a, S> {
 impl<S: Scalar> Kind<S> for OfSpline<'_, S> {
     const REFERENCE: Reference = Reference::Itself;
     const DERIVATIVE: Derivative = Derivative::Second;
+
+    fn change(ratio: S) -> S {
+        ratio * ratio.sqrt()
+    }
 
     fn admits<const N: usize>(&self, k: usize, span: &Span<S>, edges: &[Vector<S, N>; 3]) -> bool {
         self.most_curls.get(k).is_some_and(|most| span.curl(edges) <= *most)
@@ -156,6 +184,26 @@ pub struct Smoothing<S> {
     stage: Stage,
     /// How long the spline took to run before.
     hard: S,
+    end: End,
+}
+
+/// How far sweeps go on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// Until the spline is inside the tube.
+    Inside,
+    /// Until it nearly is: it will be smoothed again.
+    Nearly,
+}
+
+impl<S> Smoothing<S> {
+    /// Repairs that have been made.
+    pub fn repairs(&self) -> u8 {
+        match self.stage {
+            Stage::Repairs { left, .. } => REPAIRS - left,
+            _ => 0,
+        }
+    }
 }
 
 /// What the next step of a smoothing does.
@@ -181,11 +229,10 @@ enum Change {
 impl Change {
     /// The factor of a weight, by the distance over the target.
     #[inline]
-    fn factor<S: Scalar>(self, ratio: S) -> S {
+    fn factor<S: Scalar, K: Kind<S>>(self, ratio: S) -> S {
         match self {
             Self::Smooths => {
-                let ratio = ratio.greatest(S::of(LEAST_CHANGE)).least(S::of(MOST_CHANGE));
-                ratio * ratio.sqrt()
+                K::change(ratio.greatest(S::of(LEAST_CHANGE)).least(S::of(MOST_CHANGE)))
             }
             Self::Repairs => {
                 let growth = S::ONE + (ratio - S::ONE) * S::of(REPAIR_GROWTH);
@@ -204,7 +251,7 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
         free: &Range<usize>,
         system: &mut System<S, N, SIZE>,
     ) {
-        let mut smoothing = self.begin(sweeps, free);
+        let mut smoothing = self.begin(sweeps, free, End::Inside);
         // Every turn is a sweep, a repair or a round.
         while let Some(now) = smoothing {
             smoothing = self.step(now, free, system);
@@ -212,7 +259,7 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
     }
 
     /// Begins to smooth the spline as [`Tube::improve`] does; `None` if there is nothing to do.
-    pub fn begin(&mut self, sweeps: u16, free: &Range<usize>) -> Option<Smoothing<S>> {
+    pub fn begin(&mut self, sweeps: u16, free: &Range<usize>, end: End) -> Option<Smoothing<S>> {
         if free.is_empty() || sweeps == 0 {
             return None;
         }
@@ -220,7 +267,7 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
             pole.trial = pole.shift;
         }
         let hard = self.hardness(|pole| pole.shift);
-        Some(Smoothing { stage: Stage::Sweeps(sweeps), hard })
+        Some(Smoothing { stage: Stage::Sweeps(sweeps), hard, end })
     }
 
     /// Goes on with a smoothing, of the same spline with the same `free` control points; `None` if that was the last step.
@@ -228,7 +275,7 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
     /// Cost: one band system over the free control points, and every check point twice.
     pub fn step<const SIZE: usize>(
         &mut self,
-        Smoothing { stage, hard }: Smoothing<S>,
+        Smoothing { stage, hard, end }: Smoothing<S>,
         free: &Range<usize>,
         system: &mut System<S, N, SIZE>,
     ) -> Option<Smoothing<S>> {
@@ -240,26 +287,32 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
                     _ => Stage::Sweeps(left - 1),
                 }
             }
-            Stage::Repairs { left, outside } => {
-                let Some(outside) = self.outside(outside.into()) else {
-                    return self.take_on(hard);
-                };
-                if left == 0 {
-                    Stage::Shortening { round: 0 }
-                } else {
+            Stage::Repairs { left, outside } => match self.lies(outside.into(), end) {
+                Lies::Inside => return self.take_on(hard),
+                Lies::Outside(outside) if left > 0 => {
                     self.sweep(system, free, Change::Repairs);
                     Stage::Repairs { left: left - 1, outside: outside as u16 }
                 }
-            }
+                Lies::NearlyInside | Lies::Outside(_) => Stage::Shortening { round: 0 },
+            },
             Stage::Shortening { round: ROUNDS } => return None,
             Stage::Shortening { round } => {
-                if !self.shorten(free, if round < HALVINGS { S::of(0.5) } else { S::ZERO }) {
+                let first = round < PARTS;
+                let shortened = match K::REFERENCE {
+                    Reference::Lines => {
+                        self.draw_in::<SIZE>(free, if first { S::of(MOST_LEFT) } else { S::ZERO })
+                    }
+                    Reference::Itself => {
+                        self.shorten(free, if first { S::of(0.5) } else { S::ZERO })
+                    }
+                };
+                if !shortened {
                     return self.take_on(hard);
                 }
                 Stage::Shortening { round: round + 1 }
             }
         };
-        Some(Smoothing { stage, hard })
+        Some(Smoothing { stage, hard, end })
     }
 
     /// How long the spline as it is takes, times the cube root of the jerk: at every place the speed is
@@ -350,7 +403,7 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
             let (least, most) = (stiffness * S::of(LEAST_WEIGHT), stiffness * S::of(MOST_WEIGHT));
             let weight = |check: &CheckPoint<S, N>, miss: &Vector<S, N>| {
                 let ratio = (norm(miss) + sag) / (check.radius * S::of(TARGET));
-                (check.weight * change.factor(ratio)).greatest(least).least(most)
+                (check.weight * change.factor::<S, K>(ratio)).greatest(least).least(most)
             };
             let Some(poles) = some(self.poles, k) else { return };
             let checks = part_mut(self.checks, span.range());
@@ -379,10 +432,20 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
         }
     }
 
-    /// A span that is not inside the tube, as tried; looked for from one on that probably is not.
-    fn outside(&self, from: usize) -> Option<usize> {
-        let mut spans = (from..self.spans.len()).chain(0..from);
-        spans.find(|&k| self.spans.get(k).is_some_and(|span| !self.holds(k, span)))
+    /// Where the spline lies as tried; a span outside is looked for from one on that probably is.
+    fn lies(&self, from: usize, end: End) -> Lies {
+        let mut lies = Lies::Inside;
+        for k in (from..self.spans.len()).chain(0..from) {
+            let Some(span) = self.spans.get(k) else { continue };
+            if self.holds(k, span) {
+                continue;
+            }
+            if end == End::Inside || self.share_inside(k, span) < S::of(NEARLY) {
+                return Lies::Outside(k);
+            }
+            lies = Lies::NearlyInside;
+        }
+        lies
     }
 
     /// Whether a span is inside the tube, as tried, and bent as it may be.
@@ -426,6 +489,91 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
         any
     }
 
+    /// Leaves of the moves around the spans outside the tube what leads to its edge, and lets their weights grow. Returns whether
+    /// any is.
+    #[inline(never)]
+    fn draw_in<const SIZE: usize>(&mut self, free: &Range<usize>, most: S) -> bool {
+        let mut shares = [S::ONE; SIZE];
+        let mut any = false;
+        for (k, span) in self.spans.iter().enumerate() {
+            if !self.holds(k, span) {
+                any = true;
+                let share = self.share_inside(k, span).least(most);
+                for least in shares.iter_mut().skip(k).take(4) {
+                    *least = least.least(share);
+                }
+                self.draw(k, span);
+            }
+        }
+        let apart = |i: usize| self.spans.get(i.saturating_sub(1)).map_or(S::ONE, |span| span.step);
+        let mut ramp = Ramp::new();
+        for (i, share) in shares.iter_mut().enumerate() {
+            ramp.pass(share, apart(i));
+        }
+        let mut ramp = Ramp::new();
+        for (i, share) in shares.iter_mut().enumerate().rev() {
+            ramp.pass(share, apart(i));
+        }
+        for (pole, share) in self.poles.iter_mut().zip(&shares).take(free.end).skip(free.start) {
+            pole.trial = from_fn(|n| pole.shift[n] + *share * (pole.trial[n] - pole.shift[n]));
+        }
+        any
+    }
+
+    /// The share of the moves with which a span outside the tube would be inside it.
+    fn share_inside(&self, k: usize, span: &Span<S>) -> S {
+        let sags = self.sags(k, span);
+        let mut least = S::ONE;
+        for (at, first) in places(k, span) {
+            let (Some(check), Some(poles)) = (self.checks.get(at), some(self.poles, first)) else {
+                continue;
+            };
+            if let Some(Outside { share, .. }) = Self::outlies(check, poles, sags) {
+                least = least.least(share);
+            }
+        }
+        least
+    }
+
+    /// Lets the weights grow with which a span is held inside the tube.
+    fn draw(&mut self, k: usize, span: &Span<S>) {
+        let sags = self.sags(k, span);
+        for (at, first) in places(k, span) {
+            let (Some(check), Some(poles)) = (self.checks.get_mut(at), some(self.poles, first))
+            else {
+                continue;
+            };
+            if let Some(Outside { distance, .. }) = Self::outlies(check, poles, sags) {
+                let ratio = distance / (check.radius * S::of(TARGET));
+                check.weight = check.weight * Change::Repairs.factor::<S, K>(ratio);
+            }
+        }
+    }
+
+    /// What is kept free of the tube between the check points of a span, as it is and as tried.
+    fn sags(&self, k: usize, span: &Span<S>) -> [S; 2] {
+        let edges = edges(self.poles, k, |pole| pole.shift);
+        [span.slack(&edges), self.slack(k, span, &trial_edges(self.poles, k))]
+    }
+
+    /// By how much a check point is outside the tube as tried, if it is.
+    fn outlies(
+        check: &CheckPoint<S, N>,
+        poles: &[Pole<S, N>; 4],
+        [sag_before, sag]: [S; 2],
+    ) -> Option<Outside<S>> {
+        let distance = norm(&Self::miss(check, poles)) + sag;
+        if !(distance > check.radius) {
+            return None;
+        }
+        let off = check.displaced(poles.each_ref().map(|pole| &pole.shift));
+        let before = norm(&check.slipped(&off)) + sag_before;
+        // Distances and the bound of the bend are convex: on the way from one to the other they are at most what a line gives.
+        let share = (check.radius - before) / (distance - before) * S::of(SURELY);
+        let share = if before < check.radius { share } else { S::ZERO };
+        Some(Outside { share, distance })
+    }
+
     /// Takes on what was tried and is inside the tube, unless that takes longer to run than before. The smoothing is over.
     fn take_on(&mut self, hard: S) -> Option<Smoothing<S>> {
         // Where the tube is much wider than the lines in it are long, that happens.
@@ -438,6 +586,56 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
         }
         None
     }
+}
+
+/// What a share rises by on the way from a place where it is less.
+struct Ramp<S> {
+    share: S,
+    /// By how much it rises for each mm.
+    slope: S,
+}
+
+impl<S: Scalar> Ramp<S> {
+    fn new() -> Self {
+        Self { share: S::ONE, slope: S::ZERO }
+    }
+
+    /// Goes on to the next control point, so many mm away.
+    fn pass(&mut self, share: &mut S, apart: S) {
+        let here = self.share + self.slope * apart;
+        if *share < here {
+            // Where control points are close together, as at a rest, a share that rose by their number would bend the path.
+            *self = Self { share: *share, slope: S::of(1.0 / RAMP) / apart };
+        } else {
+            self.share = here;
+        }
+        *share = self.share;
+    }
+}
+
+/// Where a spline lies.
+enum Lies {
+    /// Inside the tube.
+    Inside,
+    /// Inside but for a part of what was moved that can be left away.
+    NearlyInside,
+    /// Outside, with this span.
+    Outside(usize),
+}
+
+/// A check point outside the tube.
+struct Outside<S> {
+    /// Share of the moves with which it is inside.
+    share: S,
+    /// Distance with what is kept free, mm.
+    distance: S,
+}
+
+/// The check points at which a span is held, that of its end is the first of the next one: which, and the first of the control points that
+/// move it.
+fn places<S: Scalar>(k: usize, span: &Span<S>) -> impl Iterator<Item = (usize, usize)> {
+    let Range { start, end } = span.range();
+    (start..end).map(move |at| (at, k)).chain([(end, k + 1)])
 }
 
 /// The edges of the control polygon of a span, as tried.

@@ -16,7 +16,7 @@ use crate::number::{Coord, Interval, Length, Scalar};
 use crate::path::node::Programmed;
 use crate::spline::banded::System;
 use crate::spline::basis::Local;
-use crate::spline::sweep::{Kind, OfLines, Smoothing, Tube, price};
+use crate::spline::sweep::{End, Kind, OfLines, Smoothing, Tube, price};
 use crate::spline::tube::{CheckPoint, Pole, Span, edges};
 use core::array::from_fn;
 use core::ops::Range;
@@ -89,13 +89,17 @@ pub struct SlidingSpline<S, const N: usize> {
     reach: S,
     /// What that may be away from the poly-line at its end, mm.
     end_radius: S,
+    /// Repairs that the last smoothing took.
+    repairs: u8,
 }
 
 /// A stretch of which no more than this part is new...
 const MOSTLY: usize = 4;
-/// ... is smoothed by this part of the sweeps, in eighths: the weights of the rest are nearly what they become. (Two: some lines
-/// with noise take a tenth longer; eight: no path of lines that are smooth by more than 0.4 %.)
-const FEWER: u16 = 3;
+/// ... is smoothed by this part of the sweeps, in eighths: the weights of the rest are nearly what they become. (Eight: no path of lines
+/// that are smooth by more than 0.4 %.)
+const FEWER: u16 = 2;
+/// Where the last stretch took so many repairs, by one sweep more: lines with noise take up to a twentieth longer without.
+const LABOURED: u8 = 2;
 
 /// The whole of a line in [`Coord::towards`].
 const WHOLE: f64 = (1_u64 << 62) as f64;
@@ -118,6 +122,7 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
             slow_points: Vec::new(),
             reach: S::ZERO,
             end_radius: S::ZERO,
+            repairs: 0,
         }
     }
 
@@ -430,14 +435,21 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         let new = free.end.saturating_sub(self.smoothed.max(free.start));
         let most_are_old = new * MOSTLY <= free.len();
         self.smoothed = free.end;
-        let sweeps = if most_are_old { (sweeps * FEWER).div_ceil(8) } else { sweeps };
-        self.tube().begin(sweeps, &free)
+        let more = u16::from(self.repairs >= LABOURED);
+        self.repairs = 0;
+        let (sweeps, end) = if most_are_old {
+            ((sweeps * FEWER).div_ceil(8) + more, End::Nearly)
+        } else {
+            (sweeps, End::Inside)
+        };
+        self.tube().begin(sweeps, &free, end)
     }
 
     /// One step of a smoothing of the spline as it stands; `None` if that was the last.
     #[inline(never)]
     pub fn smooth_on(&mut self, now: Smoothing<S>) -> Option<Smoothing<S>> {
         let mut system = System::<S, N, CONTROLS>::new();
+        self.repairs = self.repairs.max(now.repairs());
         let free = self.free();
         self.tube().step(now, &free, &mut system)
     }
