@@ -23,6 +23,7 @@ use crate::planner::horizon::{Horizon, Moment, Proposal};
 use crate::planner::making::{Purpose, Stage};
 use crate::planner::phase::Halt;
 use crate::profile::barrier::Slack;
+use crate::profile::bounds::LEAST_CYCLE_SHARE;
 use crate::profile::clock::Clock;
 use crate::profile::law::{Law, PathState};
 use crate::profile::relaxation::Relaxation;
@@ -226,7 +227,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             };
             let mut next = cell;
             if cell == easing.cell {
-                if !self.cut_agreed(cell, shown) {
+                if self.is_brief(easing, shown, clock) || !self.cut_agreed(cell, shown) {
                     return Flow::Nothing;
                 }
                 proposal.stretch.last += 1;
@@ -236,6 +237,14 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             (easing.cell, easing.clock, easing.left) = (next, clock, easing.left - 1);
         }
         Flow::Working
+    }
+
+    /// Whether one of the parts would be run in less than any cell takes into which the next step would cut its cell, `shown` seconds from its
+    /// start by a clock that ends as `clock`: a tick passes few cells.
+    fn is_brief(&self, easing: &Easing<S>, shown: S, clock: Clock<S>) -> bool {
+        let least = self.config.cycle * S::of(LEAST_CYCLE_SHARE);
+        let left = self.agreed_time(easing.cell) - shown;
+        shown + shown < least * (easing.clock.rate + clock.rate) || left < least * clock.rate
     }
 
     /// Whether the clock goes as it is to go, or the motion rests.
