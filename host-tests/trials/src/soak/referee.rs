@@ -522,9 +522,10 @@ impl Referee {
             }
         }
         let back = before.path - now.path;
-        // The path is kept to less than two tenths of a nanometre: terms of a piece that slows down cancel, and what is left of their
-        // rounding is more than that of the offset.
-        let noise = 2.0e-7 + 4.0 * epsilon * (before.offset + now.offset);
+        // The path is kept to less than two tenths of a nanometre, and in `f32` to half of one: terms of a piece that slows down cancel, and
+        // what is left of their rounding is more than that of the offset, at a rest as where the motion goes on from it.
+        let floor = if self.double { 2.0e-7 } else { 5.0e-7 };
+        let noise = floor + 4.0 * epsilon * (before.offset + now.offset);
         let fastest = self.setting.axes.iter().map(|axis| axis.velocity).fold(0.0, f64::max);
         if !(back <= noise) || !(now.speed >= -8.0 * epsilon * fastest) {
             let text = format!("the path runs back by {back:e} mm, at {:e} mm/s", now.speed);
