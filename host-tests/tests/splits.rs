@@ -46,18 +46,23 @@ fn cuts() -> impl Strategy<Value = Vec<Vec<f64>>> {
     prop::collection::vec(prop::collection::vec(0.001f64..0.999, 0..6), 1..8)
 }
 
+/// Share of its time by which a program may take longer in pieces.
+const LONGER: f64 = 0.005;
+/// And where lines have as much noise as the band is wide: how far a few sweeps get hangs on where their stretches end.
+const NOISY: f64 = 0.025;
+
 /// Splits a program: the time stays, the tags are in order.
 fn check(
     program: &Program,
     cuts: &[Vec<f64>],
     machine: &Machine,
-    precision: Precision,
+    (precision, share): (Precision, f64),
 ) -> Result<(), TestCaseError> {
     let whole = watched(program, machine, precision);
     let pieces = watched(&split(program, cuts, false), machine, precision);
     // Starts and ends fall on whole cycles. (Cells are cut where pieces end as well: the motion may be faster.)
     let longer = pieces.time - whole.time - 3.0 * machine.cycle;
-    let most = 0.005 * whole.time;
+    let most = share * whole.time;
     prop_assert!(longer <= most, "{} s in pieces, {} s as a whole", pieces.time, whole.time);
     prop_assert!(pieces.tags.is_sorted_by_key(|(tag, _)| *tag), "{:?}", pieces.tags);
     Ok(())
@@ -81,7 +86,8 @@ proptest! {
         single in any::<bool>(),
     ) {
         let precision = if single { Precision::F32 } else { Precision::F64 };
-        check(&lines(&draws, &[0, 1, 2]), &cuts, &machine(tolerance, (1.0, 1.0), 3), precision)?;
+        let machine = machine(tolerance, (1.0, 1.0), 3);
+        check(&lines(&draws, &[0, 1, 2]), &cuts, &machine, (precision, LONGER))?;
     }
 
     #[test]
@@ -91,7 +97,8 @@ proptest! {
         tolerance in (-3.0f64..0.0).prop_map(|e| 10f64.powf(e)),
     ) {
         let program = lines(&draws, &[0, 1, 2, 3, 4, 5]);
-        check(&program, &cuts, &machine(tolerance, (1.0, 1.0), 6), Precision::F64)?;
+        let machine = machine(tolerance, (1.0, 1.0), 6);
+        check(&program, &cuts, &machine, (Precision::F64, LONGER))?;
     }
 
     #[test]
@@ -102,7 +109,8 @@ proptest! {
         single in any::<bool>(),
     ) {
         let precision = if single { Precision::F32 } else { Precision::F64 };
-        check(&dense(&stretches), &cuts, &machine(tolerance, (1.0, 1.0), 3), precision)?;
+        let machine = machine(tolerance, (1.0, 1.0), 3);
+        check(&dense(&stretches), &cuts, &machine, (precision, NOISY))?;
     }
 }
 
@@ -180,5 +188,5 @@ fn the_end_of_a_piece_makes_no_sliver() {
     });
     let cuts = [vec![], vec![], vec![0.553_822_379]];
     let machine = machine(0.009_107_192, (1.0, 1.0), 3);
-    check(&program(&draws, &[0, 1, 2]), &cuts, &machine, Precision::F32).unwrap();
+    check(&program(&draws, &[0, 1, 2]), &cuts, &machine, (Precision::F32, LONGER)).unwrap();
 }
