@@ -2,20 +2,21 @@
 //! without; commands in any order, a sender that falls silent, planning that takes long or does not come to run. Every servo
 //! cycle is looked at.
 
+#[path = "common/ways.rs"]
+#[allow(dead_code)] // A part of it is for other tests.
+mod ways;
+
 use fastrand::Rng;
 use splineway::{
-    Activity, AxisLimits, Block, Config, Controls, Coord, Feed, Limits, Link, Motion, Progress,
-    PushError, Reshaping, Scalar, Setpoint, Turn,
+    Activity, AxisLimits, Block, Config, Controls, Coord, Feed, Limits, Link, Progress, PushError,
+    Reshaping, Scalar, Setpoint,
 };
 use std::fmt::Write;
+use ways::{Followed, SAGITTA, between, distance};
 
 /// Axes of a program: a machine takes the first of them, and the fourth is a rotary one.
 const AXES: usize = 4;
-/// Chords of an arc or curve leave it by no more, mm.
-const SAGITTA: f64 = 5.0e-6;
-/// What is granted to the finest input, mm.
-const FINEST: f64 = 1.0e-6;
-/// And in `f32` to the directions of long lines, mm.
+/// What is granted in `f32` to the directions of long lines, mm.
 const SINGLE: f64 = 1.0e-5;
 /// Share of a tolerance that is granted to rounding.
 const ROUNDING: f64 = 5.0e-4;
@@ -26,17 +27,8 @@ const SLICES: [u32; 6] = [100_000, 30, 10, 4, 2, 1];
 /// More slices than all that can be planned in a servo cycle takes.
 const ENDLESS: u32 = 20_000;
 
-type Point = [f64; AXES];
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Way {
-    Line,
-    /// About a centre in XY, by an angle that is not a full turn.
-    Arc([f64; 2], f64),
-    Curve([Point; 2]),
-    Dwell(f64),
-    Event,
-}
+type Point = ways::Point<AXES>;
+type Way = ways::Way<AXES>;
 
 #[derive(Clone, Copy, Debug)]
 struct Step {
@@ -123,187 +115,21 @@ struct Case {
     stalls: Vec<Gap>,
 }
 
-fn distance(a: &Point, b: &Point) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
-}
-
-fn towards(a: &Point, b: &Point, share: f64) -> Point {
-    std::array::from_fn(|i| a[i] + share * (b[i] - a[i]))
-}
-
 impl Step {
-    /// The place after a share of it.
-    fn at(&self, from: &Point, share: f64) -> Point {
-        match self.way {
-            Way::Line => towards(from, &self.to, share),
-            Way::Arc([x, y], angle) => {
-                let (dx, dy) = (from[0] - x, from[1] - y);
-                let (sin, cos) = (angle * share).sin_cos();
-                let mut at = towards(from, &self.to, share);
-                (at[0], at[1]) = (x + cos * dx - sin * dy, y + sin * dx + cos * dy);
-                at
-            }
-            Way::Curve([b, c]) => {
-                let [ab, bc, cd] =
-                    [(from, &b), (&b, &c), (&c, &self.to)].map(|(a, b)| towards(a, b, share));
-                towards(&towards(&ab, &bc, share), &towards(&bc, &cd, share), share)
-            }
-            Way::Dwell(_) | Way::Event => *from,
-        }
-    }
-
-    /// How many chords stand for it.
-    fn chords(&self, from: &Point) -> usize {
-        let square = match self.way {
-            Way::Line | Way::Dwell(_) | Way::Event => return 1,
-            Way::Arc([x, y], angle) => {
-                (from[0] - x).hypot(from[1] - y) * angle * angle / (8.0 * SAGITTA)
-            }
-            Way::Curve([b, c]) => {
-                let bend = |a: &Point, b: &Point, c: &Point| {
-                    (0..AXES).map(|i| (a[i] - 2.0 * b[i] + c[i]).powi(2)).sum::<f64>().sqrt()
-                };
-                0.75 * bend(from, &b, &c).max(bend(&b, &c, &self.to)) / SAGITTA
-            }
-        };
-        (square.sqrt().ceil() as usize).clamp(8, 100_000)
-    }
-
-    /// What is granted beyond its tolerance, mm.
-    fn grant(&self) -> f64 {
-        if matches!(self.way, Way::Line) { FINEST } else { SAGITTA }
-    }
-
-    fn moves(&self) -> bool {
-        !matches!(self.way, Way::Dwell(_) | Way::Event)
-    }
-
     fn block<S: Scalar, const N: usize>(&self, tag: u32) -> Block<S, N> {
-        let at =
-            |p: &Point| -> [Coord; N] { std::array::from_fn(|i| Coord::from_mm(p[i]).unwrap()) };
-        let mm = |x: f64| Coord::from_mm(x).unwrap();
-        let to = at(&self.to);
         let motion = match self.way {
-            Way::Line => Motion::Line { to },
-            Way::Curve(controls) => Motion::Cubic { controls: controls.map(|p| at(&p)), to },
-            Way::Arc([x, y], angle) => Motion::Arc {
-                to,
-                plane: (0, 1),
-                centre: (mm(x), mm(y)),
-                turn: if angle > 0.0 { Turn::CounterClockwise } else { Turn::Clockwise },
-                extra_turns: 0,
-            },
             Way::Dwell(seconds) => return Block::dwell(S::of(seconds), tag),
             Way::Event => return Block::event(tag),
+            way => way.motion(&self.to),
         };
         let feed = if self.feed > 0.0 { Feed::PerSecond(S::of(self.feed)) } else { Feed::Rapid };
         Block { motion, feed, tolerance: Some(S::of(self.tolerance)), exact_stop: self.exact, tag }
     }
 }
 
-/// The programmed path as chords, each with the tolerance of its block, and how far the motion has come along it.
-struct Followed {
-    /// Ends of the chords, the way up to each, and the number and tolerance of its block.
-    points: Vec<(Point, f64, usize, f64)>,
-    /// Chord and way that have been reached at least, and the way that may have been.
-    chord: usize,
-    way: f64,
-    far: f64,
-    last: Point,
-    widest: f64,
-}
-
-impl Followed {
-    fn new(start: Point, steps: &[Step]) -> Self {
-        let mut points = vec![(start, 0.0, 0, f64::INFINITY)];
-        let (mut from, mut widest) = (start, 0.0f64);
-        for (n, step) in steps.iter().enumerate() {
-            if !step.moves() {
-                continue;
-            }
-            let chords = step.chords(&from);
-            for k in 1..=chords {
-                let to =
-                    if k < chords { step.at(&from, k as f64 / chords as f64) } else { step.to };
-                let before = points[points.len() - 1];
-                let way = before.1 + distance(&before.0, &to);
-                if way > before.1 + 1.0e-9 {
-                    points.push((to, way, n, step.tolerance));
-                }
-            }
-            widest = widest.max(step.tolerance);
-            from = step.to;
-        }
-        Self { points, chord: 0, way: 0.0, far: 0.0, last: start, widest }
-    }
-
-    /// How far a place is outside, mm, and the block and tolerance by which that is least: of the blocks near the way
-    /// come so far, each in its own tolerance, or beside its end in the lesser of its own and the next's.
-    fn outside(&mut self, x: &Point) -> (f64, usize, f64) {
-        if self.points.len() < 2 {
-            return (distance(x, &self.points[0].0), 0, 0.0);
-        }
-        let step = distance(&self.last, x);
-        self.last = *x;
-        let reach = 20.0 * self.widest + 0.02 + 2.0 * step;
-        let mut low = self.chord;
-        while low > 0 && self.points[low].1 > self.way - reach {
-            low -= 1;
-        }
-        let near = self.far + 2.0 * step;
-        let (mut best, mut nearest) =
-            ((f64::INFINITY, 0, 0.0), (f64::INFINITY, self.chord, self.way));
-        let (mut place, mut begin, mut far) = (None, None, self.way);
-        for k in low..self.points.len() - 1 {
-            let ((a, start, ..), (b, end, block, own)) = (self.points[k], self.points[k + 1]);
-            if k > self.chord && start > self.far + reach {
-                break;
-            }
-            let length = end - start;
-            let along =
-                (0..AXES).map(|i| (x[i] - a[i]) * (b[i] - a[i])).sum::<f64>() / (length * length);
-            let off = |share: f64| distance(&towards(&a, &b, share), x);
-            let share = along.clamp(0.0, 1.0);
-            let tolerance = match share {
-                0.0 => own.min(self.points[k].3),
-                1.0 => own.min(self.points.get(k + 2).map_or(own, |next| next.3)),
-                _ => own,
-            };
-            let here = off(share);
-            if here - tolerance < best.0 {
-                best = (here - tolerance, block, tolerance);
-            }
-            if here < nearest.0 {
-                nearest = (here, k, start + share * length);
-            }
-            // Never back: a path that is run to and fro is passed twice.
-            if k >= self.chord && place.is_none() {
-                let share = share.max((self.way - start) / length).min(1.0);
-                if off(share) <= own * 1.001 + FINEST {
-                    place = Some((k, start + share * length));
-                }
-            }
-            // Where the path winds within its band nobody can tell which turn it is.
-            let band = (own * 1.001 + FINEST) / length;
-            let half = (band * band - (off(along) / length).powi(2)).sqrt();
-            let (from, to) = (along - half, along + half);
-            let before: Option<f64> = begin.take();
-            if from <= 1.0 && to >= 0.0 {
-                let since =
-                    before.filter(|_| from <= 0.0).unwrap_or(start + from.max(0.0) * length);
-                if since <= near {
-                    far = far.max(start + to.min(1.0) * length);
-                }
-                begin = (to >= 1.0).then_some(since);
-            }
-        }
-        let (chord, way) = place.unwrap_or((nearest.1, nearest.2));
-        if way > self.way {
-            (self.chord, self.way) = (chord, way);
-        }
-        self.far = far.max(self.way);
-        best
-    }
+/// The path of a program from a place on.
+fn follow(start: Point, steps: &[Step]) -> Followed<AXES> {
+    Followed::new(start, steps.iter().map(|step| (step.way, step.to, step.tolerance)))
 }
 
 /// A number of any order of magnitude between two.
@@ -421,7 +247,7 @@ impl Draft {
         };
         match way {
             Way::Arc(_, angle) => {
-                step.to = cut(step.at(&from, 1.0));
+                step.to = cut(step.way.at(&from, &step.to, 1.0));
                 self.heading += angle;
             }
             Way::Curve(_) => {
@@ -618,11 +444,11 @@ impl Case {
             if let Way::Dwell(seconds) = step.way {
                 time += seconds;
             }
-            let chords = step.chords(&from).min(64);
+            let chords = step.way.chords(&from, &step.to).min(64);
             let mut length = 0.0;
             let mut last = from;
             for k in 1..=chords {
-                let at = step.at(&from, k as f64 / chords as f64);
+                let at = step.way.at(&from, &step.to, k as f64 / chords as f64);
                 length += distance(&last, &at);
                 last = at;
             }
@@ -690,27 +516,6 @@ fn place<S: Scalar, const N: usize>(at: &Setpoint<S, N>) -> Point {
     std::array::from_fn(|i| at.position_mm(i))
 }
 
-/// The place a part of a cycle behind a setpoint: the quintic between both states.
-fn between<S: Scalar, const N: usize>(
-    [from, to]: [&Setpoint<S, N>; 2],
-    h: f64,
-    part: f64,
-) -> Point {
-    std::array::from_fn(|i| {
-        if i >= N {
-            return 0.0;
-        }
-        let moved: f64 = to.position(i).minus(from.position(i));
-        let [v0, v1] = [from, to].map(|at| at.velocity[i].to_f64() * h);
-        let [a0, a1] = [from, to].map(|at| at.acceleration[i].to_f64() * h * h);
-        let (p, v, a) = (moved - v0 - 0.5 * a0, v1 - v0 - a0, a1 - a0);
-        let (c, d, e) =
-            (10.0 * p - 4.0 * v + 0.5 * a, -15.0 * p + 7.0 * v - a, 6.0 * p - 3.0 * v + 0.5 * a);
-        let cube = part * part * part;
-        from.position_mm(i) + part * (v0 + 0.5 * a0 * part) + cube * (c + part * (d + part * e))
-    })
-}
-
 const STAY: f64 = 1.0e-9;
 
 #[allow(clippy::too_many_lines)] // One servo cycle after another.
@@ -767,7 +572,7 @@ fn run<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
             .collect()
     };
     let mut steps = shifted(&[0.0; AXES], 0);
-    let mut followed = Followed::new([0.0; AXES], &steps);
+    let mut followed = follow([0.0; AXES], &steps);
     let (mut next, mut set, mut first_tag) = (0, 0, 1u32);
     let mut before: Option<Setpoint<S, N>> = None;
     let mut tags = [0u32; 2];
@@ -862,7 +667,7 @@ fn run<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
                     part += 1;
                     steps = shifted(&start, part);
                     // The core keeps places between nanometres.
-                    followed = Followed::new(start, &steps);
+                    followed = follow(start, &steps);
                     next = 0;
                     events.clear();
                     standing = None;
@@ -961,7 +766,7 @@ fn run<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
                 let share = if part < 1.0 { BETWEEN } else { ROUNDING };
                 let jerk = (0..N).map(|i| greatest(i, 2)).fold(0.0, f64::max);
                 let grant = tolerance * share
-                    + steps.get(block).map_or(SAGITTA, Step::grant)
+                    + steps.get(block).map_or(SAGITTA, |step| step.way.grant())
                     + if single { SINGLE } else { 0.0 }
                     + if part < 1.0 { jerk * h * h * h * 0.02 } else { 0.0 };
                 if trace.is_some_and(|[from, to]| cycle >= from && cycle < to) {
@@ -1034,7 +839,7 @@ fn run<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
         }
         if cycle > calm && progress == Progress::Done && idle && next == steps.len() && !force.abort
         {
-            let end = steps.last().map_or(followed.points[0].0, |step| step.to);
+            let end = steps.last().map_or(followed.start(), |step| step.to);
             let off = distance(&end, &here);
             if off > 2.0e-6 {
                 return fail("end", format!("{off} beside it"));

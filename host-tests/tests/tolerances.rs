@@ -1,32 +1,24 @@
 //! Programs whose tolerance changes between blocks: every block is kept to within its own, and the place where two meet to
 //! within the lesser.
 
+#[path = "common/ways.rs"]
+#[allow(dead_code)] // A part of it is for other tests.
+mod ways;
+
 use fastrand::Rng;
 use splineway::{
-    Activity, AxisLimits, Block, Config, Coord, Feed, Limits, Link, Motion, Progress, PushError,
-    Scalar, Turn,
+    Activity, AxisLimits, Block, Config, Coord, Feed, Limits, Link, Progress, PushError, Scalar,
 };
+use ways::{Followed, distance};
 
 const AXES: usize = 3;
-/// Chords of an arc or curve leave it by no more, mm.
-const SAGITTA: f64 = 5.0e-6;
-/// What is granted to the finest input, mm.
-const FINEST: f64 = 1.0e-6;
-/// And in `f32` to the directions of long lines, mm.
+/// What is granted in `f32` to the directions of long lines, mm.
 const SINGLE: f64 = 1.0e-5;
 /// Share of a tolerance that is granted to rounding.
 const ROUNDING: f64 = 5.0e-4;
 
-type Point = [f64; AXES];
-
-/// What a block does.
-#[derive(Clone, Copy, Debug)]
-enum Way {
-    Line,
-    /// About a centre in XY, by an angle that is not a full turn.
-    Arc([f64; 2], f64),
-    Curve([Point; 2]),
-}
+type Point = ways::Point<AXES>;
+type Way = ways::Way<AXES>;
 
 #[derive(Clone, Copy, Debug)]
 struct Step {
@@ -37,173 +29,10 @@ struct Step {
     exact: bool,
 }
 
-fn distance(a: &Point, b: &Point) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
-}
-
-fn towards(a: &Point, b: &Point, share: f64) -> Point {
-    std::array::from_fn(|i| a[i] + share * (b[i] - a[i]))
-}
-
 impl Step {
-    /// The place after a share of it.
-    fn at(&self, from: &Point, share: f64) -> Point {
-        match self.way {
-            Way::Line => towards(from, &self.to, share),
-            Way::Arc([x, y], angle) => {
-                let (dx, dy) = (from[0] - x, from[1] - y);
-                let (sin, cos) = (angle * share).sin_cos();
-                let z = from[2] + share * (self.to[2] - from[2]);
-                [x + cos * dx - sin * dy, y + sin * dx + cos * dy, z]
-            }
-            Way::Curve([b, c]) => {
-                let [ab, bc, cd] =
-                    [(from, &b), (&b, &c), (&c, &self.to)].map(|(a, b)| towards(a, b, share));
-                towards(&towards(&ab, &bc, share), &towards(&bc, &cd, share), share)
-            }
-        }
-    }
-
-    /// How many chords stand for it.
-    fn chords(&self, from: &Point) -> usize {
-        let square = match self.way {
-            Way::Line => return 1,
-            Way::Arc([x, y], angle) => {
-                (from[0] - x).hypot(from[1] - y) * angle * angle / (8.0 * SAGITTA)
-            }
-            Way::Curve([b, c]) => {
-                let bend = |a: &Point, b: &Point, c: &Point| {
-                    (0..AXES).map(|i| (a[i] - 2.0 * b[i] + c[i]).powi(2)).sum::<f64>().sqrt()
-                };
-                0.75 * bend(from, &b, &c).max(bend(&b, &c, &self.to)) / SAGITTA
-            }
-        };
-        (square.sqrt().ceil() as usize).clamp(8, 100_000)
-    }
-
-    /// What is granted beyond its tolerance, mm.
-    fn grant(&self) -> f64 {
-        if matches!(self.way, Way::Line) { FINEST } else { SAGITTA }
-    }
-
     fn block<S: Scalar>(&self, tag: u32) -> Block<S, AXES> {
-        let at = |x: f64| Coord::from_mm(x).unwrap();
-        let to = self.to.map(at);
-        let motion = match self.way {
-            Way::Line => Motion::Line { to },
-            Way::Curve(controls) => {
-                Motion::Cubic { controls: controls.map(|point| point.map(at)), to }
-            }
-            Way::Arc([x, y], angle) => Motion::Arc {
-                to,
-                plane: (0, 1),
-                centre: (at(x), at(y)),
-                turn: if angle > 0.0 { Turn::CounterClockwise } else { Turn::Clockwise },
-                extra_turns: 0,
-            },
-        };
-        let feed = Feed::PerSecond(S::of(self.feed));
+        let (motion, feed) = (self.way.motion(&self.to), Feed::PerSecond(S::of(self.feed)));
         Block { motion, feed, tolerance: Some(S::of(self.tolerance)), exact_stop: self.exact, tag }
-    }
-}
-
-/// The programmed path as chords, each with the tolerance of its block, and how far the motion has come along it.
-struct Followed {
-    /// Ends of the chords, the way up to each, and the number and tolerance of its block.
-    points: Vec<(Point, f64, usize, f64)>,
-    /// Chord and way that have been reached at least, and the way that may have been.
-    chord: usize,
-    way: f64,
-    far: f64,
-    last: Point,
-    widest: f64,
-}
-
-impl Followed {
-    fn new(steps: &[Step]) -> Self {
-        let start = [0.0; AXES];
-        let mut points = vec![(start, 0.0, 0, f64::INFINITY)];
-        let (mut from, mut widest) = (start, 0.0f64);
-        for (n, step) in steps.iter().enumerate() {
-            let chords = step.chords(&from);
-            for k in 1..=chords {
-                let to =
-                    if k < chords { step.at(&from, k as f64 / chords as f64) } else { step.to };
-                let before = points[points.len() - 1];
-                let way = before.1 + distance(&before.0, &to);
-                if way > before.1 + 1.0e-9 {
-                    points.push((to, way, n, step.tolerance));
-                }
-            }
-            widest = widest.max(step.tolerance);
-            from = step.to;
-        }
-        Self { points, chord: 0, way: 0.0, far: 0.0, last: start, widest }
-    }
-
-    /// How far a place is outside, mm, and the block and tolerance by which that is least: of the blocks near the way
-    /// come so far, each in its own tolerance, or beside its end in the lesser of its own and the next's.
-    fn outside(&mut self, x: &Point) -> (f64, usize, f64) {
-        let step = distance(&self.last, x);
-        self.last = *x;
-        let reach = 20.0 * self.widest + 0.02 + 2.0 * step;
-        let mut low = self.chord;
-        while low > 0 && self.points[low].1 > self.way - reach {
-            low -= 1;
-        }
-        let near = self.far + 2.0 * step;
-        let (mut best, mut nearest) =
-            ((f64::INFINITY, 0, 0.0), (f64::INFINITY, self.chord, self.way));
-        let (mut place, mut begin, mut far) = (None, None, self.way);
-        for k in low..self.points.len() - 1 {
-            let ((a, start, ..), (b, end, block, own)) = (self.points[k], self.points[k + 1]);
-            if k > self.chord && start > self.far + reach {
-                break;
-            }
-            let length = end - start;
-            let along =
-                (0..AXES).map(|i| (x[i] - a[i]) * (b[i] - a[i])).sum::<f64>() / (length * length);
-            let off = |share: f64| distance(&towards(&a, &b, share), x);
-            let share = along.clamp(0.0, 1.0);
-            let tolerance = match share {
-                0.0 => own.min(self.points[k].3),
-                1.0 => own.min(self.points.get(k + 2).map_or(own, |next| next.3)),
-                _ => own,
-            };
-            let here = off(share);
-            if here - tolerance < best.0 {
-                best = (here - tolerance, block, tolerance);
-            }
-            if here < nearest.0 {
-                nearest = (here, k, start + share * length);
-            }
-            // Never back: a path that is run to and fro is passed twice.
-            if k >= self.chord && place.is_none() {
-                let share = share.max((self.way - start) / length).min(1.0);
-                if off(share) <= own * 1.001 + FINEST {
-                    place = Some((k, start + share * length));
-                }
-            }
-            // Where the path winds within its band nobody can tell which turn it is.
-            let band = (own * 1.001 + FINEST) / length;
-            let half = (band * band - (off(along) / length).powi(2)).sqrt();
-            let (from, to) = (along - half, along + half);
-            let before: Option<f64> = begin.take();
-            if from <= 1.0 && to >= 0.0 {
-                let since =
-                    before.filter(|_| from <= 0.0).unwrap_or(start + from.max(0.0) * length);
-                if since <= near {
-                    far = far.max(start + to.min(1.0) * length);
-                }
-                begin = (to >= 1.0).then_some(since);
-            }
-        }
-        let (chord, way) = place.unwrap_or((nearest.1, nearest.2));
-        if way > self.way {
-            (self.chord, self.way) = (chord, way);
-        }
-        self.far = far.max(self.way);
-        best
     }
 }
 
@@ -226,7 +55,8 @@ fn run<S: Scalar>(steps: &[Step], cycle: f64) -> Found {
     config.cycle = S::of(cycle);
     let mut link = Box::new(Link::<S, AXES, 16, 64>::new());
     let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; AXES]).unwrap();
-    let mut followed = Followed::new(steps);
+    let mut followed =
+        Followed::new([0.0; AXES], steps.iter().map(|step| (step.way, step.to, step.tolerance)));
     let (mut next, mut finished) = (0, false);
     let mut found = Found::default();
     for cycles in 0.. {
@@ -251,7 +81,7 @@ fn run<S: Scalar>(steps: &[Step], cycle: f64) -> Found {
         let x = std::array::from_fn(|i| here.position_mm(i));
         let (outside, block, tolerance) = followed.outside(&x);
         let single = if S::NAME == "f32" { SINGLE } else { 0.0 };
-        let grant = tolerance * ROUNDING + steps[block].grant() + single;
+        let grant = tolerance * ROUNDING + steps[block].way.grant() + single;
         let share = (tolerance + outside) / (tolerance + grant);
         if share > found.share {
             (found.share, found.block, found.at) = (share, block, x);
@@ -346,7 +176,7 @@ impl Draft {
         };
         match way {
             Way::Arc(_, angle) => {
-                step.to = step.at(&from, 1.0).map(round);
+                step.to = step.way.at(&from, &step.to, 1.0).map(round);
                 self.heading += angle;
             }
             Way::Curve(_) => {
@@ -354,7 +184,7 @@ impl Draft {
                 step.to = [from[0] + size * cos, from[1] + size * sin, straight[2]].map(round);
                 self.heading += bend;
             }
-            Way::Line => {}
+            _ => {}
         }
         self.at = step.to;
         self.steps.push(step);

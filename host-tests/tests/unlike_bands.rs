@@ -4,11 +4,15 @@
 #[path = "common/cycles.rs"]
 #[allow(dead_code)] // A part of it is for other tests.
 mod cycles;
+#[path = "common/ways.rs"]
+#[allow(dead_code)] // A part of it is for other tests.
+mod ways;
 
 use cycles::{Between, Draw, at, soak};
 use splineway::{
     Activity, AxisLimits, Block, Config, Limits, Link, Progress, Reshaping, Scalar, Setpoint,
 };
+use ways::between;
 
 const BLOCKS: usize = 64;
 const NODES: usize = 256;
@@ -140,10 +144,10 @@ fn run<S: Scalar>(lines: &[Line], memory: Option<&mut Reshaping<S, 3>>) -> (f64,
         let progress = planner.settle();
         let setpoint = interpolator.tick();
         if let Some(from) = before.replace(setpoint) {
-            let between = Between { from, to: setpoint, cycle: CYCLE };
-            between.check(&config, false);
+            Between { from, to: setpoint, cycle: CYCLE }.check(&config, false);
             for look in 1..=LOOKS {
-                let place = part_of(&between, f64::from(look) / f64::from(LOOKS));
+                let part = f64::from(look) / f64::from(LOOKS);
+                let place = between([&from, &setpoint], CYCLE, part);
                 most = most.max(followed.goes(lines, place));
             }
         }
@@ -154,23 +158,6 @@ fn run<S: Scalar>(lines: &[Line], memory: Option<&mut Reshaping<S, 3>>) -> (f64,
         }
     }
     panic!("no end");
-}
-
-/// The place a part of a cycle behind its start: the quintic between both states.
-fn part_of<S: Scalar>(between: &Between<S>, part: f64) -> [f64; 3] {
-    let (from, to, h) = (&between.from, &between.to, between.cycle);
-    [0, 1, 2].map(|i| {
-        let moved: f64 = to.position(i).minus(from.position(i));
-        let [v0, v1] = [from, to].map(|at| at.velocity[i].to_f64() * h);
-        let [a0, a1] = [from, to].map(|at| at.acceleration[i].to_f64() * h * h);
-        let (p, v, a) = (moved - v0 - 0.5 * a0, v1 - v0 - a0, a1 - a0);
-        let (c, d, e) =
-            (10.0 * p - 4.0 * v + 0.5 * a, -15.0 * p + 7.0 * v - a, 6.0 * p - 3.0 * v + 0.5 * a);
-        let cube = part * part * part;
-        from.position(i).to_mm()
-            + part * (v0 + 0.5 * a0 * part)
-            + cube * (c + part * (d + part * e))
-    })
 }
 
 fn lines_of_unlike_bands_are_passed<S: Scalar>(case: u64) {

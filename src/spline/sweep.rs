@@ -498,11 +498,10 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
         for (k, span) in self.spans.iter().enumerate() {
             if !self.holds(k, span) {
                 any = true;
-                let share = self.share_inside(k, span).least(most);
+                let share = self.draw(k, span).least(most);
                 for least in shares.iter_mut().skip(k).take(4) {
                     *least = least.least(share);
                 }
-                self.draw(k, span);
             }
         }
         let apart = |i: usize| self.spans.get(i.saturating_sub(1)).map_or(S::ONE, |span| span.step);
@@ -523,31 +522,24 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
     /// The share of the moves with which a span outside the tube would be inside it.
     fn share_inside(&self, k: usize, span: &Span<S>) -> S {
         let sags = self.sags(k, span);
-        let mut least = S::ONE;
-        for (at, first) in places(k, span) {
-            let (Some(check), Some(poles)) = (self.checks.get(at), some(self.poles, first)) else {
-                continue;
-            };
-            if let Some(Outside { share, .. }) = Self::outlies(check, poles, sags) {
-                least = least.least(share);
-            }
-        }
-        least
+        let outside = places(k, span).filter_map(|place| self.outlies(place, sags));
+        outside.fold(S::ONE, |least, place| least.least(place.share))
     }
 
-    /// Lets the weights grow with which a span is held inside the tube.
-    fn draw(&mut self, k: usize, span: &Span<S>) {
+    /// Lets the weights grow with which a span is held inside the tube. Returns the share of the moves with which it would be.
+    fn draw(&mut self, k: usize, span: &Span<S>) -> S {
         let sags = self.sags(k, span);
-        for (at, first) in places(k, span) {
-            let (Some(check), Some(poles)) = (self.checks.get_mut(at), some(self.poles, first))
-            else {
-                continue;
-            };
-            if let Some(Outside { distance, .. }) = Self::outlies(check, poles, sags) {
+        let mut least = S::ONE;
+        for place in places(k, span) {
+            if let Some(Outside { share, distance }) = self.outlies(place, sags)
+                && let Some(check) = self.checks.get_mut(place.0)
+            {
+                least = least.least(share);
                 let ratio = distance / (check.radius * S::of(TARGET));
                 check.weight = check.weight * Change::Repairs.factor::<S, K>(ratio);
             }
         }
+        least
     }
 
     /// What is kept free of the tube between the check points of a span, as it is and as tried.
@@ -556,12 +548,13 @@ impl<S: Scalar, const N: usize, K: Kind<S>> Tube<'_, S, N, K> {
         [span.slack(&edges), self.slack(k, span, &trial_edges(self.poles, k))]
     }
 
-    /// By how much a check point is outside the tube as tried, if it is.
+    /// By how much a check point is outside the tube as tried, if it is: one of [`places`].
     fn outlies(
-        check: &CheckPoint<S, N>,
-        poles: &[Pole<S, N>; 4],
+        &self,
+        (at, first): (usize, usize),
         [sag_before, sag]: [S; 2],
     ) -> Option<Outside<S>> {
+        let (check, poles) = (self.checks.get(at)?, some(self.poles, first)?);
         let distance = norm(&Self::miss(check, poles)) + sag;
         if !(distance > check.radius) {
             return None;

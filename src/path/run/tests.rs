@@ -179,17 +179,19 @@ fn cells_join_with_continuous_curvature() {
     }
 }
 
-/// The integral of the square of the third derivative falls with the sweeps.
+/// The integral of the square of the third derivative.
+fn roughness(points: &[[f64; 2]], sweeps: u16) -> f64 {
+    let change = |cut: &Emitted<f64, 2>| {
+        let (a, b) = (&cut.from.curvature, &cut.node.curvature);
+        ((b[0] - a[0]).powi(2) + (b[1] - a[1]).powi(2)) / cut.cell.length
+    };
+    cells(points, sweeps).iter().map(change).sum()
+}
+
+/// It falls with the sweeps.
 #[test]
 fn sweeps_smooth() {
-    let points = &paths()[0];
-    let roughness = [0, 4, 20].map(|sweeps| -> f64 {
-        let change = |cut: &Emitted<f64, 2>| {
-            let (a, b) = (&cut.from.curvature, &cut.node.curvature);
-            ((b[0] - a[0]).powi(2) + (b[1] - a[1]).powi(2)) / cut.cell.length
-        };
-        cells(points, sweeps).iter().map(change).sum()
-    });
+    let roughness = [0, 4, 20].map(|sweeps| roughness(&paths()[0], sweeps));
     assert!(roughness[1] < 0.5 * roughness[0], "{roughness:?}");
     assert!(roughness[2] < 1.05 * roughness[1], "{roughness:?}");
 }
@@ -197,14 +199,10 @@ fn sweeps_smooth() {
 /// As smooth with few sweeps as with many, wherever a stretch ends: also where control points are close together.
 #[test]
 fn few_sweeps_leave_no_kink() {
-    let change = |cut: &Emitted<f64, 2>| {
-        let (a, b) = (&cut.from.curvature, &cut.node.curvature);
-        ((b[0] - a[0]).powi(2) + (b[1] - a[1]).powi(2)) / cut.cell.length
-    };
-    let roughness = |sweeps| -> f64 { cells(&paths()[0], sweeps).iter().map(change).sum() };
-    let many = roughness(40);
+    let points = &paths()[0];
+    let many = roughness(points, 40);
     for sweeps in 1..20 {
-        let few = roughness(sweeps);
+        let few = roughness(points, sweeps);
         assert!(few < 1.1 * many, "{sweeps} sweeps: {few} of {many}");
     }
 }
