@@ -128,6 +128,8 @@ pub struct Planner<
     effort: Effort<S>,
     /// What no plan was found for, until it changes.
     vain: Option<Vain>,
+    /// Node with the motion at which there was nothing to do: there is not before that, what is asked for or what is known changes.
+    idle: Option<NodeSerial>,
     answered: Answered,
     /// How far the answer to a command that lasts has got.
     pressing: Pressing,
@@ -177,6 +179,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         #[cfg(feature = "reshape")]
         let from = *self.builder.end();
         self.builder.push(block, &self.horizon.config)?;
+        self.idle = None;
         #[cfg(feature = "reshape")]
         if let Some(memory) = self.reshaping.as_deref_mut() {
             memory.note(&from, block, &self.horizon.config);
@@ -223,6 +226,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         #[cfg(feature = "kinematics")]
         let limits = limits.on_motors_of(&self.horizon.config.limits);
+        self.idle = None;
         if !self.builder.uses_limits() {
             self.horizon.config.limit(&limits);
         } else if self.horizon.set_limits(limits) {
@@ -243,7 +247,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// blocks that an abort has dropped: until that is acknowledged it does nothing.
     pub fn finish(&mut self) {
         if !self.is_aborted() {
-            self.finished = true;
+            (self.finished, self.idle) = (true, None);
         }
     }
 
@@ -317,11 +321,17 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return progress;
         }
         let at = self.side.progress();
+        let wish = self.requests.read();
+        let is_idle = self.is_idle(&wish, at);
+        // In debug builds it is looked for all the same, in vain.
+        if is_idle && !cfg!(debug_assertions) {
+            return Progress::Waiting;
+        }
+        self.idle = None;
         self.hear();
         if self.finished {
             self.builder.close();
         }
-        let wish = self.requests.read();
         self.builder.set_single(wish.single);
         self.drop_unwanted(&wish, at);
         #[cfg(feature = "reshape")]
@@ -331,6 +341,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let progress = if self.making.is_some() { self.go_on() } else { self.begin(&wish, at) };
         let has_draft = self.phase.offer().is_some() || self.making.is_some();
         debug_assert_eq!(has_draft, self.horizon.has_draft());
+        debug_assert!(!is_idle || progress == Progress::Waiting, "something to do: {progress:?}");
         progress
     }
 
@@ -376,6 +387,9 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                         == Some(true)
                 {
                     return Progress::Planning;
+                }
+                if progress == Progress::Waiting {
+                    self.idle = self.waits_for_motion(wish).then_some(at);
                 }
                 progress
             }
