@@ -477,6 +477,45 @@ fn feeds_of_rotary_moves_and_inverse_time() {
     assert!((fastest(3.3, 4.9, &speed) - 25.0).abs() < 0.1);
 }
 
+/// Where a path of linear and rotary axes turns, it has more of the linear ones than its lines: their speed is not more than the feed
+/// all the same, in a corner as in a run of short lines.
+#[test]
+fn linear_axes_keep_the_feed_where_the_path_turns() {
+    let linear = AxisLimits::linear(200.0f64, 20_000.0, 2.0e6);
+    let rotary = AxisLimits { rotary: true, ..linear };
+    let corner = vec![[2.0, 20.0], [4.0, 0.0]];
+    let circle = |k: u32| (std::f64::consts::TAU * f64::from(k) / 16.0).sin_cos();
+    let run = (1..=16).map(|k| [2.0 * circle(k).0, 2.0 - 2.0 * circle(k).1]).collect();
+    for (tolerance, points) in [(0.2, corner), (0.1, run)] {
+        let mut config = Config::new(Limits::new([linear, linear, rotary]).unwrap());
+        config.tolerance = tolerance;
+        let mut link = TestLink::new();
+        let (mut planner, mut interpolator) = link.split(config, at(0.0, 0.0, 0.0)).unwrap();
+        let mut points: std::collections::VecDeque<_> = points.into();
+        let mut fastest = 0.0f64;
+        for cycle in 0.. {
+            assert!(cycle < 100_000, "no end");
+            while let Some([x, c]) = points.front() {
+                match planner.push(&Block::line(at(*x, 0.0, *c), 10.0, 0)) {
+                    Ok(()) => drop(points.pop_front()),
+                    Err(PushError::Full) => break,
+                    Err(error) => panic!("{error}"),
+                }
+            }
+            if points.is_empty() {
+                planner.finish();
+            }
+            let progress = planner.settle();
+            let here = interpolator.tick();
+            fastest = fastest.max(here.velocity[0].abs());
+            if progress == Progress::Done && here.activity == Activity::Idle {
+                break;
+            }
+        }
+        assert!(fastest > 9.5 && fastest <= 10.1, "{tolerance}: {fastest} mm/s");
+    }
+}
+
 /// A full buffer refuses and keeps everything.
 #[test]
 fn a_full_buffer_would_block_and_loses_nothing() {
