@@ -405,6 +405,51 @@ fn bad_blocks_are_refused_and_leave_the_rest_intact() {
     assert_eq!(setpoints.last().unwrap().position_nm(0), 5_000_000);
 }
 
+/// Of a line of a nanometre that is simply passed at one end, a run at the other would have less than is a line: it was begun along
+/// the line behind that, back the way the motion had come.
+#[test]
+fn runs_beside_lines_of_a_nanometre_do_not_lead_back() {
+    let (along, up) = ([0.6f64, 0.8], 6.8e-3);
+    for (tiny, turn, ends) in [0.52e-6, 0.572e-6, 0.66e-6, 0.7e-6, 1.9e-6, 2.1e-6]
+        .into_iter()
+        .flat_map(|tiny| [0.4f64, 1.2, 2.1, 2.9, 3.06].map(|turn| (tiny, turn)))
+        .flat_map(|(tiny, turn)| [false, true].map(|ends| (tiny, turn, ends)))
+    {
+        let (sin, cos) = turn.sin_cos();
+        let back = [along[0] * cos - along[1] * sin, along[0] * sin + along[1] * cos];
+        // Joints of a line without a tolerance are passed where they are straight.
+        let mut ways = vec![(along, up, 0.0), (along, tiny, 0.01), (back, 0.1, 0.01)];
+        if ends {
+            ways.reverse();
+        }
+        let axis = AxisLimits::linear(200.0f32, 2000.0, 50_000.0);
+        let config = Config::new(Limits::new([axis; 3]).unwrap());
+        let mut link = TestLink::new();
+        let (mut planner, mut interpolator) = link.split(config, at(0.0, 0.0, 0.0)).unwrap();
+        let (mut x, mut y) = (0.0, 0.0);
+        for (direction, length, tolerance) in ways {
+            (x, y) = (x + direction[0] * length, y + direction[1] * length);
+            let line = Block::line(at(x, y, 0.0), 60.0, 0);
+            planner.push(&Block { tolerance: Some(tolerance), ..line }).unwrap();
+        }
+        planner.finish();
+        let mut before = 0.0;
+        for cycle in 0.. {
+            assert!(cycle < 10_000, "{tiny} {turn} {ends}: no end");
+            let progress = planner.settle();
+            let here = interpolator.tick();
+            let gone = here.path_mm() - before;
+            assert!(gone >= -3.0e-7, "{tiny} {turn} {ends}: {gone:e} mm");
+            before = here.path_mm();
+            if progress == Progress::Done && here.activity == Activity::Idle {
+                let off = [here.position_mm(0) - x, here.position_mm(1) - y];
+                assert!(off.iter().all(|off| off.abs() < 1.0e-6));
+                break;
+            }
+        }
+    }
+}
+
 /// What a feed means: over the linear axes if any of them moves, else over the rotary ones; under
 /// inverse time the block takes its time.
 #[test]
@@ -430,6 +475,45 @@ fn feeds_of_rotary_moves_and_inverse_time() {
     assert!((fastest(0.0, 0.9, &speed) - 50.0).abs() < 0.15);
     assert!((fastest(1.2, 2.9, &|s| s.velocity[2]) - 45.0).abs() < 0.15);
     assert!((fastest(3.3, 4.9, &speed) - 25.0).abs() < 0.1);
+}
+
+/// Where a path of linear and rotary axes turns, it has more of the linear ones than its lines: their speed is not more than the feed
+/// all the same, in a corner as in a run of short lines.
+#[test]
+fn linear_axes_keep_the_feed_where_the_path_turns() {
+    let linear = AxisLimits::linear(200.0f64, 20_000.0, 2.0e6);
+    let rotary = AxisLimits { rotary: true, ..linear };
+    let corner = vec![[2.0, 20.0], [4.0, 0.0]];
+    let circle = |k: u32| (std::f64::consts::TAU * f64::from(k) / 16.0).sin_cos();
+    let run = (1..=16).map(|k| [2.0 * circle(k).0, 2.0 - 2.0 * circle(k).1]).collect();
+    for (tolerance, points) in [(0.2, corner), (0.1, run)] {
+        let mut config = Config::new(Limits::new([linear, linear, rotary]).unwrap());
+        config.tolerance = tolerance;
+        let mut link = TestLink::new();
+        let (mut planner, mut interpolator) = link.split(config, at(0.0, 0.0, 0.0)).unwrap();
+        let mut points: std::collections::VecDeque<_> = points.into();
+        let mut fastest = 0.0f64;
+        for cycle in 0.. {
+            assert!(cycle < 100_000, "no end");
+            while let Some([x, c]) = points.front() {
+                match planner.push(&Block::line(at(*x, 0.0, *c), 10.0, 0)) {
+                    Ok(()) => drop(points.pop_front()),
+                    Err(PushError::Full) => break,
+                    Err(error) => panic!("{error}"),
+                }
+            }
+            if points.is_empty() {
+                planner.finish();
+            }
+            let progress = planner.settle();
+            let here = interpolator.tick();
+            fastest = fastest.max(here.velocity[0].abs());
+            if progress == Progress::Done && here.activity == Activity::Idle {
+                break;
+            }
+        }
+        assert!(fastest > 9.5 && fastest <= 10.1, "{tolerance}: {fastest} mm/s");
+    }
 }
 
 /// A full buffer refuses and keeps everything.

@@ -73,6 +73,47 @@ pub fn path_speed<S: Scalar, const N: usize>(
     wanted.least(most)
 }
 
+/// Speed over the linear axes that a feed word asks for, mm/s, where a path may have more or less of them than its block has: the upper half
+/// of an `f32`, rounded up by less than 0.8 %.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LinearFeed(u16);
+
+/// Bits of an `f32` that are left out.
+const LEFT_OUT: u32 = 16;
+
+impl LinearFeed {
+    /// None is asked for.
+    pub const NONE: Self = Self(0);
+
+    /// What a feed word asks for on a machine that has both linear and rotary axes.
+    pub fn of<S: Scalar, const N: usize>(feed: Feed<S>, limits: &Limits<S, N>) -> Self {
+        let axes = limits.axes();
+        match feed {
+            Feed::PerSecond(feed) if axes.iter().any(|axis| axis.rotary) => {
+                let bits = (feed.to_f64() as f32).to_bits();
+                Self((bits.saturating_add((1 << LEFT_OUT) - 1) >> LEFT_OUT) as u16)
+            }
+            _ => Self::NONE,
+        }
+    }
+
+    /// In mm/s.
+    pub fn speed<S: Scalar>(self) -> Option<S> {
+        let Self(upper) = self;
+        let bits = u32::from(upper) << LEFT_OUT;
+        (upper != 0).then(|| S::of(f64::from(f32::from_bits(bits))))
+    }
+
+    /// What is asked for where both are.
+    pub fn with(self, other: Self) -> Self {
+        if self == Self::NONE || other == Self::NONE {
+            Self::NONE
+        } else {
+            Self(self.0.min(other.0))
+        }
+    }
+}
+
 /// Speed of a length, mm, in a time, s, mm/s.
 fn by_duration<S: Scalar>(length: S, seconds: S) -> S {
     (length / seconds).greatest(S::of(LEAST_SPEED))

@@ -28,6 +28,7 @@ impl<S: Scalar> Leg<S> {
         Self {
             programmed: Programmed {
                 feed: self.programmed.feed.least(later.programmed.feed),
+                linear: self.programmed.linear.with(later.programmed.linear),
                 ..later.programmed
             },
             tolerance: self.tolerance.least(later.tolerance),

@@ -30,7 +30,7 @@ pub(crate) mod corner;
 pub(crate) mod cut;
 #[cfg(feature = "travel")]
 mod extent;
-mod feed;
+pub(crate) mod feed;
 mod half;
 mod helix;
 pub(crate) mod hermite;

@@ -3,6 +3,7 @@
 use crate::machine::SetNumber;
 use crate::number::vector::{Vector, dot, sub};
 use crate::number::{Coord, Scalar};
+use crate::path::feed::LinearFeed;
 use core::array::from_fn;
 
 /// A point of the path with its derivatives by arc length s.
@@ -79,6 +80,8 @@ pub enum Event {
 pub struct Programmed<S> {
     /// Programmed speed along the path, mm/s.
     pub feed: S,
+    /// The same over the linear axes, where a path may have another share of them than its line.
+    pub linear: LinearFeed,
     /// Whether it is run as a rapid: which override applies.
     pub rapid: bool,
     /// Which limits bound it.
@@ -91,7 +94,7 @@ pub struct Programmed<S> {
 impl<S> Programmed<S> {
     /// A feed, mm/s.
     pub fn feed(feed: S) -> Self {
-        Self { feed, rapid: false, limits: SetNumber::FIRST, tag: 0 }
+        Self { feed, linear: LinearFeed::NONE, rapid: false, limits: SetNumber::FIRST, tag: 0 }
     }
 }
 

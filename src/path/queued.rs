@@ -3,7 +3,7 @@
 use super::budget;
 #[cfg(feature = "travel")]
 use super::extent::Extent;
-use super::feed;
+use super::feed::{self, LinearFeed};
 use super::joint;
 use super::leg::Leg;
 use super::node::{Event, Programmed};
@@ -41,6 +41,8 @@ pub struct QueuedBlock<S, const N: usize> {
     pub dwell: S,
     pub event: Option<Event>,
     pub feed: S,
+    /// The same over the linear axes, on a machine that has both.
+    pub linear: LinearFeed,
     pub rapid: bool,
     /// Which limits bound it.
     pub limits: SetNumber,
@@ -105,7 +107,8 @@ impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
 
     /// What it asks of its cells.
     pub fn programmed(&self) -> Programmed<S> {
-        Programmed { feed: self.feed, rapid: self.rapid, limits: self.limits, tag: self.tag }
+        let Self { feed, linear, rapid, limits, tag, .. } = *self;
+        Programmed { feed, linear, rapid, limits, tag }
     }
 
     /// What it asks of a run that it is a part of.
@@ -179,6 +182,7 @@ impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
             dwell: S::ZERO,
             event: None,
             feed: S::ONE,
+            linear: LinearFeed::of(block.feed, &config.limits),
             rapid: block.feed == Feed::Rapid,
             limits: SetNumber::FIRST,
             tolerance,

@@ -9,7 +9,7 @@ use crate::number::{Coord, Interval, Length, Scalar};
 use core::array::from_fn;
 
 /// Moves shorter than this are accepted and ignored: they are below the finest input.
-const LEAST_LENGTH: Length = Length::from_raw(500_000);
+pub const LEAST_LENGTH: Length = Length::from_raw(500_000);
 
 /// Longest block, mm: well inside the range of the fixed-point arc length.
 const GREATEST_LENGTH: f64 = 7.0e6;

@@ -1,8 +1,8 @@
 //! What bounds the motion over a cell besides its shape: speed, and on a straight acceleration and jerk.
 
-use crate::machine::{AxisLimits, LimitSets, UNLIMITED};
+use crate::machine::{AxisLimits, LimitSets, Limits, UNLIMITED};
 use crate::number::Scalar;
-use crate::number::vector::norm;
+use crate::number::vector::{Vector, norm};
 use crate::path::node::{Cell, Node};
 
 /// Share of the velocity limits and the feed that is used: the length of a curved cell is known to
@@ -54,28 +54,25 @@ impl<S: Scalar> Bounds<S> {
         to: &Node<S, N>,
         Pace { limits, cycle, feed, rapid }: &Pace<'_, S, N>,
     ) -> Self {
-        let feed = cell.programmed.feed * if cell.programmed.rapid { *rapid } else { *feed };
+        let by = if cell.programmed.rapid { *rapid } else { *feed };
         let mut bounds = Self {
             goal: S::ZERO,
-            speed: feed.least(cell.length / (*cycle * S::of(LEAST_CYCLE_SHARE))),
+            speed: (cell.programmed.feed * by)
+                .least(cell.length / (*cycle * S::of(LEAST_CYCLE_SHARE))),
             acceleration: S::of(UNLIMITED),
             jerk: S::of(NO_JERK_LIMIT),
         };
-        let (quarter, per) = (cell.length * S::of(0.25), S::of(5.0) / cell.length);
-        let four = S::of(4.0);
+        let steady = Steady::over(cell.length);
         // Of an axis, or of a motor.
-        let mut keep = |[t0, t1, k0, k1, offset]: [S; 5], axis: &AxisLimits<S>| {
-            // The axis's velocity at steady speed is a quartic, between its Bernstein coefficients; at any
-            // other speed below the bound it was never seen beyond them by more than the share above leaves.
-            let early = t0 + k0 * quarter;
-            let late = t1 - k1 * quarter;
-            let middle = four * t0 + offset * per - early - late - t1;
+        let mut keep = |shape: [S; 5], axis: &AxisLimits<S>| {
+            // At any other speed below the bound its velocity was never seen beyond these by more than the share above leaves.
+            let [t0, early, middle, late, t1] = steady.velocities(shape);
             let ends = t0.abs().greatest(t1.abs()).greatest(middle.abs());
             let share = ends.greatest(early.abs()).greatest(late.abs());
             if share * bounds.speed > axis.velocity {
                 bounds.speed = axis.velocity / share;
             }
-            let steady = share;
+            let fastest = share;
             let share = t0.abs();
             if share * bounds.acceleration > axis.acceleration {
                 bounds.acceleration = axis.acceleration / share;
@@ -83,7 +80,7 @@ impl<S: Scalar> Bounds<S> {
             if share * bounds.jerk > axis.jerk {
                 bounds.jerk = axis.jerk / share;
             }
-            steady
+            fastest
         };
         let limits = limits.of(cell.programmed.limits);
         let shape =
@@ -102,9 +99,66 @@ impl<S: Scalar> Bounds<S> {
             }
         }
         bounds.speed = bounds.speed.least(slower);
+        if let Some(linear) = cell.programmed.linear.speed::<S>().filter(|_| !cell.straight) {
+            // The path's feed is that of its line, which has another share of the linear axes.
+            let (share, most) = (steady.linear_share([from, to], cell, limits), linear * by);
+            if share * bounds.speed > most {
+                bounds.speed = most / share;
+            }
+        }
         bounds.speed = bounds.speed * S::of(SPEED_SHARE);
         bounds.goal = bounds.speed;
         bounds
+    }
+}
+
+/// A cell at steady speed: the velocity of every axis is a quartic, between its Bernstein coefficients.
+#[derive(Clone, Copy)]
+struct Steady<S> {
+    quarter: S,
+    per: S,
+}
+
+impl<S: Scalar> Steady<S> {
+    /// Over a length, mm.
+    #[inline]
+    fn over(length: S) -> Self {
+        Self { quarter: length * S::of(0.25), per: S::of(5.0) / length }
+    }
+
+    /// The coefficients, at a path speed of 1, by direction and bend at both ends, and by how far the end lies off the direction at the start.
+    #[inline]
+    fn velocities(&self, [t0, t1, k0, k1, offset]: [S; 5]) -> [S; 5] {
+        let early = t0 + k0 * self.quarter;
+        let late = t1 - k1 * self.quarter;
+        let middle = S::of(4.0) * t0 + offset * self.per - early - late - t1;
+        [t0, early, middle, late, t1]
+    }
+
+    /// Most speed over the linear axes at a path speed of 1; none where rotary axes do not move, and all of the path is theirs.
+    #[inline(never)]
+    fn linear_share<const N: usize>(
+        &self,
+        [from, to]: [&Node<S, N>; 2],
+        cell: &Cell<S, N>,
+        limits: &Limits<S, N>,
+    ) -> S {
+        let (mut squares, mut turns) = ([S::ZERO; 5], false);
+        let shape =
+            [&from.tangent, &to.tangent, &from.curvature, &to.curvature, &cell.tangent_offset];
+        for (i, axis) in limits.axes().iter().enumerate() {
+            let at = |of: &Vector<S, N>| of.get(i).copied().unwrap_or(S::ZERO);
+            let velocities = self.velocities(shape.map(at));
+            if axis.rotary {
+                turns |= velocities.iter().any(|v| *v != S::ZERO);
+                continue;
+            }
+            for (square, v) in squares.iter_mut().zip(velocities) {
+                *square += v * v;
+            }
+        }
+        let most = squares.into_iter().fold(S::ZERO, S::greatest);
+        if turns { most.sqrt() } else { S::ZERO }
     }
 }
 

@@ -41,25 +41,23 @@ impl<S: Scalar> Run<S> {
         let (from, to) = (Instant::of(&along, first), Instant::of(&along, last));
         let [p1, p2, _] = self.begins(from.velocity[0], from.acceleration[0], from.jerk[0]);
         let run = |t: S| (s1 + (s2 + (s3 + s4 * t) * t) * t) * t;
-        // What is still missing of speed at the end, and of the way.
-        let begun = (p1 + p2 * h) * h;
-        let speed = (to.velocity[0] * self.to.rate - (p1 + (p2 + p2) * h)) * h;
-        let third = S::of(1.0 / 3.0);
-        let (p4, start) = if self.to == Clock::STOPPED {
-            // Of acceleration instead, so that it does not go back; and it ends where it should.
-            let p4 = -(p2 * h * h + speed) * S::of(0.5);
-            (p4, run(last) - begun - (speed - p4) * third)
+        let way = run(last) - run(first);
+        let path = if self.to == Clock::STOPPED {
+            stopping(p1, way, h)
         } else {
-            (speed - S::of(3.0) * (run(last) - run(first) - begun), run(first))
+            // What is still missing of speed at the end, and of the way.
+            let begun = (p1 + p2 * h) * h;
+            let speed = (to.velocity[0] * self.to.rate - (p1 + (p2 + p2) * h)) * h;
+            let p4 = speed - S::of(3.0) * (way - begun);
+            let p3 = (speed - S::of(4.0) * p4) * S::of(1.0 / 3.0);
+            let cube = per * per * per;
+            [p1, p2, p3 * cube, p4 * cube * per]
         };
-        let p3 = (speed - S::of(4.0) * p4) * third;
-        let cube = per * per * per;
-        let path = [p1, p2, p3 * cube, p4 * cube * per];
         Piece {
             time: h,
             origin: piece.place(first),
             axes,
-            arc_length: piece.arc_length.plus(start),
+            arc_length: piece.arc_length.plus(run(first)),
             path,
             sequel,
             event: false,
@@ -114,6 +112,25 @@ impl<S: Scalar> Run<S> {
         let jerk = v * self.bend + (S::of(3.0) * a * g + j * r * r) * r;
         [v * r, (a * r * r + v * g) * S::of(0.5), jerk * S::of(1.0 / 6.0)]
     }
+}
+
+/// Coefficients of t^1 .. t^4 of a path that begins at a speed and comes to rest at the end of a way, after `time` seconds.
+///
+/// Of its speed the Bernstein coefficients are that at the start, what the way asks for, and two that are zero: so it does not go
+/// back, whatever the motion did by its own clock, and its acceleration has gone where it rests. Where the motion slows down by its own clock
+/// so much that the way is less than the speed at the start alone would make, that speed is a lesser one.
+fn stopping<S: Scalar>(speed: S, way: S, time: S) -> [S; 4] {
+    let per = S::ONE / time;
+    let all = way * S::of(4.0) * per;
+    let first = speed.least(all);
+    let second = all - first;
+    let (two, three) = (S::of(2.0), S::of(3.0));
+    [
+        first,
+        (second - first) * S::of(1.5) * per,
+        (first - two * second) * per * per,
+        (three * second - first) * S::of(0.25) * per * per * per,
+    ]
 }
 
 /// Whether a piece keeps the limits of acceleration and jerk at every instant.
@@ -210,6 +227,36 @@ mod tests {
         let (p, s) = (piece().path, shows[1]);
         let speed = p[0] + s * (2.0 * p[1] + s * (3.0 * p[2] + s * 4.0 * p[3]));
         assert!((last.path_speed - speed * run.to.rate).abs() < 1.0e-9);
+    }
+
+    /// A motion that comes to rest by its own clock as well, the sooner the less is left of it where the clock stops.
+    #[test]
+    fn a_path_that_stops_never_goes_back() {
+        for slower in [-1.0, 0.0, 0.4, 0.9, 1.1, 1.34, 1.6, 2.5, 2.99] {
+            let (speed, clock) = (10.0, Clock { rate: 0.6, slope: -300.0 });
+            let (bend, time) = clock.end().unwrap();
+            // Of its speed, a third of so much is gone where the clock stops.
+            let acceleration = -slower * speed / (clock.rate * time);
+            let along = [speed, acceleration * 0.5, 0.0, 0.0];
+            let straight = [speed, acceleration * 0.5, 0.0, 0.0, 0.0];
+            let agreed = Piece { axes: [straight, [0.0; 5]], path: along, ..piece() };
+            let last = clock.shown(time, bend);
+            let run = Run { time, bend, from: clock, to: Clock::STOPPED };
+            let made = run.piece(&agreed, [0.0, last], Sequel::Stop);
+            let mut before = 0.0;
+            for k in 0..=200 {
+                let here = made.at(time * f64::from(k) / 200.0);
+                assert!(here.path_speed >= -1.0e-12, "{slower} {k}: {}", here.path_speed);
+                assert!(here.path_mm() >= before - 1.0e-9, "{slower} {k}");
+                before = here.path_mm();
+            }
+            let [first, end] = [0.0, time].map(|t| made.at(t));
+            let way = agreed.at(last).path_mm();
+            assert!(first.path_mm().abs() < 1.0e-7 && (end.path_mm() - way).abs() < 1.0e-7);
+            assert!(end.path_speed.abs() < 1.0e-9);
+            let begins = first.path_speed / (speed * clock.rate);
+            assert!((0.6..1.0 + 1.0e-9).contains(&begins) && (slower > 1.5 || begins > 0.999));
+        }
     }
 
     /// At the least and the greatest bend a limit is used up, between them none is broken.

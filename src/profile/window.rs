@@ -7,6 +7,7 @@ use crate::machine::{LimitSets, SetNumber};
 use crate::number::serial::NodeSerial;
 use crate::number::vector::dot;
 use crate::number::{ArcLength, Coord, Scalar};
+use crate::path::feed::LinearFeed;
 use crate::path::node::{Cell, Event, Node, Programmed};
 use core::array::from_fn;
 use core::ops::Range;
@@ -57,6 +58,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
             tangent_offset: [S::ZERO; N],
             programmed: Programmed {
                 feed: S::ZERO,
+                linear: LinearFeed::NONE,
                 rapid: false,
                 limits: SetNumber::FIRST,
                 tag: 0,

@@ -7,7 +7,7 @@ use crate::path::cut::{EndSizes, rest_cell};
 use crate::path::joint::{BentLengths, Taken, reach};
 use crate::path::queued::Joint;
 use crate::path::run::{Start, Tie};
-use crate::path::segment::Segment;
+use crate::path::segment::{LEAST_LENGTH, Segment};
 
 /// Share of a line next to a joint that is simply passed which a run leaves alone.
 const PASSED_SHARE: i64 = 4;
@@ -70,13 +70,19 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// Decides the joint behind the front block and starts on its body.
     #[inline(never)]
     pub(super) fn start_front(&mut self, front: &Front<S, N>, config: &Config<S, N>) {
-        let joint = self.decide(front, config);
+        let mut joint = self.decide(front, config);
         let Front { block, segment, entrance } = front;
+        let mut until = entrance.taken;
+        if entrance.joint == Joint::Through {
+            until += segment.exact_length / PASSED_SHARE;
+        }
+        if joint == Joint::Run
+            && entrance.joint != Joint::Stop
+            && segment.exact_length - until < LEAST_LENGTH
+        {
+            joint = self.stop_behind();
+        }
         if joint == Joint::Run {
-            let mut until = entrance.taken;
-            if entrance.joint == Joint::Through {
-                until += segment.exact_length / PASSED_SHARE;
-            }
             let last = (until - entrance.taken).to_mm();
             let first = if entrance.joint == Joint::Through {
                 BentLengths::new(segment.length, entrance.length_before).before
@@ -124,8 +130,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         if !self.front_is_ready(config) {
             return false;
         }
-        let joint = self.decide(front, config);
+        let mut joint = self.decide(front, config);
         let Front { block, segment, .. } = front;
+        if !matches!(joint, Joint::Run | Joint::Stop)
+            && self.end_of_run(segment, joint) - self.run_from < LEAST_LENGTH
+        {
+            joint = self.stop_behind();
+        }
         let taken = Interval { from: self.run_from, to: segment.exact_length - self.kept };
         self.mark_run(taken);
         if joint == Joint::Run {
@@ -137,10 +148,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             self.stage = Stage::Run { until: None };
             return true;
         }
-        let mut until = segment.exact_length - self.kept;
-        if joint == Joint::Through {
-            until -= segment.exact_length / PASSED_SHARE;
-        }
+        let until = self.end_of_run(segment, joint);
         let tie = if joint == Joint::Stop { Tie::Rest } else { Tie::Smooth };
         let beside = beside(joint, self.kept, segment);
         let mut leg = block.leg();
@@ -152,6 +160,22 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         self.meter.add_vertex(self.run.reach(), until);
         self.stage = Stage::Run { until: Some(until) };
         true
+    }
+
+    /// Where on the front segment the run ends if there is this joint behind it.
+    fn end_of_run(&self, segment: &Segment<S, N>, joint: Joint) -> Length {
+        let until = segment.exact_length - self.kept;
+        if joint == Joint::Through { until - segment.exact_length / PASSED_SHARE } else { until }
+    }
+
+    /// Stops behind the front block after all: a run that begins or ends in motion does so along a line, and of this one a run
+    /// would have less than is a line. It would go on along another, which may lead back.
+    fn stop_behind(&mut self) -> Joint {
+        (self.kept, self.given, self.half) = (Length::ZERO, Length::ZERO, None);
+        if let Some(front) = self.queue.front_mut() {
+            front.joint = Joint::Stop;
+        }
+        Joint::Stop
     }
 
     /// The run is done: on with the rest of its last line.

@@ -255,6 +255,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let block = QueuedBlock {
             segment: Some(Segment::line(before.start, after.end)?),
             feed: last.feed.least(item.feed),
+            linear: last.linear.with(item.linear),
             stop_after: item.stop_after,
             tag: item.tag,
             marks: last.marks + u16::from(shown),
