@@ -169,3 +169,57 @@ fn plans_follow_each_other_without_a_rest_when_the_background_is_in_time_again()
     }
     assert!(left.is_empty() && stops < 40, "{stops} of {after} servo cycles all but at rest");
 }
+
+/// Runs a line with so many slices in a servo cycle; a hold is given after so many cycles of motion, and taken back after as many more. Servo cycles to its end.
+fn held_for_a_moment<S: Scalar>(slices: u32, hold: u32, resume: u32) -> u32 {
+    let axis = AxisLimits::linear(S::of(200.0), S::of(2000.0), S::of(50_000.0));
+    let config = Config::new(Limits::new([axis; AXES]).unwrap());
+    let mut link = Box::new(Link::<S, AXES, 16, 64>::new());
+    let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; AXES]).unwrap();
+    let controls = planner.controls();
+    push(&mut planner, &[line([4.0, 3.0], 1)]);
+    let mut moved = 0;
+    for cycle in 0..60_000 {
+        let mut progress = Progress::Planning;
+        for _ in 0..slices {
+            progress = planner.poll();
+            if progress != Progress::Planning {
+                break;
+            }
+        }
+        let runs = interpolator.tick().activity == Activity::Running;
+        if progress == Progress::Done && !runs {
+            return cycle;
+        }
+        moved += u32::from(runs || moved > 0);
+        if moved == hold {
+            controls.hold();
+        } else if moved == hold + resume {
+            controls.resume();
+        }
+    }
+    panic!(
+        "no end with {slices} slices, a hold at {hold} and a resume after {resume}: {:?}",
+        planner.counters()
+    );
+}
+
+/// What a hold has slowed the motion down to is no pace to go on at, also where all of the path is planned.
+#[test]
+fn a_hold_that_is_taken_back_leaves_no_crawl() {
+    let usual = held_for_a_moment::<f64>(1000, u32::MAX / 2, 0);
+    for slices in [1, 2, 4, 8] {
+        for (hold, resume) in (1..60).flat_map(|hold| [1, 2, 4, 8, 16].map(|resume| (hold, resume)))
+        {
+            let times = [
+                held_for_a_moment::<f64>(slices, hold, resume),
+                held_for_a_moment::<f32>(slices, hold, resume),
+            ];
+            let most = times.into_iter().max().unwrap_or(0);
+            assert!(
+                most < usual + 250,
+                "{slices} slices, a hold at {hold}, a resume after {resume}: {most} servo cycles, {usual} without"
+            );
+        }
+    }
+}
