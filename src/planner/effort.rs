@@ -15,6 +15,9 @@ const RESERVE_CYCLES: f64 = 2.0;
 /// What one adds to it that may be too small.
 const ROUNDED: f64 = 0.5;
 
+/// So many times what one took it has taken in the mean if it is another time: a hard plan takes some times as long as an easy one.
+pub const SLOWER: f64 = 16.0;
+
 /// What plans and stops take, from the first slice to the offer.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort<S> {
@@ -63,6 +66,19 @@ impl<S: Scalar> Work<S> {
         let off = per_part - self.mean;
         self.mean += off * S::of(NEW_IN_MEAN);
         self.deviation += (off.abs() - self.deviation) * S::of(NEW_IN_DEVIATION);
+    }
+
+    /// So many parts took so many servo cycles, a small part of what is reckoned with: what made the others so slow is over, and what is known of
+    /// them says nothing of those to come. If that is so, this is the first that is known.
+    #[inline(never)]
+    pub fn begin_anew(&mut self, parts: usize, cycles: u32) -> bool {
+        let taken = (S::from_u32(cycles) + S::of(ROUNDED)) * S::of(SLOWER);
+        let over = self.mean * S::from_u32(parts as u32) > taken;
+        if over {
+            *self = Self::NONE;
+            self.learn(parts, cycles);
+        }
+        over
     }
 
     /// What is known of others that take so many times as long.
@@ -139,6 +155,20 @@ mod tests {
             effort.learn(40, 14);
         }
         assert!(worst > 35.0 && effort.cycles(40) < 24.0, "{worst} {}", effort.cycles(40));
+    }
+
+    /// A background that was late for long is in time again.
+    #[test]
+    fn begins_anew_where_one_takes_a_small_part() {
+        let mut effort = Work::<f64>::NONE;
+        for _ in 0..40 {
+            effort.learn(40, 400);
+        }
+        assert!(!effort.begin_anew(40, 40) && effort.cycles(40) > 400.0);
+        assert!(effort.begin_anew(40, 2) && effort.cycles(40) < 8.0);
+        // What it takes then is known at once.
+        assert!(!effort.begin_anew(40, 1) && !effort.begin_anew(40, 0));
+        assert!(!Work::<f64>::NONE.begin_anew(40, 0));
     }
 
     #[test]

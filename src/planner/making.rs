@@ -23,10 +23,11 @@
 use super::command::Flow;
 use super::command::block_end::Ending;
 use super::command::easing::Easing;
-use super::command::reaction::Reacting;
+use super::command::reaction::{self, Reacting};
 use super::command::retune::Retuning;
 use super::command::slowing::Slowing;
 use super::command::stages::Marched;
+use super::effort::{Effort, SLOWER};
 use super::horizon::{Horizon, Proposal};
 use super::phase::{Halt, Phase};
 #[cfg(feature = "reshape")]
@@ -44,6 +45,8 @@ use core::ops::ControlFlow;
 /// Leads before its branch at which a plan that waits is handed over.
 #[cfg(feature = "reshape")]
 const RIPE_LEADS: f64 = 3.0;
+/// Leads within which an answer takes effect soon.
+const NEAR_LEADS: u32 = 4;
 /// Pieces that are handed over in one slice.
 pub const PIECES: usize = 16;
 
@@ -287,15 +290,25 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// All pieces of a plan have been written: offers it.
     fn made(&mut self) -> Progress {
+        if self.is_far_too_early() {
+            return Progress::Planning;
+        }
         let Some(making) = self.making.take() else { return Progress::Waiting };
-        let Making { purpose, began, proposal, slices, .. } = making;
+        let Making { purpose, began, at, proposal, slices, .. } = making;
         #[cfg(feature = "reshape")]
         let ripe = making.ripe;
         let cycles = self.side.cycles().since(began).unwrap_or(0);
         match purpose {
             #[cfg(feature = "reshape")]
             Purpose::Ahead if ripe => {}
-            Purpose::Ahead => self.effort.plan.learn(proposal.stretch.cells(), cycles),
+            Purpose::Ahead => {
+                let cells = proposal.stretch.cells();
+                let (needed, near) = (self.effort.plan.cycles(self.cells_ahead(at)), self.near());
+                let over = needed > S::from_u32(near) && self.effort.plan.begin_anew(cells, cycles);
+                if !over {
+                    self.effort.plan.learn(cells, cycles);
+                }
+            }
             Purpose::Easing(asked) => {
                 self.effort.first.learn(1, cycles);
                 (self.pressing.reacted, self.pressing.easings) = (Some(asked), 0);
@@ -326,6 +339,55 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             offer.taken.checkpoint = offer.first;
         }
         Progress::Planned
+    }
+
+    /// Whether an answer that is ready takes effect in a while only, because planning used to take many times as long: the background was late, and
+    /// is in time again. Then it is dropped, to be made anew from where it can be by what it has taken.
+    #[inline(never)]
+    fn is_far_too_early(&mut self) -> bool {
+        let Some(Making { purpose, began, at, proposal, slices, .. }) = self.making else {
+            return false;
+        };
+        let Branch::Cycle(when) = proposal.branch else { return false };
+        let now = self.side.cycles();
+        let cycles = now.since(began).unwrap_or(0);
+        let soon = cycles.saturating_mul(SLOWER as u32).saturating_add(self.near());
+        if when.since(now).unwrap_or(0) <= soon {
+            return false;
+        }
+        let cells = self.cells_ahead(at);
+        let Effort { plan, stop, first, .. } = &mut self.effort;
+        let (work, parts) = match purpose {
+            Purpose::Hold if stop.is_known() => (stop, usize::from(slices)),
+            Purpose::Hold => (plan, usize::from(slices)),
+            Purpose::Easing(_) | Purpose::Reaction(_) if first.is_known() => (first, 1),
+            Purpose::Easing(_) | Purpose::Reaction(_) => (plan, reaction::CELLS),
+            Purpose::Overrides | Purpose::BlockEnd => (plan, reaction::PLANS * cells),
+            _ => return false,
+        };
+        if !work.begin_anew(parts, cycles) {
+            return false;
+        }
+        self.pressing.retunes = 0;
+        self.try_again(purpose);
+        self.abandon();
+        true
+    }
+
+    /// Servo cycles within which an answer takes effect soon.
+    fn near(&self) -> u32 {
+        self.most_reaction().saturating_mul(NEAR_LEADS)
+    }
+
+    /// An answer has not been taken up, and may be begun again.
+    fn try_again(&mut self, purpose: Purpose) {
+        match (purpose, &mut self.phase) {
+            (Purpose::Easing(_) | Purpose::Reaction(_), _) => {
+                (self.pressing.reacted, self.pressing.eased) = (None, None);
+            }
+            (Purpose::BlockEnd, Phase::Following(now)) => now.tried_block_end = false,
+            _ => {}
+        }
     }
 
     /// A plan ahead came to nothing.
@@ -497,12 +559,6 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             Branch::Cycle(cycle) => cycle.is_before(self.side.cycles()),
         };
         if passed {
-            if matches!(making.purpose, Purpose::Easing(_) | Purpose::Reaction(_)) {
-                (self.pressing.reacted, self.pressing.eased) = (None, None);
-            }
-            if let (Purpose::BlockEnd, Phase::Following(now)) = (making.purpose, &mut self.phase) {
-                now.tried_block_end = false;
-            }
             let cells = making.proposal.stretch.cells();
             let cycles = self.side.cycles().since(making.began).unwrap_or(0);
             let slices = usize::from(making.slices);
@@ -527,6 +583,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                     return;
                 }
             }
+            self.try_again(purpose);
             self.late(by_cycle);
         }
         if passed || !serves {

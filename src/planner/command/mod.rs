@@ -115,10 +115,14 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return Some(if planned { Progress::Planning } else { Progress::Waiting });
         }
         if let Phase::Following(now) = &mut self.phase
-            && now.halt.is_some_and(|halt| !halt.is_wanted(wish))
+            && let Some(halt) = now.halt.filter(|halt| !halt.is_wanted(wish))
         {
             now.go_on(at);
+            if halt == Halt::Slowing {
+                self.horizon.owe_pace(at);
+            }
         }
+        let paced = paced && !self.horizon.is_eased();
         let stays = |offer: &Offer| offer.before.is_some() && offer.taken.halt == Some(Halt::Block);
         if self.phase.offer().is_some_and(stays) && !Halt::Block.is_wanted(wish) {
             self.revoke(lead);

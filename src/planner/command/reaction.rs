@@ -20,13 +20,13 @@ use crate::servo::link::Room;
 /// Newton steps of a first answer.
 const STEPS: u16 = 4;
 /// Cells that take as much work in a plan ahead as a first answer does in all, as long as none has been measured.
-const CELLS: usize = 4;
+pub const CELLS: usize = 4;
 /// The same of a whole answer that takes long.
 const LONG: usize = 18;
 /// Braking distances over which a motion is changed at first.
 const REACH: f64 = 1.3;
 /// Plans ahead that an answer takes as much work as which leads past many blocks.
-const PLANS: usize = 3;
+pub const PLANS: usize = 3;
 /// Servo cycles within which an answer can do without a first one.
 const AT_ONCE: f64 = 3.0;
 

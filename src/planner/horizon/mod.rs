@@ -159,6 +159,13 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         self.eased.map(|node| self.end_index().saturating_sub(self.window.clamped_index(node)))
     }
 
+    /// The agreed motion has begun to slow down for a stop that is called off, and goes evenly at what it has come down to: up to the end of
+    /// what is known there is no other plan ahead, and what it is asked for is owed.
+    pub fn owe_pace(&mut self, at: NodeSerial) {
+        debug_assert!(!self.has_draft());
+        self.eased = Some(self.even_from(at).unwrap_or(at));
+    }
+
     /// Where the next stage of a stop goes on, with the motion at a node.
     pub fn handover(&self, at: NodeSerial) -> Option<Handover<S>> {
         let Handover { node, .. } = self.handover;

@@ -435,6 +435,11 @@ impl Referee {
         self.first = tag;
     }
 
+    /// A block is refused: the next is another one, from where the last one ends that was taken, and may take longer.
+    pub fn refused(&mut self) {
+        self.deadline = None;
+    }
+
     /// Whether the run has to come to an end by a time.
     pub fn is_released(&self) -> bool {
         self.deadline.is_some()

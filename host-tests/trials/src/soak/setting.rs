@@ -74,6 +74,17 @@ impl Setting {
         CORES.iter().position(|(core, _)| *core == self.core) < Some(6)
     }
 
+    /// Nodes of the core's window.
+    pub fn nodes(&self) -> usize {
+        match self.core {
+            Core::F64x1x4x48 | Core::F32x2x8x48 => 48,
+            Core::F64x3x8x56 | Core::F32x9x8x56 => 56,
+            Core::F32x4x128x96 => 96,
+            Core::F64x3x64x192 => 192,
+            _ => 64,
+        }
+    }
+
     /// For the core.
     ///
     /// # Errors

@@ -306,7 +306,10 @@ impl Feeder<'_> {
             }
             match result {
                 // What is out of range is refused before the core sees it.
-                _ if beyond => self.next += 1,
+                _ if beyond => {
+                    self.next += 1;
+                    world.referee.borrow_mut().refused();
+                }
                 Ok(()) => {
                     self.next += 1;
                     self.finished = false;
@@ -320,6 +323,7 @@ impl Feeder<'_> {
                 Err(PushError::Rejected { .. }) => {
                     // A program with such a block is refused; here it goes on without.
                     self.next += 1;
+                    world.referee.borrow_mut().refused();
                 }
                 Err(PushError::Aborted) => {
                     self.refused = true;
