@@ -45,7 +45,7 @@ use core::ops::ControlFlow;
 #[cfg(feature = "reshape")]
 const RIPE_LEADS: f64 = 3.0;
 /// Pieces that are handed over in one slice.
-pub const PIECES: usize = 16;
+pub const PIECES: usize = 48;
 
 /// What a plan is made for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -250,7 +250,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         let step = if let Stage::Slowing(slowing) = &mut making.stage {
             let side = &mut self.side;
-            slowing.look_at(side.cycles());
+            let slices = making.slices;
+            let now = side.cycles();
+            let taken =
+                S::from_u32(now.since(making.began).unwrap_or(0)) / S::from_u32(u32::from(slices));
+            slowing.look_at(now, taken, making.proposal.stretch.last);
             match self
                 .horizon
                 .go_on_slowing(slowing, &mut making.proposal, |piece| side.write(piece))
@@ -295,7 +299,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         match purpose {
             #[cfg(feature = "reshape")]
             Purpose::Ahead if ripe => {}
-            Purpose::Ahead => self.effort.plan.learn(proposal.stretch.cells(), cycles),
+            Purpose::Ahead => {
+                self.effort.plan.learn(proposal.stretch.cells(), cycles);
+                self.effort.slice.learn(usize::from(slices), cycles);
+            }
             Purpose::Easing(asked) => {
                 self.effort.first.learn(1, cycles);
                 (self.pressing.reacted, self.pressing.easings) = (Some(asked), 0);
