@@ -23,6 +23,8 @@ pub const SLOWER: f64 = 16.0;
 pub struct Effort<S> {
     /// A plan, for each of the cells that it is looked for over.
     pub plan: Work<S>,
+    /// A plan, for each of its slices.
+    pub slice: Work<S>,
     /// A stop, or a stage of one, for each of its slices.
     pub stop: Work<S>,
     /// A first answer to an override, in all.
@@ -36,6 +38,7 @@ impl<S: Scalar> Effort<S> {
     /// Nothing is known, or planning takes no time.
     pub const NONE: Self = Self {
         plan: Work::NONE,
+        slice: Work::NONE,
         stop: Work::NONE,
         first: Work::NONE,
         #[cfg(feature = "reshape")]
@@ -51,7 +54,8 @@ pub struct Work<S> {
 }
 
 impl<S: Scalar> Work<S> {
-    const NONE: Self = Self { mean: S::ZERO, deviation: S::ZERO };
+    /// Nothing is known.
+    pub const NONE: Self = Self { mean: S::ZERO, deviation: S::ZERO };
 
     /// So many parts took so many servo cycles, or have taken them so far when it was too late: that is more than was reckoned
     /// with, so that the next estimate is greater all the same. (One in twenty plans takes twice as long as the others: an estimate by

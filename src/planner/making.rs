@@ -48,7 +48,7 @@ const RIPE_LEADS: f64 = 3.0;
 /// Leads within which an answer takes effect soon.
 const NEAR_LEADS: u32 = 4;
 /// Pieces that are handed over in one slice.
-pub const PIECES: usize = 16;
+pub const PIECES: usize = 48;
 
 /// What a plan is made for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -253,7 +253,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         let step = if let Stage::Slowing(slowing) = &mut making.stage {
             let side = &mut self.side;
-            slowing.look_at(side.cycles());
+            let slices = making.slices;
+            let now = side.cycles();
+            let taken =
+                S::from_u32(now.since(making.began).unwrap_or(0)) / S::from_u32(u32::from(slices));
+            slowing.look_at(now, taken, making.proposal.stretch.last);
             match self
                 .horizon
                 .go_on_slowing(slowing, &mut making.proposal, |piece| side.write(piece))
@@ -308,6 +312,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 if !over {
                     self.effort.plan.learn(cells, cycles);
                 }
+                self.effort.slice.learn(usize::from(slices), cycles);
             }
             Purpose::Easing(asked) => {
                 self.effort.first.learn(1, cycles);

@@ -34,8 +34,8 @@ impl<S: Scalar> Run<S> {
         sequel: Sequel,
     ) -> Piece<S, N> {
         let h = self.time;
-        let (per, shows) = (S::ONE / h, last - first);
-        let axes = from_fn(|i| self.axis(&piece.axes[i], first, shows));
+        let per = S::ONE / h;
+        let axes = self.axes(piece, [first, last]);
         let [s1, s2, s3, s4] = piece.path;
         let along = [[s1, s2, s3, s4, S::ZERO]];
         let (from, to) = (Instant::of(&along, first), Instant::of(&along, last));
@@ -63,6 +63,23 @@ impl<S: Scalar> Run<S> {
             event: false,
             ..*piece
         }
+    }
+
+    /// Whether what it makes of a piece between two instants keeps the limits of acceleration and jerk at every instant.
+    #[inline(never)]
+    pub fn keeps<const N: usize>(
+        &self,
+        piece: &Piece<S, N>,
+        shows: [S; 2],
+        limits: &Limits<S, N>,
+    ) -> bool {
+        keeps(self.time, &self.axes(piece, shows), limits)
+    }
+
+    /// What it makes of the axes of a piece between two instants.
+    #[inline(never)]
+    fn axes<const N: usize>(&self, piece: &Piece<S, N>, [first, last]: [S; 2]) -> [[S; 5]; N] {
+        from_fn(|i| self.axis(&piece.axes[i], first, last - first))
     }
 
     /// What it makes of an axis with these coefficients while it shows `shows` seconds from `first` on.
@@ -133,9 +150,8 @@ fn stopping<S: Scalar>(speed: S, way: S, time: S) -> [S; 4] {
     ]
 }
 
-/// Whether a piece keeps the limits of acceleration and jerk at every instant.
-pub fn keeps<S: Scalar, const N: usize>(piece: &Piece<S, N>, limits: &Limits<S, N>) -> bool {
-    let h = piece.time;
+/// Whether axes with these coefficients keep the limits of acceleration and jerk at every instant of `h` seconds.
+fn keeps<S: Scalar, const N: usize>(h: S, axes: &[[S; 5]; N], limits: &Limits<S, N>) -> bool {
     let half = S::of(0.5);
     let most = S::of(MOST);
     let felt = S::EPSILON * S::of(FELT) / h;
@@ -153,10 +169,10 @@ pub fn keeps<S: Scalar, const N: usize>(piece: &Piece<S, N>, limits: &Limits<S, 
     };
     // The acceleration of an axis at the start.
     let rounded = |[_, c2, ..]: &[S; 5]| (*c2 + *c2).abs();
-    limits.axes().iter().zip(&piece.axes).all(|(axis, c)| keeps(axis, c, rounded(c)))
+    limits.axes().iter().zip(axes).all(|(axis, c)| keeps(axis, c, rounded(c)))
         && limits.motors().all(|motor| {
             let (mut sum, mut all) = ([S::ZERO; 5], S::ZERO);
-            for (factor, c) in motor.factors.iter().zip(&piece.axes) {
+            for (factor, c) in motor.factors.iter().zip(axes) {
                 for (sum, c) in sum.iter_mut().zip(c) {
                     *sum += *factor * *c;
                 }
@@ -299,7 +315,8 @@ mod tests {
         let (run, shows) = run();
         let made = run.piece(&piece(), shows, Sequel::Within);
         let kept = |acceleration: f64, jerk: f64| {
-            keeps(&made, &Limits::new([AxisLimits::linear(200.0, acceleration, jerk); 2]).unwrap())
+            let axis = AxisLimits::linear(200.0, acceleration, jerk);
+            run.keeps(&piece(), shows, &Limits::new([axis; 2]).unwrap())
         };
         let most = |of: &dyn Fn(&[f64; 5], f64) -> f64| {
             let times = (0..=40).map(|k| TIME * f64::from(k) / 40.0);

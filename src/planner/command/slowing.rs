@@ -20,7 +20,7 @@ use crate::planner::making::Stage;
 use crate::planner::phase::Halt;
 use crate::profile::clock::{Clock, Instant, Shape};
 use crate::profile::law::PathState;
-use crate::profile::slowed::{Run, keeps};
+use crate::profile::slowed::Run;
 use crate::profile::solver::Stretch;
 use crate::servo::piece::{Piece, Sequel};
 
@@ -40,8 +40,9 @@ const MANY: usize = 2;
 const LONGER: f64 = 1.06;
 /// Where no step can be taken, one so much shorter is tried.
 pub(super) const SHORTER: f64 = 0.5;
-/// Halvings in the search for the hardest bend.
+/// Halvings in the search for the hardest bend; and where no time is left.
 const HALVINGS: u32 = 3;
+const FEW_HALVINGS: u32 = 1;
 /// Steps taken in one slice, and strides of the clock that may be tried for them; with fewer than half of these left no other step is begun.
 pub(super) const STEPS_PER_SLICE: usize = 2;
 const STRIDES: usize = 80;
@@ -101,9 +102,9 @@ pub struct Slowing<S> {
 }
 
 impl<S: Scalar> Slowing<S> {
-    /// Looks at the clock before a slice.
-    pub fn look_at(&mut self, now: CycleSerial) {
-        self.staging.look_at(now);
+    /// Looks at the clock before a slice of a stop in the motion to station `last`, the slices before which have taken so many servo cycles each.
+    pub fn look_at(&mut self, now: CycleSerial, taken: S, last: usize) {
+        self.staging.look_at(now, taken, self.place.clock, last.saturating_sub(self.place.cell));
     }
 
     /// Duration of the next step, s.
@@ -149,6 +150,29 @@ impl<S: Scalar> Leg<S> {
     pub(super) fn piece<const N: usize>(&self, agreed: &Piece<S, N>) -> Piece<S, N> {
         self.run.piece(agreed, self.shows, self.sequel)
     }
+
+    /// Whether that keeps all limits.
+    pub(super) fn keeps<const N: usize>(
+        &self,
+        agreed: &Piece<S, N>,
+        limits: &Limits<S, N>,
+    ) -> bool {
+        self.run.keeps(agreed, self.shows, limits)
+    }
+}
+
+/// What becomes of a clock that is let go.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Released<S> {
+    /// Steps in which it goes evenly.
+    pub(super) steps: u8,
+    /// Its rate then; 0 if it stops.
+    pub(super) rate: S,
+}
+
+impl<S: Scalar> Released<S> {
+    /// It has stopped.
+    pub(super) const STOPPED: Self = Self { steps: 0, rate: S::ZERO };
 }
 
 /// What comes of a step: one leg, or the two or one that stop the clock; and where it leads.
@@ -156,6 +180,7 @@ impl<S: Scalar> Leg<S> {
 pub(super) struct Stepped<S> {
     pub(super) legs: [Option<Leg<S>>; 2],
     pub(super) to: Place<S>,
+    pub(super) release: Released<S>,
 }
 
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
@@ -232,7 +257,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let stretch = proposal.stretch;
         let mut ahead = Ahead { first: slowing.place.cell, shapes: heapless::Vec::new() };
         let mut strides = STRIDES;
-        for _ in 0..STEPS_PER_SLICE {
+        for left in (0..STEPS_PER_SLICE).rev() {
             if strides < STRIDES / 2 {
                 break;
             }
@@ -262,7 +287,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             };
             let rests = stops || end == stretch.last;
             if !rests {
-                self.hand_over_behind(&mut stepped, slowing, proposal);
+                let ends_slice = left == 0 || strides < STRIDES / 2;
+                self.hand_over_behind(&mut stepped, slowing, proposal, ends_slice);
             }
             for leg in stepped.legs.iter().flatten() {
                 let mut piece = leg.piece(&agreed);
@@ -366,10 +392,11 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let mut good = |bend: S, least: usize| {
             *strides = (*strides).max(least);
             let (leg, to) = step.take(bend)?;
-            let runs = to.clock.rate <= S::ONE.greatest(place.clock.rate)
-                && keeps(&leg.piece(piece), limits)
-                && self.evens_out(to, (next, share, quick), stretch, (ahead, strides));
-            runs.then_some(Stepped { legs: [Some(leg), None], to })
+            let runs =
+                to.clock.rate <= S::ONE.greatest(place.clock.rate) && leg.keeps(piece, limits);
+            let mut even = || self.evens_out(to, (next, share, quick), stretch, (ahead, strides));
+            let release = if runs { even()? } else { return None };
+            Some(Stepped { legs: [Some(leg), None], to, release })
         };
         if let Some(hardest) = good(least, 0) {
             return Some(hardest);
@@ -378,7 +405,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let sure = step.release(step.bends(limits, share * S::of(RELEASED))?);
         let (mut hard, mut soft) = (least, sure);
         let mut found = None;
-        for _ in 0..HALVINGS {
+        let halvings = if slowing.staging.pressed { FEW_HALVINGS } else { HALVINGS };
+        for _ in 0..halvings {
             let bend = (hard + soft) * S::of(0.5);
             match good(bend, 0) {
                 Some(stepped) => (soft, found) = (bend, Some(stepped)),
@@ -400,7 +428,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let times = [self.config.cycle * S::of(SHORTEST), longest];
         let runs = |stops: &Stepped<S>| {
             let mut legs = stops.legs.iter().flatten();
-            legs.all(|leg| keeps(&leg.piece(piece), limits))
+            legs.all(|leg| leg.keeps(piece, limits))
         };
         stop_at_once(piece, place, (most, times)).filter(runs).or_else(|| {
             let bend = most.least(-least);
@@ -427,7 +455,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         }
     }
 
-    /// Whether the clock can go evenly again from a place on, within the limits, or be stopped at once.
+    /// How the clock can go evenly again from a place on, within the limits, or be stopped; `None` if it cannot.
     #[inline(never)]
     fn evens_out(
         &self,
@@ -435,29 +463,26 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         (longest, share, quick): (S, S, bool),
         stretch: Stretch,
         (ahead, strides): (&mut Ahead<S, N>, &mut usize),
-    ) -> bool {
-        for _ in 0..RELEASE_STEPS {
+    ) -> Option<Released<S>> {
+        for steps in 0..RELEASE_STEPS as u8 {
             if !(place.clock.rate > S::ZERO) {
-                return false;
+                return None;
             }
             if (place.clock.slope * longest).abs() < S::of(EVEN) || place.cell >= stretch.last {
-                return place.clock.rate <= S::ONE;
+                let rate = place.clock.rate;
+                return (rate <= S::ONE).then_some(Released { steps, rate });
             }
-            let Some(left) = strides.checked_sub(1) else { return false };
-            *strides = left;
-            let Some(shape) = self.ahead(place.cell, ahead) else { return false };
+            *strides = strides.checked_sub(1)?;
+            let shape = self.ahead(place.cell, ahead)?;
             let step = Stride::new(shape, place, longest);
             let limits = self.limits_over(place.cell, quick);
-            let Some(bends) = step.bends(&limits, share * S::of(RELEASED)) else {
-                return false;
-            };
+            let bends = step.bends(&limits, share * S::of(RELEASED))?;
             if step.may_stop(bends, longest) {
-                return true;
+                return Some(Released { steps: steps + 1, rate: S::ZERO });
             }
-            let Some(next) = step.end(step.release(bends)) else { return false };
-            place = next.1;
+            (_, place) = step.end(step.release(bends))?;
         }
-        false
+        None
     }
 }
 
@@ -581,7 +606,7 @@ fn stop_at_once<S: Scalar, const N: usize>(
 ) -> Option<Stepped<S>> {
     let (bend, time) = place.clock.end()?;
     let (leg, to) = last_leg(piece, place, (bend, time), times).filter(|_| bend <= most)?;
-    Some(Stepped { legs: [None, Some(leg)], to })
+    Some(Stepped { legs: [None, Some(leg)], to, release: Released::STOPPED })
 }
 
 /// The pieces that stop the clock from a place on, at a bend to and fro. `None` if they take too short or too long, or go beyond
@@ -604,7 +629,7 @@ fn stop_in_two<S: Scalar, const N: usize>(
     let run = Run { time: first, bend: -bend, from: clock, to: middle };
     let begins = Leg { run, shows: [shown, until], sequel: Sequel::Within };
     let (ends, to) = last_leg(piece, turn, (bend, second), times)?;
-    Some(Stepped { legs: [Some(begins), Some(ends)], to })
+    Some(Stepped { legs: [Some(begins), Some(ends)], to, release: Released::STOPPED })
 }
 
 /// The last piece: at a bend for some time, s, after which the clock has stopped.

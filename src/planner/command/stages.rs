@@ -17,27 +17,33 @@
 //! have taken. One that comes too late is refused: then the motion goes on evenly, at what it has come down to, and the
 //! next stage branches off from that at a servo cycle, like the first.
 //!
+//! Of every step the march knows what becomes of the clock if it is let go behind it ([`Released`]): how many steps that takes, and how fast it goes then. So
+//! a stage is ended while there is time and room for that. Where the clock would hardly go by then, it is let go no more than takes it to
+//! rest: a motion that crawls on would have to be stopped once more, and the hardest stop eases off from there as well. That stage is the last.
+//!
 //! States of nodes from the branch on are those of the agreed motion run at the clock's last rate: from where it goes evenly on that is what is
 //! run, and every plan may branch off there as from any other. So one clock is enough to say what goes on at the node before.
 
 use super::slowing::{
-    EVEN, Leg, Place, RELEASED, SHORTER, STEPS_PER_SLICE, Slowing, Stepped, Stride,
+    EVEN, Leg, Place, RELEASED, Released, SHORTER, STEPS_PER_SLICE, Slowing, Stepped, Stride,
 };
 use crate::number::Scalar;
 use crate::number::serial::{CycleSerial, NodeSerial};
 use crate::planner::Planner;
+use crate::planner::effort::Work;
 use crate::planner::horizon::{Handover, Horizon, Moment, Proposal};
 use crate::planner::making::PIECES;
 use crate::planner::phase::Halt;
 use crate::profile::clock::{Clock, Shape};
-use crate::profile::slowed::keeps;
 use crate::servo::link::Branch;
 use crate::servo::piece::{Piece, Sequel};
 
 /// Slices of a stop in all.
 const SLICES: usize = 16;
-/// Cells that take as much work in a plan ahead as a slice of a stop does, as long as none has been measured.
+/// Slices of a plan ahead that take as much work as one of a stop does, as long as none has been measured.
 const GUESSED: f64 = 1.0;
+/// Servo cycles within which it is made as a whole.
+const AT_ONCE: f64 = 1.5;
 /// Attempts at a stop that are made in stages.
 const STAGED: u8 = 2;
 /// Steps of a stage at most.
@@ -48,12 +54,12 @@ const CELLS_AHEAD: usize = 8;
 /// A first stage lasts so many times as long as it takes to make it, and so many servo cycles more: the next may be longer.
 const GROWTH: f64 = 1.4;
 const HEARD: f64 = 1.0;
-/// Slices in which a stage is ended, besides those for the pieces of what is run evenly: the last step, and where the clock is let go.
-const ENDING: usize = 2;
-/// Steps of that in a slice.
-const RELEASES_PER_SLICE: usize = 8;
-/// Pieces that it takes at most, as a rule.
-const RELEASES: usize = 14;
+/// Steps of letting the clock go in a slice: about as much work as those of a march in one.
+const RELEASES_PER_SLICE: usize = 6;
+/// Such steps behind a stage, as long as none has been tried.
+const RELEASES: u8 = 6;
+/// Pieces that there must be room for besides: of a step, of the last where the clock is let go, and of what is cut.
+const MORE_PIECES: usize = 3;
 /// Share of its rate that a clock must have left when it goes evenly.
 const LEAST_LEFT: f64 = 0.1;
 
@@ -85,13 +91,14 @@ pub struct Staging<S> {
     /// Whether the stop is made as a whole, or is to be from here on.
     whole: bool,
     to_rest: bool,
-    /// Whether no time is left for more steps.
-    pressed: bool,
+    /// Whether there is time for no more than one slice of steps.
+    pub(super) pressed: bool,
+    /// What becomes of the clock if it is let go where the march has got to.
+    release: Released<S>,
     /// Servo cycle at whose end it begins: by then it must be on offer.
     from: CycleSerial,
-    /// Servo cycles that it takes to end it, and steps that are as much work.
-    reserve: S,
-    near: S,
+    /// What a slice takes.
+    work: Work<S>,
     /// How long it lasts, s.
     lasts: S,
     /// Where the clock has begun to be let go.
@@ -104,6 +111,8 @@ pub struct Release<S> {
     /// Station there; `None` where the clock is let go between two of them, and no stage branches off.
     station: Option<usize>,
     clock: Clock<S>,
+    /// Whether it is to stop: by the time it went evenly it would hardly go.
+    stops: bool,
 }
 
 impl<S: Scalar> Staging<S> {
@@ -112,28 +121,50 @@ impl<S: Scalar> Staging<S> {
         whole: true,
         to_rest: false,
         pressed: false,
+        release: Released::STOPPED,
         from: CycleSerial::ZERO,
-        reserve: S::ZERO,
-        near: S::ZERO,
+        work: Work::NONE,
         lasts: S::ZERO,
         released: None,
     };
 
-    /// Looks at the clock before a slice.
-    pub(super) fn look_at(&mut self, now: CycleSerial) {
-        let left = self.from.since(now).unwrap_or(0);
-        self.pressed = S::from_u32(left) < self.reserve;
+    /// Slices in which the stage is ended behind its last step, after which the clock goes so, with so many cells left to its end: the clock
+    /// is let go, and the pieces of what is run evenly are handed over.
+    fn ends(&self, clock: Clock<S>, cells: usize) -> usize {
+        let even = if self.stops(clock) { 0 } else { cells.div_ceil(PIECES) };
+        usize::from(self.release.steps).div_ceil(RELEASES_PER_SLICE) + even
     }
 
-    /// Counts a step of a march of steps that take `step_time` seconds, behind which there is room for so many pieces more than those that end the stage. Whether it is the last.
-    fn is_due(&mut self, step: &Stepped<S>, step_time: S, has_room: bool) -> bool {
+    /// Whether a clock that goes like this and is let go hardly goes any more when it does so evenly.
+    fn stops(&self, clock: Clock<S>) -> bool {
+        !(self.release.rate > clock.rate * S::of(LEAST_LEFT))
+    }
+
+    /// Looks at the clock before a slice, with so many cells left. The slices before have taken so many servo cycles each.
+    pub(super) fn look_at(&mut self, now: CycleSerial, taken: S, clock: Clock<S>, cells: usize) {
+        let left = S::from_u32(self.from.since(now).unwrap_or(0));
+        // Behind this one there must be another.
+        let slices = 2 + self.ends(clock, cells);
+        self.pressed = left < self.work.within(slices).greatest(taken * S::from_u32(slices as u32));
+    }
+
+    /// Counts a step of a march, the last of a slice or not, with so many cells left and room for so many pieces behind it. Whether it is
+    /// the last of its stage.
+    fn is_due(
+        &mut self,
+        step: &Stepped<S>,
+        (cells, room): (usize, usize),
+        ends_slice: bool,
+    ) -> bool {
         for leg in step.legs.iter().flatten() {
             self.lasts += leg.run.time;
         }
-        // Where a clock that slows down so fast is nearly at rest, it is no more work to stop it.
-        let Clock { rate, slope } = step.to.clock;
-        self.to_rest |= rate + rate < -slope * self.near * step_time;
-        !self.whole && !self.to_rest && (self.pressed || !has_room)
+        self.release = step.release;
+        let cells = if self.stops(step.to.clock) { 0 } else { cells };
+        let ends = usize::from(self.release.steps) + cells + MORE_PIECES;
+        // Or there is no other way.
+        self.to_rest |= ends > room;
+        !self.whole && !self.to_rest && (self.pressed && ends_slice || ends + MORE_PIECES > room)
     }
 }
 
@@ -145,7 +176,8 @@ impl<S: Scalar> Slowing<S> {
             return Marched::Nothing;
         }
         let station = (!(place.shown > S::ZERO)).then_some(place.cell);
-        self.staging.released = Some(Release { station, clock: place.clock });
+        self.staging.released =
+            Some(Release { station, clock: place.clock, stops: self.staging.stops(place.clock) });
         Marched::Working
     }
 }
@@ -169,28 +201,35 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let work = if self.effort.stop.is_known() {
             self.effort.stop
         } else {
-            self.effort.plan.times(GUESSED)
+            self.effort.slice.times(GUESSED)
         };
         let whole = work.usual(SLICES);
         let staged = handover.is_some() || self.pressing.attempts < STAGED;
         if !(whole > S::ZERO && staged) {
             return (whole, Staging::WHOLE);
         }
+        let cycles = work.within(SLICES);
+        if handover.is_none() && cycles < S::of(AT_ONCE) {
+            return (S::ZERO, Staging::WHOLE);
+        }
         let from = self.horizon.window.clamped_index(at);
         let cells = self.horizon.stretch_from(from).cells();
-        let ends = ENDING + cells.div_ceil(PIECES);
-        let near = S::from_u32((ends * STEPS_PER_SLICE) as u32);
-        let reserve = work.within(ends);
-        let staging = Staging { whole: false, reserve, near, ..Staging::WHOLE };
+        let release = Released { steps: RELEASES, rate: S::ONE };
+        let staging = Staging { whole: false, release, work, ..Staging::WHOLE };
         if handover.is_some() {
             return (S::ZERO, staging);
+        }
+        if cells + usize::from(RELEASES) + MORE_PIECES > NODES {
+            return (cycles, Staging::WHOLE);
         }
         // As many steps as last longer than it takes to make as many more.
         let ahead = from..self.horizon.end_index().min(from + CELLS_AHEAD);
         let count = S::from_u32(ahead.len().max(1) as u32);
         let time = ahead.fold(S::ZERO, |time, i| time + self.horizon.agreed_time(i));
         let step = (time / count / self.horizon.config.cycle).least(S::of(STEP_CYCLES));
-        let cycles = |steps: usize| work.within(1 + ends + steps.div_ceil(STEPS_PER_SLICE));
+        let cycles = |steps: usize| {
+            work.within(1 + steps.div_ceil(STEPS_PER_SLICE) + staging.ends(Clock::NORMAL, cells))
+        };
         let lasts = |steps: usize| S::from_u32(steps as u32) * step;
         let wanted = |steps: usize| cycles(steps) * S::of(GROWTH) + S::of(HEARD);
         let steps = (1..=MOST_STEPS).find(|steps| lasts(*steps) >= wanted(*steps));
@@ -233,21 +272,25 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         true
     }
 
-    /// If a step is the last of its stage, puts the node at its end where the next goes on.
+    /// If a step, the last of a slice or not, is the last of its stage, puts the node at its end where the next goes on.
     pub(super) fn hand_over_behind(
         &mut self,
         stepped: &mut Stepped<S>,
         slowing: &mut Slowing<S>,
         proposal: &mut Proposal,
+        ends_slice: bool,
     ) {
         let to = stepped.to;
         let cells = proposal.stretch.last.saturating_sub(to.cell);
-        let has_room = slowing.pieces + cells + RELEASES < NODES;
-        if slowing.staging.is_due(stepped, slowing.step, has_room) && self.put_node_at(to, proposal)
+        let room = NODES.saturating_sub(slowing.pieces + 1);
+        if slowing.staging.is_due(stepped, (cells, room), ends_slice)
+            && self.put_node_at(to, proposal)
         {
             end_at_node(&mut stepped.legs);
             let station = to.cell + usize::from(to.shown > S::ZERO);
-            slowing.staging.released = Some(Release { station: Some(station), clock: to.clock });
+            let stops = slowing.staging.stops(to.clock);
+            slowing.staging.released =
+                Some(Release { station: Some(station), clock: to.clock, stops });
             stepped.to = Place { cell: station, shown: S::ZERO, ..to };
         }
     }
@@ -271,11 +314,11 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
                 return Marched::Nothing;
             }
             let Some(agreed) = self.agreed_piece(place.cell) else { return Marched::Nothing };
-            let stepped = self.release_step(slowing, &agreed).or_else(|| {
+            let stepped = self.release_step(slowing, &agreed, release.stops).or_else(|| {
                 let shorter = Slowing { step: slowing.step * S::of(SHORTER), ..*slowing };
-                self.release_step(&shorter, &agreed)
+                self.release_step(&shorter, &agreed, release.stops)
             });
-            let Some(Stepped { mut legs, mut to }) = stepped else { return Marched::Nothing };
+            let Some(Stepped { mut legs, mut to, .. }) = stepped else { return Marched::Nothing };
             let stops = to.clock == Clock::STOPPED;
             let Some(end) = (if stops { self.put_rest_at(to) } else { Some(to.cell) }) else {
                 return Marched::Nothing;
@@ -312,7 +355,12 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
 
     /// The next step of letting the clock go, or the last of a stop.
     #[inline(never)]
-    fn release_step(&self, slowing: &Slowing<S>, piece: &Piece<S, N>) -> Option<Stepped<S>> {
+    fn release_step(
+        &self,
+        slowing: &Slowing<S>,
+        piece: &Piece<S, N>,
+        stops: bool,
+    ) -> Option<Stepped<S>> {
         let Slowing { place, step: longest, share, quick, .. } = *slowing;
         let limits = &self.limits_over(place.cell, quick);
         let shape = Shape::of(piece);
@@ -324,12 +372,21 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         {
             return Some(stops);
         }
-        let (mut leg, mut to) = step.take(step.release(bends))?;
+        let mut bend = step.release(bends);
+        if stops && let Some((stop, _)) = place.clock.end() {
+            // All the way with what is needed.
+            bend = bend.least(stop);
+        }
+        let (mut leg, mut to) = step.take(bend)?;
         if is_even(to.clock, longest) {
             // To the last bit.
             (to.clock.slope, leg.run.to.slope) = (S::ZERO, S::ZERO);
         }
-        keeps(&leg.piece(piece), limits).then_some(Stepped { legs: [Some(leg), None], to })
+        leg.keeps(piece, limits).then_some(Stepped {
+            legs: [Some(leg), None],
+            to,
+            release: Released::STOPPED,
+        })
     }
 
     /// The jerk of a curved cell is bounded by that of its halves: where one was cut before its middle, what is left is cut there.
