@@ -310,3 +310,41 @@ fn a_program_runs_in_the_new_coordinates() {
     assert_eq!(bench.here()[0], at(8.0));
     assert!(most < 8.000_001);
 }
+
+/// A cancel or an abort that comes when the coordinates are about to change, or have changed: what is told is what has been done.
+#[test]
+fn what_is_told_of_a_change_of_coordinates_is_what_has_been_done() {
+    let axis = splineway::AxisLimits::linear(100.0, 1000.0, 2.0e4);
+    let config = Config::<f64, AXES>::new(splineway::Limits::new([axis; AXES]).unwrap());
+    let switches = [Switch { side: -1.0, edge: -1.0e3, kind: Kind::Missing }; AXES];
+    let to = [at(7.0), at(-2.5), Coord::from_raw(3)];
+    let mut seen = [0; 2];
+    for (moment, aborts, late) in
+        (0..12).flat_map(|moment| (0..4).map(move |k| (moment, k & 1 > 0, k & 2 > 0)))
+    {
+        let mut draw = Draw(5);
+        let mut link = Link::new();
+        let mut bench = Bench::<f64>::new(&mut link, config.clone(), [at(0.0); AXES], switches);
+        bench.planner.set_position(&to).unwrap();
+        let controls = bench.planner.controls();
+        let mut told = None;
+        for cycle in 0..30 {
+            if cycle == moment {
+                if aborts { controls.abort() } else { controls.cancel_jog() }
+            }
+            // The planner may hear of the change and of the cancel at once.
+            if !late || !(2..=moment).contains(&cycle) {
+                if bench.planner.settle() == Progress::Aborted {
+                    bench.planner.acknowledge_abort();
+                }
+                told = told.or(bench.planner.homed());
+            }
+            bench.tick(&mut draw);
+        }
+        let changed = bench.here() == to;
+        assert_eq!(told.map(|told| told.is_ok()), Some(changed), "{moment} {aborts} {late}");
+        assert_eq!(*bench.planner.end(), bench.here());
+        seen[usize::from(changed)] += 1;
+    }
+    assert!(seen.iter().all(|seen| *seen > 2), "{seen:?}");
+}

@@ -7,6 +7,10 @@ use super::Travel;
 use super::{ConfigError, Limits, Quantity, defaults};
 use crate::number::Scalar;
 
+/// What positions are told to, mm.
+#[cfg(feature = "shaping")]
+const NANOMETRE: f64 = 1.0e-6;
+
 /// How the corners between straight lines are rounded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -160,7 +164,9 @@ impl<S: Scalar, const N: usize> Config<S, N> {
     /// the same.
     #[cfg(feature = "kinematics")]
     pub(crate) fn follows_motors_of(&self, limits: &Limits<S, N>) -> bool {
-        !limits.names_motors() || self.settle() == S::ZERO || self.keeps_straight(&[S::ONE; N])
+        !limits.names_motors()
+            || self.settle() == S::ZERO
+            || self.keeps_straight(&[S::ONE; N], S::ONE)
     }
 
     /// Limits from now on: those that what follows the setpoints can bear, and the limits themselves where it need not.
@@ -197,10 +203,10 @@ impl<S: Scalar, const N: usize> Config<S, N> {
         *limits
     }
 
-    /// Whether a line of that direction stays straight though it be run by more than can be borne at its ends.
+    /// Whether a line of that direction and length, mm, stays straight though it be run by more than can be borne at its ends.
     #[cfg(feature = "shaping")]
-    pub(crate) fn bears_less(&self, direction: &[S; N]) -> bool {
-        self.free != self.limits && self.keeps_straight(direction)
+    pub(crate) fn bears_less(&self, direction: &[S; N], length: S) -> bool {
+        self.free != self.limits && self.keeps_straight(direction, length)
     }
 
     /// What it takes of every tolerance, mm.
@@ -216,16 +222,18 @@ impl<S: Scalar, const N: usize> Config<S, N> {
         S::ZERO
     }
 
-    /// Whether a line of that direction stays straight.
+    /// Whether a line of that direction and length, mm, stays straight. An axis that goes no farther than what positions are told to
+    /// stands: where a jog or an abort has ended, the machine may be off the last nanometre.
     #[cfg(feature = "shaping")]
-    pub(crate) fn keeps_straight(&self, direction: &[S; N]) -> bool {
-        self.follower.alike || direction.iter().filter(|share| **share != S::ZERO).count() <= 1
+    pub(crate) fn keeps_straight(&self, direction: &[S; N], length: S) -> bool {
+        let goes = |share: &&S| share.abs() * length > S::of(NANOMETRE);
+        self.follower.alike || direction.iter().filter(goes).count() <= 1
     }
 
     /// The same where everything follows.
     #[cfg(not(feature = "shaping"))]
     #[allow(clippy::unused_self)]
-    pub(crate) const fn keeps_straight(&self, _: &[S; N]) -> bool {
+    pub(crate) const fn keeps_straight(&self, _: &[S; N], _: S) -> bool {
         true
     }
 

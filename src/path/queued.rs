@@ -224,7 +224,8 @@ impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
             }
         };
         let Some(segment) = segment else { return Ok(None) };
-        if alone && !(segment.is_line() && config.keeps_straight(&segment.start_frame().tangent)) {
+        let tangent = segment.start_frame().tangent;
+        if alone && !(segment.is_line() && config.keeps_straight(&tangent, segment.length)) {
             let quantity = Quantity::Tolerance;
             let least = config.reserve().to_f64();
             let error = Range { least, ..quantity.range() }.refused(asked.to_f64());

@@ -196,7 +196,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if !self.is_homing() {
             return None;
         }
-        if self.jogging.seeking.cancelled {
+        // Once the coordinates have changed, all is done.
+        if self.jogging.seeking.cancelled && !self.jogging.homing.is_set {
             self.jogging.homing.fail_first(HomeFault::Cancelled);
         }
         let jogging = &*self.jogging;

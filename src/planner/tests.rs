@@ -459,3 +459,22 @@ fn numbers_that_wrap_around_make_no_difference() {
         assert!(answers == wrapped.1, "{origin:?}");
     }
 }
+
+/// What follows the setpoints does so unlike on each axis: a line within less than what that takes must be parallel to an axis, but for
+/// the last nanometre, at which a jog may have ended.
+#[cfg(feature = "shaping")]
+#[test]
+fn a_line_is_parallel_to_an_axis_to_the_nanometre() {
+    let axis = AxisLimits::linear(200.0, 2000.0, 5.0e4);
+    let mut config = Config::<f32, 2>::new(Limits::new([axis; 2]).unwrap());
+    config.follower.reserve = 0.01;
+    config.follower.settle = 0.02;
+    for (off, fits) in [(0, true), (400_000, true), (-900_000, true), (2_000_000, false)] {
+        let mut link = std::boxed::Box::new(Link::<f32, 2>::new());
+        let start = [Coord::ZERO, Coord::from_raw(off)];
+        let (mut planner, _interpolator) = link.split(config.clone(), start).unwrap();
+        let to = [Coord::from_mm(-20.0).unwrap(), Coord::ZERO];
+        let line = Block { tolerance: Some(0.0), ..Block::line(to, 100.0, 1) };
+        assert_eq!(planner.push(&line).is_ok(), fits, "{off}");
+    }
+}

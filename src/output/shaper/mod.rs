@@ -124,10 +124,12 @@ pub struct Shaper<S, const N: usize, const HISTORY: usize> {
     known: usize,
     /// How far back the weights reach, cycles.
     span: usize,
-    /// Servo cycles at rest so far, up to the span.
+    /// Servo cycles at rest so far, up to one more than the span: then the last of the motion has been weighed.
     rested: usize,
     /// An event that waits for the rest, and for how many cycles.
     event: Option<(u32, usize)>,
+    /// Whether a setpoint has been seen.
+    begun: bool,
     /// Whether all axes are shaped alike.
     alike: bool,
     /// How much each of them counts for the place on the path, if they are not: by the square of the speed with which it moved last.
@@ -153,8 +155,9 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
             newest: 0,
             known: 0,
             span: 0,
-            rested: 0,
+            rested: 1,
             event: None,
+            begun: false,
             alike: true,
             #[cfg(feature = "outputs")]
             shares: [S::ZERO; N],
@@ -164,7 +167,8 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
     }
 
     /// Shapes the axes that have a shape; the others wait as long as these do on the average, so that all stay together. To be done
-    /// before the machine moves, and before [`Config::follower`] is asked for; the machine rests where the next setpoint is.
+    /// before the machine moves, and before [`Config::follower`] is asked for; the machine rests where the next setpoint is, or where it
+    /// comes from, if that is already in motion.
     ///
     /// Cost: some hundred thousand instructions, and little stack.
     ///
@@ -199,8 +203,9 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
         }
         self.known = 0;
         self.span = span;
-        self.rested = span;
+        self.rested = span + 1;
         self.event = None;
+        self.begun = false;
         self.alike = shapes.windows(2).all(|two| two[0] == two[1]);
         #[cfg(feature = "outputs")]
         {
@@ -265,7 +270,8 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
 
     /// Whether the machine rests where the last setpoint is.
     pub fn is_settled(&self) -> bool {
-        self.rested >= self.span
+        // The oldest setpoint that is weighed is `span` cycles before the newest.
+        self.rested > self.span || self.span == 0
     }
 
     /// Where the machine should be, by the setpoint of this servo cycle and those before it.
@@ -284,6 +290,9 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
     /// [docs/shaping.md has the numbers]: https://docs.rs/crate/splineway/latest/source/docs/shaping.md
     pub fn shape(&mut self, now: &Setpoint<S, N>) -> Setpoint<S, N> {
         let off_path = matches!(now.activity, Activity::Jogging | Activity::Set);
+        if !core::mem::replace(&mut self.begun, true) {
+            self.begin(now);
+        }
         if off_path && self.is_settled() {
             self.keep(now, 0);
             return *now;
@@ -310,6 +319,22 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
             shaped.tag = tag;
         }
         shaped
+    }
+
+    /// Before the first setpoint the axes rested: if that is in motion, where they were a servo cycle before. From rest, at a jerk that stays
+    /// as it is, an axis goes a third of the way that it goes at its speed at the end.
+    #[inline(never)]
+    fn begin(&mut self, first: &Setpoint<S, N>) {
+        let mut rest = *first;
+        let share = S::of(self.cycle / 3.0);
+        rest.offset = from_fn(|i| first.offset[i] - first.velocity[i] * share);
+        (rest.velocity, rest.acceleration) = ([S::ZERO; N], [S::ZERO; N]);
+        #[cfg(feature = "outputs")]
+        {
+            rest.path_offset = first.path_offset - first.path_speed * share;
+            rest.path_speed = S::ZERO;
+        }
+        self.keep(&rest, 0);
     }
 
     /// Remembers a setpoint. Before that `known` cycles are.
@@ -400,7 +425,8 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
     /// What the machine does.
     fn told(&mut self, now: &Setpoint<S, N>) -> Activity {
         if now.activity == Activity::Event {
-            self.event = Some((now.tag, self.span.saturating_sub(self.rested)));
+            let wait = if self.is_settled() { 0 } else { self.span + 1 - self.rested };
+            self.event = Some((now.tag, wait));
         }
         match &mut self.event {
             Some((_, 0)) => return Activity::Event,
@@ -450,5 +476,62 @@ mod tests {
         let asked = follower(0.04, [Some(SHAPE), None]);
         assert!((asked.acceleration[0] / 2000.0 * off - 0.02).abs() < 1.0e-4, "{asked:?}");
         assert!((asked.acceleration[1], asked.alike) == (2000.0, false), "{asked:?}");
+    }
+
+    /// A motion of one axis from a place at rest to another at rest, by phases of constant jerk.
+    fn motion(from: f64) -> std::vec::Vec<Setpoint<f64, 2>> {
+        let (cycle, jerk) = (1.0e-3, 4.0e4);
+        let origin = [Coord::from_mm(from).unwrap(), Coord::ZERO];
+        let mut at = Setpoint { origin, activity: Activity::Running, ..Setpoint::REST };
+        let mut motion = std::vec::Vec::new();
+        for k in 0..40 {
+            let jerk = if (10..30).contains(&k) { -jerk } else { jerk };
+            let (v, a) = (at.velocity[0], at.acceleration[0]);
+            at.offset[0] += cycle * (v + cycle * (a / 2.0 + cycle * jerk / 6.0));
+            at.velocity[0] = v + cycle * (a + cycle * jerk / 2.0);
+            at.acceleration[0] = a + cycle * jerk;
+            motion.push(at);
+        }
+        // The last of them rests, but for a rounding.
+        motion.pop();
+        (at.velocity, at.acceleration, at.activity) = ([0.0; 2], [0.0; 2], Activity::Idle);
+        motion.extend([at; 60]);
+        motion
+    }
+
+    /// The first setpoint may be in motion, far from zero, and the last of the motion is weighed to its end: position and velocity are
+    /// integrals of the acceleration, which changes evenly within each cycle.
+    #[test]
+    fn a_motion_is_shaped_from_its_beginning_to_its_end() {
+        let axis = AxisLimits::linear(200.0, 2000.0, 1.0e5);
+        let mut config = Config::new(Limits::new([axis; 2]).unwrap());
+        config.cycle = 1.0e-3;
+        let kinds = [ShaperKind::Zv, ShaperKind::Mzv, ShaperKind::Ei, ShaperKind::Smooth];
+        for (kind, rests) in kinds.into_iter().flat_map(|kind| [(kind, 0), (kind, 3)]) {
+            let mut shaper = Shaper::<f64, 2, 64>::new();
+            let shape = Shape { kind, frequency: 37.0, damping: 0.05 };
+            shaper.set([Some(shape), None], &config).unwrap();
+            let motion = motion(133.0);
+            let start = Setpoint { origin: motion[0].origin, ..Setpoint::REST };
+            for _ in 0..rests {
+                assert_eq!(shaper.shape(&start), start);
+            }
+            let (mut before, h) = (start, config.cycle);
+            for (k, now) in motion.iter().enumerate() {
+                let now = shaper.shape(now);
+                let mean = |of: fn(&Setpoint<f64, 2>) -> f64| (of(&before) + of(&now)) / 2.0;
+                let gain = now.velocity[0] - before.velocity[0];
+                let off = gain - h * mean(|at| at.acceleration[0]);
+                assert!(off.abs() < 1.0e-9, "{kind:?} {k}: velocity is off by {off}");
+                let bend = now.acceleration[0] - before.acceleration[0];
+                let way = h * (mean(|at| at.velocity[0]) - h * bend / 12.0);
+                let off = now.position_mm(0) - before.position_mm(0) - way;
+                assert!(off.abs() < 1.0e-9, "{kind:?} {k}: position is off by {off}");
+                let rests = now.velocity == [0.0; 2] && now.acceleration == [0.0; 2];
+                assert!(now.activity != Activity::Idle || rests, "{kind:?} {k}");
+                before = now;
+            }
+            assert!(shaper.is_settled() && before.activity == Activity::Idle);
+        }
     }
 }

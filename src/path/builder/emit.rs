@@ -258,7 +258,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let direction = front.segment.end_frame().tangent;
         // What is known here are the newest limits.
         let newest = front.block.limits == self.limits;
-        if !newest || !front.segment.is_line() || !config.bears_less(&direction) {
+        if !newest
+            || !front.segment.is_line()
+            || !config.bears_less(&direction, front.segment.length)
+        {
             return None;
         }
         let next = self.queue.get(1);

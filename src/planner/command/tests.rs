@@ -5,7 +5,8 @@ use crate::block::{Block, Feed};
 use crate::machine::{AxisLimits, Config, Limits};
 use crate::number::{Coord, Scalar};
 use crate::planner::making::Purpose;
-use crate::planner::{Link, Progress};
+use crate::planner::{Link, Planner, Progress};
+use crate::profile::law::Law;
 use crate::servo::Activity;
 use std::boxed::Box;
 use std::vec::Vec;
@@ -53,6 +54,24 @@ fn program<S: Scalar>() -> Vec<Block<S, 2>> {
 /// What a run has seen interrupted by a command: a hold, an override, a first answer.
 type Interrupted = [u32; 3];
 
+/// Wherever the agreed motion may be cut, there is a motion over what is left of the cell.
+fn cuts_are_run<S: Scalar>(planner: &Planner<'_, S, 2, 16, 64>, draws: &mut Draws) {
+    let horizon = &planner.horizon;
+    for i in 0..horizon.end_index() {
+        let share = S::of(f64::from(draws.below(1_000)) / 1_000.0);
+        let Some(cut) = horizon.station_within(i, horizon.agreed_time(i) * share) else { continue };
+        let after = horizon.window.get(i + 1).unwrap();
+        let law = Law::new(cut.cell.length, cut.agreed, after.agreed);
+        assert!(
+            law.is_some(),
+            "{:?} to {:?} in {:?} mm",
+            cut.agreed,
+            after.agreed,
+            cut.cell.length
+        );
+    }
+}
+
 /// Runs the program with `slices` slices in a servo cycle and commands at random.
 fn run<S: Scalar>(seed: u64, slices: u32) -> Interrupted {
     let mut draws = Draws(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1);
@@ -80,6 +99,7 @@ fn run<S: Scalar>(seed: u64, slices: u32) -> Interrupted {
                 break;
             }
         }
+        cuts_are_run(&planner, &mut draws);
         let setpoint = interpolator.tick();
         for i in 0..2 {
             let velocity = setpoint.velocity[i].to_f64();

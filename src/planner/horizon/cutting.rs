@@ -10,7 +10,7 @@ use crate::number::serial::CycleSerial;
 use crate::number::vector::{dot, norm, zero};
 use crate::path::hermite::Hermite;
 use crate::path::node::{Cell, Node};
-use crate::profile::law::PathState;
+use crate::profile::law::{Law, PathState};
 use crate::profile::solver::Stretch;
 use crate::profile::window::Station;
 use crate::servo::link::Branch;
@@ -231,7 +231,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         cut.state = state;
         cut.agreed = state;
         cut.lead_to(&after.node.at, states[1], piece.time - t);
-        (cut.cell.length > S::ZERO).then_some(cut)
+        // Where a motion comes to rest so softly that it hardly crosses the last of its cell, what is left is no cell of its own.
+        is_crossed(cut.cell.length, state, states[1]).then_some(cut)
     }
 
     /// Speed, mm/s, below which accelerations across the path are lost beside what jerk changes in
@@ -284,4 +285,11 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         self.loosen(first, stretch.last);
         Some((stretch, branch))
     }
+}
+
+/// Whether there is a motion over a cell of some length between two states.
+// Off the stack of its callers.
+#[inline(never)]
+fn is_crossed<S: Scalar>(length: S, from: PathState<S>, to: PathState<S>) -> bool {
+    length > S::ZERO && Law::new(length, from, to).is_some()
 }
