@@ -324,7 +324,7 @@ fn what_is_told_of_a_change_of_coordinates_is_what_has_been_done() {
     {
         let mut draw = Draw(5);
         let mut link = Link::new();
-        let mut bench = Bench::<f64>::new(&mut link, config.clone(), [at(0.0); AXES], switches);
+        let mut bench = Bench::<f64>::new(&mut link, config, [at(0.0); AXES], switches);
         bench.planner.set_position(&to).unwrap();
         let controls = bench.planner.controls();
         let mut told = None;

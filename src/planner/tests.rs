@@ -470,9 +470,9 @@ fn a_line_is_parallel_to_an_axis_to_the_nanometre() {
     config.follower.reserve = 0.01;
     config.follower.settle = 0.02;
     for (off, fits) in [(0, true), (400_000, true), (-900_000, true), (2_000_000, false)] {
-        let mut link = std::boxed::Box::new(Link::<f32, 2>::new());
+        let mut link = Box::new(Link::<f32, 2>::new());
         let start = [Coord::ZERO, Coord::from_raw(off)];
-        let (mut planner, _interpolator) = link.split(config.clone(), start).unwrap();
+        let (mut planner, _interpolator) = link.split(config, start).unwrap();
         let to = [Coord::from_mm(-20.0).unwrap(), Coord::ZERO];
         let line = Block { tolerance: Some(0.0), ..Block::line(to, 100.0, 1) };
         assert_eq!(planner.push(&line).is_ok(), fits, "{off}");

@@ -519,7 +519,7 @@ mod tests {
             let (mut before, h) = (start, config.cycle);
             for (k, now) in motion.iter().enumerate() {
                 let now = shaper.shape(now);
-                let mean = |of: fn(&Setpoint<f64, 2>) -> f64| (of(&before) + of(&now)) / 2.0;
+                let mean = |of: fn(&Setpoint<f64, 2>) -> f64| f64::midpoint(of(&before), of(&now));
                 let gain = now.velocity[0] - before.velocity[0];
                 let off = gain - h * mean(|at| at.acceleration[0]);
                 assert!(off.abs() < 1.0e-9, "{kind:?} {k}: velocity is off by {off}");
@@ -527,7 +527,8 @@ mod tests {
                 let way = h * (mean(|at| at.velocity[0]) - h * bend / 12.0);
                 let off = now.position_mm(0) - before.position_mm(0) - way;
                 assert!(off.abs() < 1.0e-9, "{kind:?} {k}: position is off by {off}");
-                let rests = now.velocity == [0.0; 2] && now.acceleration == [0.0; 2];
+                let moving = |x: &f64| x.abs() > 0.0;
+                let rests = !now.velocity.iter().chain(&now.acceleration).any(moving);
                 assert!(now.activity != Activity::Idle || rests, "{kind:?} {k}");
                 before = now;
             }
