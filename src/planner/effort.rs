@@ -172,7 +172,8 @@ mod tests {
         assert!(effort.begin_anew(40, 2) && effort.cycles(40) < 8.0);
         // What it takes then is known at once.
         assert!(!effort.begin_anew(40, 1) && !effort.begin_anew(40, 0));
-        assert!(!Work::<f64>::NONE.begin_anew(40, 0));
+        let mut effort = Work::<f64>::NONE;
+        assert!(!effort.begin_anew(40, 0));
     }
 
     #[test]

@@ -368,7 +368,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             Purpose::Easing(_) | Purpose::Reaction(_) if first.is_known() => (first, 1),
             Purpose::Easing(_) | Purpose::Reaction(_) => (plan, reaction::CELLS),
             Purpose::Overrides | Purpose::BlockEnd => (plan, reaction::PLANS * cells),
-            _ => return false,
+            Purpose::Ahead => return false,
+            #[cfg(feature = "reshape")]
+            Purpose::Shape => return false,
         };
         if !work.begin_anew(parts, cycles) {
             return false;

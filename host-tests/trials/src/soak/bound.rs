@@ -20,8 +20,10 @@ const KEPT_NODES: usize = 14;
 /// keeps the band then.
 const CELL: f64 = 19.2 * 0.97;
 const CELL_ANGLE: f64 = 0.3;
+/// Share of a servo cycle that a cell takes at least (`src/profile/bounds.rs`).
+const CELL_CYCLES: f64 = 0.25;
 
-/// The greatest speed on an arc from which a motion can rest on what a window holds of it, mm/s.
+/// The greatest speed on an arc from which a motion can rest on what a window holds of it, and at which a servo cycle passes few cells, mm/s.
 ///
 /// A plan ends at rest on the last node that is known, `window` mm ahead when it is begun. It is taken where it branches off, a lead later and
 /// what a cycle rounds that up by; the next is begun then and takes over as much later, and until it does the motion must be able to come to
@@ -40,9 +42,9 @@ fn sighted(setting: &Setting, tolerance: f64, radius: f64, limit: Limit, most: f
         let stop = 0.5 * (radius * share.asin() + v * acceleration / jerk);
         stop <= (window - leads * v).max(0.25 * window)
     };
-    let (mut low, mut high) = (0.0, most);
+    let (mut low, mut high) = (0.0, most.min(cell / (CELL_CYCLES * setting.cycle)));
     if rests(high) {
-        return most;
+        return high;
     }
     for _ in 0..60 {
         let middle = f64::midpoint(low, high);
