@@ -299,6 +299,6 @@ fn two_slices_in_a_servo_cycle() {
 
 #[test]
 fn a_slice_in_a_servo_cycle() {
-    holds::<f64>(1, 18, 18);
-    holds::<f32>(1, 18, 18);
+    holds::<f64>(1, 18, 22);
+    holds::<f32>(1, 18, 22);
 }

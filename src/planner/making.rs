@@ -312,7 +312,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 if !over {
                     self.effort.plan.learn(cells, cycles);
                 }
-                self.effort.slice.learn(usize::from(slices), cycles);
+                let slices = usize::from(slices);
+                if !(over && self.effort.slice.begin_anew(slices, cycles)) {
+                    self.effort.slice.learn(slices, cycles);
+                }
             }
             Purpose::Easing(asked) => {
                 self.effort.first.learn(1, cycles);
@@ -361,10 +364,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return false;
         }
         let cells = self.cells_ahead(at);
-        let Effort { plan, stop, first, .. } = &mut self.effort;
+        let Effort { plan, slice, stop, first, .. } = &mut self.effort;
         let (work, parts) = match purpose {
             Purpose::Hold if stop.is_known() => (stop, usize::from(slices)),
-            Purpose::Hold => (plan, usize::from(slices)),
+            Purpose::Hold => (slice, usize::from(slices)),
             Purpose::Easing(_) | Purpose::Reaction(_) if first.is_known() => (first, 1),
             Purpose::Easing(_) | Purpose::Reaction(_) => (plan, reaction::CELLS),
             Purpose::Overrides | Purpose::BlockEnd => (plan, reaction::PLANS * cells),

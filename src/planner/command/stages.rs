@@ -145,7 +145,8 @@ impl<S: Scalar> Staging<S> {
         let left = S::from_u32(self.from.since(now).unwrap_or(0));
         // Behind this one there must be another.
         let slices = 2 + self.ends(clock, cells);
-        self.pressed = left < self.work.within(slices).greatest(taken * S::from_u32(slices as u32));
+        let needed = self.work.within(slices).greatest(taken * S::from_u32(slices as u32));
+        self.pressed = !self.whole && left < needed;
     }
 
     /// Counts a step of a march, the last of a slice or not, with so many cells left and room for so many pieces behind it. Whether it is
