@@ -149,13 +149,13 @@ fn plans_follow_each_other_without_a_rest_when_the_background_is_in_time_again()
     let (mut left, mut moved, mut stops, mut after) = (&blocks[..], 0, 0, 0);
     for cycle in 0..400_000u32 {
         let late = moved < LATE;
-        if !late {
-            left = in_time(&mut planner, left);
-        } else {
+        if late {
             left = push(&mut planner, left);
             if cycle % SLICE == 0 {
                 planner.poll();
             }
+        } else {
+            left = in_time(&mut planner, left);
         }
         let setpoint = interpolator.tick();
         let runs = setpoint.activity == Activity::Running;

@@ -230,9 +230,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         let in_time = self.in_time(at);
         let felt = self.horizon.config.limits.time_scale() * S::of(FELT_BEFORE);
-        let nears_end = |planner: &Self, more: S| {
-            planner.horizon.reaches_within(in_time + more, at, now.shown)
-        };
+        let nears_end =
+            |planner: &Self, more: S| planner.horizon.reaches_within(in_time + more, at, now.shown);
         let due = (!at.is_before(now.checkpoint) && nears_end(self, felt))
             || is_urgent(self)
             || self.reshaping_wants()
@@ -262,7 +261,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// Whether there is nothing to do since the last poll has found nothing.
     #[inline]
     pub(super) fn is_idle(&self, wish: &Wish, at: NodeSerial) -> bool {
-        self.idle == Some(at) && self.is_calm(wish)
+        self.idle && self.idle_at == at && self.is_calm(wish)
     }
 
     /// Whether nothing is asked for that has not been answered.

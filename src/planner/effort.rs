@@ -23,9 +23,7 @@ pub const SLOWER: f64 = 16.0;
 pub struct Effort<S> {
     /// A plan, for each of the cells that it is looked for over.
     pub plan: Work<S>,
-    /// A plan, for each of its slices.
-    pub slice: Work<S>,
-    /// A stop, or a stage of one, for each of its slices.
+    /// A stop, or a stage of one, for each of its slices; as long as none has been measured, a plan for each of its.
     pub stop: Work<S>,
     /// A first answer to an override, in all.
     pub first: Work<S>,
@@ -38,7 +36,6 @@ impl<S: Scalar> Effort<S> {
     /// Nothing is known, or planning takes no time.
     pub const NONE: Self = Self {
         plan: Work::NONE,
-        slice: Work::NONE,
         stop: Work::NONE,
         first: Work::NONE,
         #[cfg(feature = "reshape")]
@@ -83,12 +80,6 @@ impl<S: Scalar> Work<S> {
             self.learn(parts, cycles);
         }
         over
-    }
-
-    /// What is known of others that take so many times as long.
-    pub fn times(&self, factor: f64) -> Self {
-        let factor = S::of(factor);
-        Self { mean: self.mean * factor, deviation: self.deviation * factor }
     }
 
     /// Whether anything is known, and that it takes time.

@@ -27,7 +27,7 @@ use super::command::reaction::{self, Reacting};
 use super::command::retune::Retuning;
 use super::command::slowing::Slowing;
 use super::command::stages::Marched;
-use super::effort::{Effort, SLOWER};
+use super::effort::{Effort, SLOWER, Work};
 use super::horizon::{Horizon, Proposal};
 use super::phase::{Halt, Phase};
 #[cfg(feature = "reshape")]
@@ -312,9 +312,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 if !over {
                     self.effort.plan.learn(cells, cycles);
                 }
-                let slices = usize::from(slices);
-                if !(over && self.effort.slice.begin_anew(slices, cycles)) {
-                    self.effort.slice.learn(slices, cycles);
+                if !self.knows_stops {
+                    let slices = usize::from(slices);
+                    if !(over && self.effort.stop.begin_anew(slices, cycles)) {
+                        self.effort.stop.learn(slices, cycles);
+                    }
                 }
             }
             Purpose::Easing(asked) => {
@@ -325,7 +327,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             Purpose::Hold => {
                 // A rest that is agreed anyway is no work.
                 if slices > 1 {
-                    self.effort.stop.learn(usize::from(slices), cycles);
+                    self.learn_stop(usize::from(slices), cycles);
                 }
                 self.pressing.attempts = 0;
             }
@@ -364,10 +366,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return false;
         }
         let cells = self.cells_ahead(at);
-        let Effort { plan, slice, stop, first, .. } = &mut self.effort;
+        let Effort { plan, stop, first, .. } = &mut self.effort;
         let (work, parts) = match purpose {
-            Purpose::Hold if stop.is_known() => (stop, usize::from(slices)),
-            Purpose::Hold => (slice, usize::from(slices)),
+            Purpose::Hold => (stop, usize::from(slices)),
             Purpose::Easing(_) | Purpose::Reaction(_) if first.is_known() => (first, 1),
             Purpose::Easing(_) | Purpose::Reaction(_) => (plan, reaction::CELLS),
             Purpose::Overrides | Purpose::BlockEnd => (plan, reaction::PLANS * cells),
@@ -382,6 +383,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         self.try_again(purpose);
         self.abandon();
         true
+    }
+
+    /// A stop, or a stage of one, has taken so many servo cycles for so many slices. What slices of plans took is known no longer with the first.
+    #[inline(never)]
+    fn learn_stop(&mut self, slices: usize, cycles: u32) {
+        if !self.knows_stops {
+            (self.knows_stops, self.effort.stop) = (true, Work::NONE);
+        }
+        self.effort.stop.learn(slices, cycles);
     }
 
     /// Servo cycles within which an answer takes effect soon.
@@ -583,7 +593,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                     }
                 }
                 Purpose::Easing(_) | Purpose::Reaction(_) => self.effort.first.learn(1, cycles),
-                Purpose::Hold => self.effort.stop.learn(slices, cycles),
+                Purpose::Hold => self.learn_stop(slices, cycles),
                 // It takes several plans: counted as one, soon it is given as much time as it takes.
                 Purpose::Overrides | Purpose::BlockEnd => self.effort.plan.learn(cells, cycles),
                 #[cfg(feature = "reshape")]

@@ -128,11 +128,14 @@ pub struct Planner<
     effort: Effort<S>,
     /// What no plan was found for, until it changes.
     vain: Option<Vain>,
-    /// Node with the motion at which there was nothing to do: there is not before that, what is asked for or what is known changes.
-    idle: Option<NodeSerial>,
+    /// Whether there was nothing to do with the motion at a node: there is not before that, what is asked for or what is known changes.
+    idle: bool,
+    idle_at: NodeSerial,
     answered: Answered,
     /// How far the answer to a command that lasts has got.
     pressing: Pressing,
+    /// Whether a stop has been measured.
+    knows_stops: bool,
     /// Whether the producer has said that no more blocks come for now.
     finished: bool,
     /// Servo cycle in which the last block was taken.
@@ -179,7 +182,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         #[cfg(feature = "reshape")]
         let from = *self.builder.end();
         self.builder.push(block, &self.horizon.config)?;
-        self.idle = None;
+        self.idle = false;
         #[cfg(feature = "reshape")]
         if let Some(memory) = self.reshaping.as_deref_mut() {
             memory.note(&from, block, &self.horizon.config);
@@ -226,7 +229,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         #[cfg(feature = "kinematics")]
         let limits = limits.on_motors_of(&self.horizon.config.limits);
-        self.idle = None;
+        self.idle = false;
         if !self.builder.uses_limits() {
             self.horizon.config.limit(&limits);
         } else if self.horizon.set_limits(limits) {
@@ -247,7 +250,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// blocks that an abort has dropped: until that is acknowledged it does nothing.
     pub fn finish(&mut self) {
         if !self.is_aborted() {
-            (self.finished, self.idle) = (true, None);
+            (self.finished, self.idle) = (true, false);
         }
     }
 
@@ -327,7 +330,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if is_idle && (!cfg!(debug_assertions) || self.side.cycles().raw() & 1 == 0) {
             return Progress::Waiting;
         }
-        self.idle = None;
+        self.idle = false;
         self.hear();
         if self.finished {
             self.builder.close();
@@ -389,7 +392,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                     return Progress::Planning;
                 }
                 if progress == Progress::Waiting {
-                    self.idle = self.waits_for_motion(wish).then_some(at);
+                    (self.idle, self.idle_at) = (self.waits_for_motion(wish), at);
                 }
                 progress
             }

@@ -170,6 +170,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
 
     /// Stops behind the front block after all: a run that begins or ends in motion does so along a line, and of this one a run
     /// would have less than is a line. It would go on along another, which may lead back.
+    #[inline(never)]
     fn stop_behind(&mut self) -> Joint {
         (self.kept, self.given, self.half) = (Length::ZERO, Length::ZERO, None);
         if let Some(front) = self.queue.front_mut() {

@@ -389,14 +389,10 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         if let Some(stops) = self.stop(piece, place, ([least, most], longest), limits) {
             return Some(stops);
         }
+        let asked = (next, share, quick);
         let mut good = |bend: S, least: usize| {
             *strides = (*strides).max(least);
-            let (leg, to) = step.take(bend)?;
-            let runs =
-                to.clock.rate <= S::ONE.greatest(place.clock.rate) && leg.keeps(piece, limits);
-            let mut even = || self.evens_out(to, (next, share, quick), stretch, (ahead, strides));
-            let release = if runs { even()? } else { return None };
-            Some(Stepped { legs: [Some(leg), None], to, release })
+            self.at_bend(bend, (&step, piece, limits), asked, stretch, (ahead, strides))
         };
         if let Some(hardest) = good(least, 0) {
             return Some(hardest);
@@ -414,6 +410,25 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             }
         }
         found.or_else(|| good(soft, RELEASE_STEPS))
+    }
+
+    /// A step at a bend, if it keeps all limits and the clock can go evenly behind it.
+    #[inline(never)]
+    fn at_bend(
+        &self,
+        bend: S,
+        (step, piece, limits): (&Stride<'_, S, N>, &Piece<S, N>, &Limits<S, N>),
+        asked: (S, S, bool),
+        stretch: Stretch,
+        (ahead, strides): (&mut Ahead<S, N>, &mut usize),
+    ) -> Option<Stepped<S>> {
+        let (leg, to) = step.take(bend)?;
+        let most = S::ONE.greatest(step.place.clock.rate);
+        if !(to.clock.rate <= most && leg.keeps(piece, limits)) {
+            return None;
+        }
+        let release = self.evens_out(to, asked, stretch, (ahead, strides))?;
+        Some(Stepped { legs: [Some(leg), None], to, release })
     }
 
     /// The last pieces, if the clock can be stopped within a step or two.

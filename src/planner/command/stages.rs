@@ -40,8 +40,6 @@ use crate::servo::piece::{Piece, Sequel};
 
 /// Slices of a stop in all.
 const SLICES: usize = 16;
-/// Slices of a plan ahead that take as much work as one of a stop does, as long as none has been measured.
-const GUESSED: f64 = 1.0;
 /// Servo cycles within which it is made as a whole.
 const AT_ONCE: f64 = 1.5;
 /// Attempts at a stop that are made in stages.
@@ -130,6 +128,7 @@ impl<S: Scalar> Staging<S> {
 
     /// Slices in which the stage is ended behind its last step, after which the clock goes so, with so many cells left to its end: the clock
     /// is let go, and the pieces of what is run evenly are handed over.
+    #[inline(never)]
     fn ends(&self, clock: Clock<S>, cells: usize) -> usize {
         let even = if self.stops(clock) { 0 } else { cells.div_ceil(PIECES) };
         usize::from(self.release.steps).div_ceil(RELEASES_PER_SLICE) + even
@@ -199,11 +198,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         handover: Option<Handover<S>>,
         at: NodeSerial,
     ) -> (S, Staging<S>) {
-        let work = if self.effort.stop.is_known() {
-            self.effort.stop
-        } else {
-            self.effort.slice.times(GUESSED)
-        };
+        let work = self.effort.stop;
         let whole = work.usual(SLICES);
         let staged = handover.is_some() || self.pressing.attempts < STAGED;
         if !(whole > S::ZERO && staged) {
