@@ -1,7 +1,7 @@
 //! The pieces of a motion that is run by another clock.
 
 use super::clock::{Clock, Instant};
-use crate::machine::{AxisLimits, Limits};
+use crate::machine::{AxisLimits, Limits, UNLIMITED};
 use crate::number::Scalar;
 use crate::servo::piece::{Piece, Sequel};
 use core::array::from_fn;
@@ -42,12 +42,18 @@ impl<S: Scalar> Run<S> {
         let [p1, p2, _] = self.begins(from.velocity[0], from.acceleration[0], from.jerk[0]);
         let run = |t: S| (s1 + (s2 + (s3 + s4 * t) * t) * t) * t;
         let way = run(last) - run(first);
+        let ends = to.velocity[0] * self.to.rate;
+        // The second and the third of the Bernstein coefficients of the speed.
+        let second = p1 + p2 * h * S::of(2.0 / 3.0);
+        let third = way * S::of(4.0) * per - p1 - second - ends;
         let path = if self.to == Clock::STOPPED {
-            stopping(p1, way, h)
+            forwards([p1, S::of(UNLIMITED), S::ZERO], way, h)
+        } else if !(second >= S::ZERO && third >= S::ZERO) {
+            forwards([p1, second, ends], way, h)
         } else {
             // What is still missing of speed at the end, and of the way.
             let begun = (p1 + p2 * h) * h;
-            let speed = (to.velocity[0] * self.to.rate - (p1 + (p2 + p2) * h)) * h;
+            let speed = (ends - (p1 + (p2 + p2) * h)) * h;
             let p4 = speed - S::of(3.0) * (way - begun);
             let p3 = (speed - S::of(4.0) * p4) * S::of(1.0 / 3.0);
             let cube = per * per * per;
@@ -131,22 +137,25 @@ impl<S: Scalar> Run<S> {
     }
 }
 
-/// Coefficients of t^1 .. t^4 of a path that begins at a speed and comes to rest at the end of a way, after `time` seconds.
+/// Coefficients of t^1 .. t^4 of a path that goes a way in `time` seconds, with a speed at its start and one at its end, and never back.
 ///
-/// Of its speed the Bernstein coefficients are that at the start, what the way asks for, and two that are zero: so it does not go
-/// back, whatever the motion did by its own clock, and its acceleration has gone where it rests. Where the motion slows down by its own clock
-/// so much that the way is less than the speed at the start alone would make, that speed is a lesser one.
-fn stopping<S: Scalar>(speed: S, way: S, time: S) -> [S; 4] {
+/// Of its speed the Bernstein coefficients are none below 0: those two, between them one that is as near as can be to `second`, and what the way
+/// asks for then. Of a motion that stops the second has all of that, and its acceleration has gone where it rests. Where the motion slows down by its own
+/// clock so much that the way is less than the speeds at the ends alone would make, that at the start is a lesser one.
+fn forwards<S: Scalar>([first, second, last]: [S; 3], way: S, time: S) -> [S; 4] {
     let per = S::ONE / time;
-    let all = way * S::of(4.0) * per;
-    let first = speed.least(all);
-    let second = all - first;
+    let all = (way * S::of(4.0) * per).greatest(S::ZERO);
+    let last = last.least(all);
+    let first = first.least(all - last);
+    let left = all - last - first;
+    let second = second.greatest(S::ZERO).least(left);
+    let third = left - second;
     let (two, three) = (S::of(2.0), S::of(3.0));
     [
         first,
         (second - first) * S::of(1.5) * per,
-        (first - two * second) * per * per,
-        (three * second - first) * S::of(0.25) * per * per * per,
+        (first - two * second + third) * per * per,
+        (last - three * third + three * second - first) * S::of(0.25) * per * per * per,
     ]
 }
 
@@ -273,6 +282,41 @@ mod tests {
             let begins = first.path_speed / (speed * clock.rate);
             assert!((0.6..1.0 + 1.0e-9).contains(&begins) && (slower > 1.5 || begins > 0.999));
         }
+    }
+
+    /// A clock that is let go when it hardly goes any more, in a motion that slows down by itself, or gathers speed.
+    #[test]
+    fn a_path_that_nearly_stops_never_goes_back() {
+        let mut bent = 0;
+        for rate in [0.0, 1.0e-4, 1.0e-2, 0.1] {
+            for slower in [-2.0, -1.0, 0.0, 0.4, 0.9, 1.1, 1.6, 2.5, 2.9] {
+                let (speed, from) = (10.0, Clock { rate: 0.6, slope: -300.0 });
+                let time = 2.0 * (from.rate - rate) / -from.slope;
+                let bend = -from.slope / time;
+                let shown = from.shown(time, bend);
+                let along = [speed, -slower * speed / shown * 0.33 * 0.5, 0.0, 0.0];
+                let straight = [along[0], along[1], 0.0, 0.0, 0.0];
+                let agreed = Piece { axes: [straight, [0.0; 5]], path: along, ..piece() };
+                let run = Run { time, bend, from, to: Clock { rate, slope: 0.0 } };
+                let made = run.piece(&agreed, [0.0, shown], Sequel::Within);
+                let mut before = 0.0;
+                for k in 0..=200 {
+                    let here = made.at(time * f64::from(k) / 200.0);
+                    assert!(
+                        here.path_speed >= -1.0e-12,
+                        "{rate} {slower} {k}: {}",
+                        here.path_speed
+                    );
+                    assert!(here.path_mm() >= before - 1.0e-9, "{rate} {slower} {k}");
+                    before = here.path_mm();
+                }
+                let ends = [made.at(time), agreed.at(shown)];
+                assert!((ends[0].path_mm() - ends[1].path_mm()).abs() < 1.0e-7);
+                assert!((ends[0].path_speed - ends[1].path_speed * rate).abs() < 1.0e-9);
+                bent += usize::from(made.path[1] > 0.999 * -speed * 300.0 * 0.5);
+            }
+        }
+        assert!(bent > 0);
     }
 
     /// At the least and the greatest bend a limit is used up, between them none is broken.
