@@ -24,9 +24,6 @@ const NEW_PART: u32 = 4;
 /// So many are, where there is not enough to reshape.
 #[cfg(feature = "reshape")]
 const WANTED: u32 = 32;
-/// So many times as long as an acceleration takes to be built up (A / J), a stop is felt before the place where the motion shows it. The next
-/// plan takes over no sooner, if half of this one has been run. (Once: up to 0.4 % longer, on long lines; three times: a sixteenth more work.)
-const FELT_BEFORE: f64 = 1.5;
 /// A stop is imminent when less than this many leads remain.
 const URGENT_LEADS: f64 = 4.0;
 
@@ -228,14 +225,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.last_node() == self.horizon.end() {
             return if self.builder.len() > 0 { Progress::Waiting } else { Progress::NeedsBlocks };
         }
-        let in_time = self.in_time(at);
-        let felt = self.horizon.config.limits.time_scale() * S::of(FELT_BEFORE);
-        let nears_end =
-            |planner: &Self, more: S| planner.horizon.reaches_within(in_time + more, at, now.shown);
-        let due = (!at.is_before(now.checkpoint) && nears_end(self, felt))
+        let due = !at.is_before(now.checkpoint)
             || is_urgent(self)
             || self.reshaping_wants()
-            || nears_end(self, S::ZERO);
+            || self.horizon.reaches_within(self.in_time(at), at, now.shown);
         if !due || self.is_vain(at) {
             return Progress::Waiting;
         }

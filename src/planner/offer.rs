@@ -5,8 +5,8 @@ use super::horizon::{Moment, Proposal};
 use super::phase::{Following, Halt, Offer, Phase};
 use crate::number::Scalar;
 
-/// New plans are asked for no sooner than when this part of the present one has been run, and no more than this
-/// many cells of it are left; then as late as its stop at the end does not show in what is run ([`super::ahead`]).
+/// New plans are asked for when this part of the present one has been run, and no more than this
+/// many cells of it are left: enough that its stop at the end does not show in what is run.
 const PLAN_PART: u32 = 2;
 const CELLS_LEFT: u32 = 64;
 
