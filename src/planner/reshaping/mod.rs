@@ -17,7 +17,7 @@ use self::going::{Going, PLACES, Times, least_time};
 use self::knots::{Knotted, Knotting};
 use self::lines::{Lines, NEAR};
 use super::Planner;
-use super::making::{PIECES, Purpose, Stage};
+use super::making::{Purpose, Stage};
 use super::phase::{Following, Offer, Phase};
 use crate::block::{Block, Feed, Motion};
 #[cfg(feature = "shaping")]
@@ -48,6 +48,8 @@ const KNOTS: f64 = 8.0e-3;
 /// Spans after which the next window begins, at least, and as a part of its own at most.
 const RUN: usize = 7;
 const MOST_RUN: (usize, usize) = (3, 4);
+/// Pieces that are handed over in one slice.
+const HANDED: usize = 16;
 /// Making a window takes at most one in so many parts of the time: on a slow chip the next begins later.
 const PARTS: f64 = 3.0;
 /// Share of the band that is used where it is looked at.
@@ -694,7 +696,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let before = change.first.since(change.start).unwrap_or(0) as usize;
         let behind = first + before + change.replaced;
         let count = before + stations.len() + end - behind;
-        let last = count.min(next + PIECES);
+        let last = count.min(next + HANDED);
         let window = &self.horizon.window;
         for k in next..last {
             let station = |k: usize| match k.checked_sub(before) {
