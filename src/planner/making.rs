@@ -395,7 +395,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// Servo cycles within which an answer takes effect soon.
-    fn near(&self) -> u32 {
+    pub(super) fn near(&self) -> u32 {
         self.most_reaction().saturating_mul(NEAR_LEADS)
     }
 

@@ -5,6 +5,7 @@ use super::stages::Start;
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::planner::Planner;
+use crate::planner::effort::Work;
 use crate::planner::horizon::Proposal;
 use crate::planner::making::Purpose;
 use crate::planner::phase::{Halt, Phase};
@@ -49,7 +50,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             Some(handover) => Start::Handover(handover),
             None => Start::Moment(self.moment_after(needed)),
         };
-        match self.horizon.begin_slowing(start, self.pressing.attempts, quick, staging) {
+        let begun = self.horizon.begin_slowing(start, self.pressing.attempts, quick, staging);
+        if !matches!(begun, Begun::Attempt(_)) && needed > S::from_u32(self.near()) {
+            // What planning has taken leads beyond the end of the plan. Perhaps the background was late, and is in time again.
+            self.effort.stop = Work::NONE;
+        }
+        match begun {
             Begun::Attempt(begun) => self.make((Purpose::Hold, at), Some(begun)),
             // The rest that the plan comes to anyway may be nearer than any other.
             Begun::Soon => self.rest_as_agreed(),
