@@ -49,7 +49,7 @@ fn cuts() -> impl Strategy<Value = Vec<Vec<f64>>> {
 /// Share of its time by which a program may take longer in pieces.
 const LONGER: f64 = 0.005;
 /// And where lines have as much noise as the band is wide: how far a few sweeps get hangs on where their stretches end.
-const NOISY: f64 = 0.035;
+const NOISY: f64 = 0.025;
 
 /// Splits a program: the time stays, the tags are in order.
 fn check(
