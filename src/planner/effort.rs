@@ -82,6 +82,16 @@ impl<S: Scalar> Work<S> {
         over
     }
 
+    /// Learns, or begins anew where it may. Whether it has begun anew.
+    #[inline(never)]
+    pub fn renew(&mut self, parts: usize, cycles: u32, may: bool) -> bool {
+        let anew = may && self.begin_anew(parts, cycles);
+        if !anew {
+            self.learn(parts, cycles);
+        }
+        anew
+    }
+
     /// Whether anything is known, and that it takes time.
     pub fn is_known(&self) -> bool {
         self.mean > S::ZERO

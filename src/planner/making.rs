@@ -308,15 +308,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             Purpose::Ahead => {
                 let cells = proposal.stretch.cells();
                 let (needed, near) = (self.effort.plan.cycles(self.cells_ahead(at)), self.near());
-                let over = needed > S::from_u32(near) && self.effort.plan.begin_anew(cells, cycles);
-                if !over {
-                    self.effort.plan.learn(cells, cycles);
-                }
+                let anew = self.effort.plan.renew(cells, cycles, needed > S::from_u32(near));
                 if !self.knows_stops {
-                    let slices = usize::from(slices);
-                    if !(over && self.effort.stop.begin_anew(slices, cycles)) {
-                        self.effort.stop.learn(slices, cycles);
-                    }
+                    self.effort.stop.renew(usize::from(slices), cycles, anew);
                 }
             }
             Purpose::Easing(asked) => {
