@@ -12,9 +12,13 @@ const DIALECTS: [Dialect; 3] = [Dialect::LinuxCnc, Dialect::Grbl, Dialect::Marli
 /// Moves that are looked at: a few bytes may ask for millions.
 const MOST: usize = 5000;
 
-/// Where a move ends, and the axes of its plane if it is an arc.
+/// Where a move or a probe ends, and the axes of its plane if it is an arc.
 fn end(action: &Action) -> Option<(&Place, Option<(usize, usize)>)> {
-    let Action::Move(block) = action else { return None };
+    let block = match action {
+        Action::Move(block) => block,
+        Action::Probe(probe) => return Some((&probe.to, None)),
+        _ => return None,
+    };
     match &block.motion {
         Motion::Line { to } | Motion::Cubic { to, .. } => Some((to, None)),
         Motion::Arc { to, plane, .. } => Some((to, Some(*plane))),
@@ -42,15 +46,20 @@ fn line_by_line(data: &[u8], dialect: Dialect, lenient: bool) {
             assert!(is_read, "a refused line does something");
             let Some((to, plane)) = end(&action) else { continue };
             for (axis, letter) in LETTERS.into_iter().enumerate() {
-                let moves = to[axis] != here[axis]
-                    || plane.is_some_and(|(p, q)| p == axis || q == axis);
-                let asked = if axis < 3 { has("XYZIJKR") } else { has(letter.encode_utf8(&mut [0; 4])) };
+                let moves =
+                    to[axis] != here[axis] || plane.is_some_and(|(p, q)| p == axis || q == axis);
+                let asked =
+                    if axis < 3 { has("XYZIJKR") } else { has(letter.encode_utf8(&mut [0; 4])) };
                 let asked = asked || ends_curve && axis < 2;
                 assert!(!moves || asked || goes_home, "{letter} moves unasked");
                 assert!(!moves || reader.named()[axis], "{letter} moves without its name");
                 assert!(to[axis].to_mm().abs() <= Coord::LIMIT_MM);
             }
             here = *to;
+            if matches!(action, Action::Probe(_)) {
+                // Without contact: there the machine stands.
+                reader.set_position(&here);
+            }
         }
         assert!(!is_read || here == *reader.position(), "the reader is elsewhere");
     }
