@@ -9,6 +9,7 @@ use crate::number::serial::NodeSerial;
 use crate::path::cut::Cut;
 use crate::path::hermite;
 use crate::profile::solver::Stretch;
+use crate::servo::control::Wish;
 use crate::servo::link::Branch;
 
 /// Room in the window for one more cell, and for the stations that a draft adds.
@@ -236,6 +237,34 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return Progress::Waiting;
         };
         self.plan(branch, at, false)
+    }
+
+    /// Whether what a poll in motion finds to do, which has been nothing, depends on no more than where the motion is: the window or the
+    /// look-ahead is full, and what is asked for is done.
+    pub(super) fn waits_for_motion(&self, wish: &Wish) -> bool {
+        #[cfg(feature = "reshape")]
+        if self.reshaping.is_some() {
+            return false;
+        }
+        let window_is_full = self.horizon.window.room() < self.least_room();
+        let full = self.builder.is_full() || (window_is_full && self.new_cells() >= LEAST_NEW);
+        full && matches!(self.phase, Phase::Following(_)) && self.is_calm(wish)
+    }
+
+    /// Whether there is nothing to do since the last poll has found nothing.
+    #[inline]
+    pub(super) fn is_idle(&self, wish: &Wish, at: NodeSerial) -> bool {
+        self.idle && self.idle_at == at && self.is_calm(wish)
+    }
+
+    /// Whether nothing is asked for that has not been answered.
+    #[inline]
+    fn is_calm(&self, wish: &Wish) -> bool {
+        let asks = self.brakes(wish) || wish.stop || wish.single;
+        let answered = wish.overrides == self.horizon.overrides()
+            && wish.resumes == self.answered.resumes
+            && wish.quick == self.answered.quick;
+        !asks && answered && !self.horizon.is_eased()
     }
 
     /// The last node that is known.

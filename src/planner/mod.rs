@@ -128,6 +128,9 @@ pub struct Planner<
     effort: Effort<S>,
     /// What no plan was found for, until it changes.
     vain: Option<Vain>,
+    /// Whether there was nothing to do with the motion at a node: there is not before that, what is asked for or what is known changes.
+    idle: bool,
+    idle_at: NodeSerial,
     answered: Answered,
     /// How far the answer to a command that lasts has got.
     pressing: Pressing,
@@ -179,6 +182,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         #[cfg(feature = "reshape")]
         let from = *self.builder.end();
         self.builder.push(block, &self.horizon.config)?;
+        self.idle = false;
         #[cfg(feature = "reshape")]
         if let Some(memory) = self.reshaping.as_deref_mut() {
             memory.note(&from, block, &self.horizon.config);
@@ -225,6 +229,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         #[cfg(feature = "kinematics")]
         let limits = limits.on_motors_of(&self.horizon.config.limits);
+        self.idle = false;
         if !self.builder.uses_limits() {
             self.horizon.config.limit(&limits);
         } else if self.horizon.set_limits(limits) {
@@ -245,7 +250,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// blocks that an abort has dropped: until that is acknowledged it does nothing.
     pub fn finish(&mut self) {
         if !self.is_aborted() {
-            self.finished = true;
+            (self.finished, self.idle) = (true, false);
         }
     }
 
@@ -319,11 +324,17 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return progress;
         }
         let at = self.side.progress();
+        let wish = self.requests.read();
+        let is_idle = self.is_idle(&wish, at);
+        // In every other servo cycle of a debug build it is looked for all the same, in vain.
+        if is_idle && (!cfg!(debug_assertions) || self.side.cycles().raw() & 1 == 0) {
+            return Progress::Waiting;
+        }
+        self.idle = false;
         self.hear();
         if self.finished {
             self.builder.close();
         }
-        let wish = self.requests.read();
         self.builder.set_single(wish.single);
         self.drop_unwanted(&wish, at);
         #[cfg(feature = "reshape")]
@@ -333,6 +344,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let progress = if self.making.is_some() { self.go_on() } else { self.begin(&wish, at) };
         let has_draft = self.phase.offer().is_some() || self.making.is_some();
         debug_assert_eq!(has_draft, self.horizon.has_draft());
+        debug_assert!(!is_idle || progress == Progress::Waiting, "something to do: {progress:?}");
         progress
     }
 
@@ -378,6 +390,9 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                         == Some(true)
                 {
                     return Progress::Planning;
+                }
+                if progress == Progress::Waiting {
+                    (self.idle, self.idle_at) = (self.waits_for_motion(wish), at);
                 }
                 progress
             }

@@ -31,6 +31,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             self.in_run = matches!(self.stage, Stage::Run { .. });
         }
         debug_assert!(!matches!(&cut, Cut::Cell(cell) if !cell.holds()), "a broken cell");
+        // Blocks that have gone into a run have left room for more of a curve.
+        if matches!(cut, Cut::Nothing) && self.chords.is_some() && !self.queue.is_full() {
+            return Cut::Working;
+        }
         cut
     }
 
