@@ -82,26 +82,36 @@ fn cells<const N: usize>(points: &[[f64; N]], delta: f64, lambda: f64) -> Vec<Em
     let mut config = Config::new(Limits::new([axis; N]).unwrap());
     config.tolerance = delta;
     config.corner = CornerMode::Paper { lambda };
+    let block = |(point, tag)| Block::line(coords(point), 100.0, tag);
+    let blocks: Vec<_> = points[1..].iter().zip(1..).map(block).collect();
+    cut_all(coords(&points[0]), &blocks, &config)
+}
+
+/// The cells of a program.
+fn cut_all<const N: usize>(
+    from: [Coord; N],
+    blocks: &[Block<f64, N>],
+    config: &Config<f64, N>,
+) -> Vec<Emitted<f64, N>> {
     let mut builder = std::boxed::Box::new(Builder::<f64, N, 16>::EMPTY);
-    builder.restart(coords(&points[0]));
-    let mut last = Node { at: coords(&points[0]), tangent: [0.0; N], curvature: [0.0; N] };
-    let (mut list, mut next): (Vec<Emitted<f64, N>>, usize) = (Vec::new(), 1);
+    builder.restart(from);
+    let mut last = Node { at: from, tangent: [0.0; N], curvature: [0.0; N] };
+    let (mut list, mut next): (Vec<Emitted<f64, N>>, usize) = (Vec::new(), 0);
     loop {
-        if next == points.len() {
+        if next == blocks.len() {
             builder.close();
         } else if !builder.is_full() {
-            let block = Block::line(coords(&points[next]), 100.0, next as u32);
-            builder.push(&block, &config).unwrap();
+            builder.push(&blocks[next], config).unwrap();
             next += 1;
             continue;
         }
-        match builder.emit(&last, &config) {
+        match builder.emit(&last, config) {
             Cut::Cell(cut) => {
                 last = cut.node;
                 list.push(cut);
             }
             Cut::Working => {}
-            Cut::Nothing if next == points.len() => return list,
+            Cut::Nothing if next == blocks.len() => return list,
             Cut::Nothing => assert!(!builder.is_full(), "the builder waits, and is full"),
         }
     }
@@ -198,4 +208,19 @@ fn from_line(a: &Point, b: &Point, at: &Point) -> f64 {
     let whole = along(b);
     let share = if whole > 0.0 { (along(at) / whole).clamp(0.0, 1.0) } else { 0.0 };
     apart(&core::array::from_fn(|i| a[i] + share * (b[i] - a[i])), at)
+}
+
+/// Of a curve that becomes more lines than there is room for, the next are taken as soon as there is.
+#[test]
+fn a_curve_of_many_lines_never_waits() {
+    let axis = AxisLimits::linear(200.0, 2000.0, 50_000.0);
+    let mut config = Config::new(Limits::new([axis; 2]).unwrap());
+    config.tolerance = 0.02;
+    let at = |x: f64, y: f64| coords(&[x, y]);
+    let curves = [0.0, 15.0, 30.0, 45.0].map(|x| {
+        let side = if x % 2.0 == 0.0 { 9.0 } else { -4.0 };
+        Block::cubic([at(x + 4.0, side), at(x + 13.0, -side)], at(x + 15.0, 3.0), 100.0, 1)
+    });
+    let cells = cut_all(at(0.0, 0.0), &curves, &config);
+    assert_eq!(cells.last().unwrap().node.at, at(60.0, 3.0));
 }
