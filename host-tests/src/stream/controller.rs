@@ -187,6 +187,8 @@ impl Controller {
                 let now = interpolator.tick();
                 let now = shaper.as_mut().map_or(now, |shaper| shaper.shape(&now));
                 let before = std::mem::replace(&mut outside.setpoint, now);
+                // Of a controller that is behind, a short program may be run in one go.
+                ran |= now.activity != Activity::Idle;
                 let power = interpolator.switch(&now, |Switched { output, value, .. }| {
                     if output != Output::Power {
                         leaves |= tell(&Happening::Output { output, value });
@@ -209,7 +211,6 @@ impl Controller {
             if state != before {
                 leaves |= tell(&Happening::State { state, position: outside.position() });
             }
-            ran |= setpoint.activity != Activity::Idle;
             if ran && state == State::Idle && background.is_done(&setpoint) {
                 ran = false;
                 leaves |= tell(&Happening::Run(outside.position()));
