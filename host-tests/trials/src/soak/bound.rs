@@ -4,6 +4,7 @@ use super::setting::Setting;
 
 use splineway::block::FINEST_BAND;
 use splineway_simulator::machine::Axis;
+use splineway_simulator::program::arc::Spiral;
 use splineway_simulator::program::{Course, Move, Point, Speed};
 use splineway_simulator::scurve::{Leg, Limit};
 
@@ -65,19 +66,10 @@ pub fn stop_time(from: &Point, step: &Move, setting: &Setting) -> f64 {
         Course::Dwell { seconds } => return seconds + 2.0 * setting.cycle,
         Course::Event { .. } => return 3.0 * setting.cycle,
         Course::Line { to } => (to, norm(from, to, count), 1, f64::INFINITY),
-        Course::Arc { to, plane: (p, q), centre, clockwise, extra_turns } => {
-            let (sx, sy) = (from[*p] - centre.0, from[*q] - centre.1);
-            let (ex, ey) = (to[*p] - centre.0, to[*q] - centre.1);
-            let sign = if *clockwise { -1.0 } else { 1.0 };
-            let mut turn = sign * (ey.atan2(ex) - sy.atan2(sx));
-            if (sx - ex).hypot(sy - ey) < 0.5e-6 || turn <= 0.0 {
-                turn += std::f64::consts::TAU;
-            }
-            turn += std::f64::consts::TAU * f64::from(*extra_turns);
-            let radius = sx.hypot(sy).max(1.0e-9);
-            let mut across = *to;
-            (across[*p], across[*q]) = (from[*p], from[*q]);
-            (to, (radius * turn).hypot(norm(from, &across, count)), 1, radius)
+        Course::Arc { to, .. } => {
+            let Some(spiral) = Spiral::of(&step.path, from) else { return 0.0 };
+            let axes: Vec<usize> = (0..count).collect();
+            (to, spiral.length(&axes), 1, spiral.radii.0.max(1.0e-9))
         }
         Course::Cubic { controls, to } => {
             let [a, b] = controls;

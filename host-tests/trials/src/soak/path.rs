@@ -4,6 +4,7 @@
 
 use splineway::block::FINEST_BAND;
 use splineway_simulator::judge::Winding;
+use splineway_simulator::program::arc::Spiral;
 use splineway_simulator::program::{Course, Point};
 
 /// How far chords may leave their curve, as a share of the tolerance and at least, mm.
@@ -18,8 +19,8 @@ const SLACK: f64 = 1.002;
 struct Segment {
     from: Point,
     shape: Course,
-    /// Radius at start and at end, angle of the start, and turn, of an arc.
-    arc: [f64; 4],
+    /// What an arc is.
+    spiral: Option<Spiral>,
     chords: u32,
     /// Length of a chord, nearly; path before the segment, mm.
     chord: f64,
@@ -44,18 +45,13 @@ impl Segment {
                     place[axis] += (to[axis] - from[axis]) * u;
                 }
             }
-            Course::Arc { to, plane: (p, q), centre, .. } => {
+            Course::Arc { to, .. } => {
                 if k == self.chords {
                     return *to;
                 }
-                for axis in 0..place.len() {
-                    place[axis] += (to[axis] - from[axis]) * u;
+                if let Some(spiral) = self.spiral {
+                    return spiral.point(u);
                 }
-                let [r0, r1, start, turn] = self.arc;
-                let (sin, cos) = (start + turn * u).sin_cos();
-                let radius = r0 + (r1 - r0) * u;
-                place[*p] = centre.0 + radius * cos;
-                place[*q] = centre.1 + radius * sin;
             }
             Course::Cubic { controls, to } => {
                 place = splineway_simulator::program::on_cubic(from, controls, to, u);
@@ -137,28 +133,15 @@ impl Path {
     /// Adds a block; returns its length, mm.
     pub fn append(&mut self, shape: &Course, tolerance: f64, tag: u32) -> f64 {
         let from = self.end;
-        let is_arc = matches!(shape, Course::Arc { .. });
-        let tolerance = if is_arc { tolerance.max(FINEST_BAND) } else { tolerance };
+        let spiral = Spiral::of(shape, &from);
+        let tolerance = if spiral.is_some() { tolerance.max(FINEST_BAND) } else { tolerance };
         let sagitta = SAGITTA.1.max(tolerance * SAGITTA.0);
-        let mut arc = [0.0; 4];
         let (to, chords) = match shape {
             Course::Line { to } => (*to, 1.0),
-            Course::Arc { to, plane: (p, q), centre, clockwise, extra_turns } => {
-                let (sx, sy) = (from[*p] - centre.0, from[*q] - centre.1);
-                let (ex, ey) = (to[*p] - centre.0, to[*q] - centre.1);
-                let (r0, r1) = (sx.hypot(sy), ex.hypot(ey));
-                let sign = if *clockwise { -1.0 } else { 1.0 };
-                let tau = std::f64::consts::TAU;
-                let mut turn = sign * (ey.atan2(ex) - sy.atan2(sx));
-                // The core's rule: ends nearer than half a nanometre are one.
-                if (sx - ex).hypot(sy - ey) < 0.5e-6 {
-                    turn = tau;
-                } else if turn <= 0.0 {
-                    turn += tau;
-                }
-                turn += tau * f64::from(*extra_turns);
-                arc = [r0, r1, sy.atan2(sx), sign * turn];
-                let radius = r0.max(r1).max(1.0e-9);
+            Course::Arc { to, .. } => {
+                let (radius, turn) = spiral.map_or((0.0, 0.0), |spiral| {
+                    (spiral.radii.0.max(spiral.radii.1).max(1.0e-9), spiral.sweep.abs())
+                });
                 (*to, (radius * turn / (8.0 * radius * sagitta).sqrt()).ceil().max(8.0))
             }
             Course::Cubic { controls, to } => {
@@ -180,7 +163,7 @@ impl Path {
         let mut segment = Segment {
             from,
             shape: shape.clone(),
-            arc,
+            spiral,
             chords: chords.clamp(1.0, 1.0e7) as u32,
             chord: 0.0,
             way: self.length(),
@@ -189,10 +172,9 @@ impl Path {
             tag,
         };
         let length = match shape {
-            Course::Arc { plane: (p, q), .. } => {
-                let across = (0..self.axes).filter(|axis| axis != p && axis != q);
-                let across: f64 = across.map(|axis| (to[axis] - from[axis]).powi(2)).sum();
-                (f64::midpoint(arc[0], arc[1]).powi(2) * arc[3] * arc[3] + across).sqrt()
+            Course::Arc { .. } => {
+                let axes: Vec<usize> = (0..self.axes).collect();
+                spiral.map_or(0.0, |spiral| spiral.length(&axes))
             }
             Course::Cubic { .. } => {
                 let mut way = 0.0;
