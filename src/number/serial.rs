@@ -66,7 +66,14 @@ impl<Kind: Copy> Serial<Kind> {
     #[inline]
     #[must_use]
     pub const fn previous(self) -> Self {
-        Self::from_raw(self.raw.wrapping_sub(1))
+        self.minus(1)
+    }
+
+    /// The number `count` before it.
+    #[inline]
+    #[must_use]
+    pub const fn minus(self, count: u32) -> Self {
+        Self::from_raw(self.raw.wrapping_sub(count))
     }
 
     /// How far this number is behind `earlier`; `None` if it comes before it.

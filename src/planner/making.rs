@@ -36,10 +36,11 @@ use super::{Planner, Progress};
 use crate::number::Scalar;
 use crate::number::serial::{CycleSerial, NodeSerial};
 use crate::profile::seeding::Seeding;
-use crate::profile::solver::Aim;
+use crate::profile::solver::{Aim, Stretch};
 use crate::profile::solving::Solving;
 use crate::servo::control::{Overrides, Wish};
 use crate::servo::link::{Branch, Room};
+use crate::servo::piece::Slower;
 use core::ops::ControlFlow;
 
 /// Leads before its branch at which a plan that waits is handed over.
@@ -231,14 +232,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let Some(making) = &mut self.making else { return Progress::Waiting };
         making.slices = making.slices.saturating_add(1);
         if let Stage::Publishing { next } = making.stage {
-            let proposal = making.proposal;
-            let last = proposal.stretch.last.min(next + PIECES);
-            self.horizon.compile(proposal.stretch, next..last, |piece| self.side.write(piece));
-            making.stage = Stage::Publishing { next: last };
-            if last < proposal.stretch.last {
-                return Progress::Planning;
-            }
-            return self.made();
+            let stretch = making.proposal.stretch;
+            return self.publish(stretch, next);
         }
         #[cfg(feature = "reshape")]
         if let Stage::Reshaped { next } = making.stage {
@@ -257,16 +252,17 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             let now = side.cycles();
             let taken =
                 S::from_u32(now.since(making.began).unwrap_or(0)) / S::from_u32(u32::from(slices));
-            slowing.look_at(now, taken, making.proposal.stretch.last);
+            slowing.staging.look_at(now, taken);
             match self
                 .horizon
                 .go_on_slowing(slowing, &mut making.proposal, |piece| side.write(piece))
             {
                 Marched::Working => ControlFlow::Continue(()),
                 Marched::Rests => return self.made(),
-                Marched::Evens { next } => {
-                    making.stage = Stage::Publishing { next };
-                    ControlFlow::Continue(())
+                Marched::Evens { next, rate } => {
+                    let stretch = making.proposal.stretch;
+                    let next = self.run_evenly(stretch, next, rate);
+                    return self.publish(stretch, next);
                 }
                 Marched::Nothing => ControlFlow::Break(Failure::Unanswered),
             }
@@ -290,6 +286,50 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 self.failed(failure, proposal, at)
             }
         }
+    }
+
+    /// Hands over pieces from a station on, and offers the plan when they are all.
+    #[inline(never)]
+    fn publish(&mut self, stretch: Stretch, next: usize) -> Progress {
+        let last = stretch.last.min(next + PIECES);
+        self.horizon.compile(stretch, next..last, |piece| self.side.write(piece));
+        if last == stretch.last {
+            return self.made();
+        }
+        if let Some(making) = &mut self.making {
+            making.stage = Stage::Publishing { next: last };
+        }
+        Progress::Planning
+    }
+
+    /// Hands over what a clock that goes evenly at a rate makes of the agreed plan from a station on: of the cells that are whole, but for
+    /// the last, what is in the plan under way, a fifth of the work of making it anew. Returns the station up to which that could be done.
+    #[inline(never)]
+    fn run_evenly(&mut self, stretch: Stretch, next: usize, rate: S) -> usize {
+        let (whole, added) = self.horizon.whole_from(next);
+        // Where the motion comes to rest, it does so to the last bit.
+        let last = stretch.last.saturating_sub(1);
+        if whole >= last {
+            return next;
+        }
+        let Self { horizon, side, .. } = self;
+        let Some(from) = side.find(horizon.window.serial(whole).minus(added)) else { return next };
+        horizon.compile(stretch, next..whole, |piece| side.write(piece));
+        for (i, index) in (whole..last).zip(from..) {
+            let Some(station) = horizon.window.get(i) else { return i };
+            let (place, arc_length) = (station.node.at, station.arc_length);
+            let slower =
+                Slower { serial: horizon.window.serial(i), arc_length, time: horizon.time(i) };
+            if !side.write_slower(index, &place, rate, &slower) {
+                return i;
+            }
+            if cfg!(debug_assertions) {
+                horizon.compile(stretch, i..i + 1, |piece| {
+                    debug_assert!(side.has_written(piece), "not what is agreed, slower: {piece:?}");
+                });
+            }
+        }
+        last
     }
 
     /// All pieces of a plan have been written: offers it.

@@ -36,13 +36,13 @@ use super::control::Requests;
 #[cfg(feature = "probe")]
 use super::input::{Inputs, Lines};
 use super::interleave::{Fault, is_planted, point};
-use super::piece::{Piece, Slot};
+use super::piece::{Piece, Slot, Slower};
 #[cfg(feature = "outputs")]
 use super::switching::Board;
-use crate::number::Scalar;
 use crate::number::atomic::{AtomicU32, fence};
 use crate::number::serial::{CycleSerial, NodeSerial};
 use crate::number::shared::Shared;
+use crate::number::{Coord, Scalar};
 use core::sync::atomic::Ordering::{Acquire, Relaxed, Release};
 
 /// Where a plan leaves the one before.
@@ -324,6 +324,45 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
             slot.store(piece);
             self.written += 1;
         }
+    }
+
+    /// Index in the plan under way of its first piece from a node.
+    pub fn find(&self, node: NodeSerial) -> Option<usize> {
+        self.under_way().iter().position(|slot| slot.serial() == node)
+    }
+
+    /// Adds the piece of the plan under way with an index, run by a clock that goes evenly at a rate, if it is what comes over a cell
+    /// that begins at a place. Whether it is.
+    pub fn write_slower(
+        &mut self,
+        index: usize,
+        place: &[Coord; N],
+        rate: S,
+        slower: &Slower<S>,
+    ) -> bool {
+        debug_assert!(self.has_spare(), "a piece in place of a plan that may be under way");
+        let Some(agreed) = self.under_way().get(index) else { return false };
+        let Some(slot) = self.plans[self.spare & 1].get(self.written) else { return false };
+        let is_that = agreed.passes(place, slower.time * rate);
+        if is_that {
+            slot.store_slower(agreed, rate, slower);
+            self.written += 1;
+        }
+        is_that
+    }
+
+    /// Whether the last piece written is one, but for rounding.
+    pub fn has_written(&self, piece: &Piece<S, N>) -> bool {
+        let last = self.written.checked_sub(1);
+        let slot = last.and_then(|last| self.plans[self.spare & 1].get(last));
+        slot.is_some_and(|slot| slot.is_about(piece))
+    }
+
+    /// The pieces of the plan under way.
+    fn under_way(&self) -> &[Slot<S, N>] {
+        let active = (1 - self.spare) & 1;
+        let length = self.flags().lengths[active].load(Relaxed) as usize;
+        self.plans[active].get(..length).unwrap_or(&[])
     }
 
     /// Forgets the pieces written since the last offer.

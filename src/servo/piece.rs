@@ -55,6 +55,22 @@ const HALVINGS: u32 = 40;
 /// In a slot, added to the sequel of a piece with an event.
 const EVENT: u32 = 4;
 
+/// Times that are one but for rounding differ by less than this share: those of a cell and of its half do not.
+const SAME_TIME: f64 = 1.0e-3;
+/// What rounding makes of a velocity, as a share of the speed, is less than this.
+const ROUNDED: f64 = 1.0e-4;
+
+/// What a piece that is run slower has of its own.
+#[derive(Clone, Copy, Debug)]
+pub struct Slower<S> {
+    /// Running number of the node it starts at.
+    pub serial: NodeSerial,
+    /// Arc length at its start.
+    pub arc_length: ArcLength,
+    /// Duration, s.
+    pub time: S,
+}
+
 impl<S: Scalar, const N: usize> Piece<S, N> {
     /// What the interrupt will give `t` seconds after the start.
     pub fn at(&self, t: S) -> Setpoint<S, N> {
@@ -130,6 +146,62 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
         for (slot, value) in self.path.iter().zip(piece.path) {
             slot.store(value);
         }
+    }
+
+    /// Stores what another slot has over a cell that is passed, run by a clock that goes evenly at a rate.
+    #[inline(never)]
+    pub fn store_slower(&self, agreed: &Self, rate: S, slower: &Slower<S>) {
+        point();
+        self.serial.store(slower.serial.raw(), Relaxed);
+        self.tag.store(agreed.tag.load(Relaxed), Relaxed);
+        self.sequel.store(Sequel::Motion as u32, Relaxed);
+        self.time.store(slower.time);
+        let mut powers = [rate; 5];
+        for k in 1..5 {
+            powers[k] = powers[k - 1] * rate;
+        }
+        for i in 0..N {
+            point();
+            let origin: Coord = agreed.origin[i].load();
+            self.origin[i].store(origin);
+            for ((slot, value), power) in self.axes[i].iter().zip(&agreed.axes[i]).zip(powers) {
+                slot.store(value.load() * power);
+            }
+        }
+        self.arc_length.store(slower.arc_length);
+        for ((slot, value), power) in self.path.iter().zip(&agreed.path).zip(powers) {
+            slot.store(value.load() * power);
+        }
+    }
+
+    /// Whether what it has is a piece, but for rounding.
+    pub fn is_about(&self, piece: &Piece<S, N>) -> bool {
+        let same = self.serial() == piece.serial
+            && self.tag.load(Relaxed) == piece.tag
+            && self.time() == piece.time
+            && self.sequel.load(Relaxed) == piece.sequel as u32;
+        let near = |share: S| {
+            let t = piece.time * share;
+            let (here, there) = (self.at(t, false), piece.at(t));
+            let slack = S::of(ROUNDED) * there.path_speed;
+            (0..N).all(|i| {
+                let off = here.position(i).minus::<S>(there.position(i)).abs();
+                let faster = (here.velocity[i] - there.velocity[i]).abs();
+                off <= slack * piece.time && faster <= slack
+            })
+        };
+        same && [S::ZERO, S::of(0.5), S::ONE].into_iter().all(near)
+    }
+
+    /// Whether it has what comes over a cell that begins at a place, the motion goes on behind it, and it takes a time, s.
+    pub fn passes(&self, place: &[Coord; N], time: S) -> bool {
+        let begins = |(origin, at): (&[AtomicU32; 2], &Coord)| {
+            let origin: Coord = origin.load();
+            origin == *at
+        };
+        self.sequel.load(Relaxed) == Sequel::Motion as u32
+            && self.origin.iter().zip(place).all(begins)
+            && (self.time() - time).abs() <= time * S::of(SAME_TIME)
     }
 
     /// Running number of the node it starts at.

@@ -14,7 +14,6 @@
 use super::stages::{Marched, Staging, Start};
 use crate::machine::{LimitSets, Limits};
 use crate::number::Scalar;
-use crate::number::serial::CycleSerial;
 use crate::planner::horizon::{Handover, Horizon, Proposal};
 use crate::planner::making::Stage;
 use crate::planner::phase::Halt;
@@ -98,15 +97,10 @@ pub struct Slowing<S> {
     /// Pieces handed over.
     pub(super) pieces: usize,
     /// How far the stage has got, if it is one.
-    pub(super) staging: Staging<S>,
+    pub staging: Staging<S>,
 }
 
 impl<S: Scalar> Slowing<S> {
-    /// Looks at the clock before a slice of a stop in the motion to station `last`, the slices before which have taken so many servo cycles each.
-    pub fn look_at(&mut self, now: CycleSerial, taken: S, last: usize) {
-        self.staging.look_at(now, taken, self.place.clock, last.saturating_sub(self.place.cell));
-    }
-
     /// Duration of the next step, s.
     pub(super) fn next<const NODES: usize>(&self) -> S {
         if self.pieces > NODES / MANY { self.step * S::of(LONGER) } else { self.step }
@@ -239,7 +233,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         slowing: &mut Slowing<S>,
         proposal: &mut Proposal,
         hand_over: impl FnMut(&Piece<S, N>),
-    ) -> Marched {
+    ) -> Marched<S> {
         match slowing.staging.released {
             Some(release) => self.go_on_releasing(slowing, release, proposal, hand_over),
             None => self.march_on(slowing, proposal, hand_over),
@@ -253,7 +247,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         slowing: &mut Slowing<S>,
         proposal: &mut Proposal,
         mut hand_over: impl FnMut(&Piece<S, N>),
-    ) -> Marched {
+    ) -> Marched<S> {
         let stretch = proposal.stretch;
         let mut ahead = Ahead { first: slowing.place.cell, shapes: heapless::Vec::new() };
         let mut strides = STRIDES;
@@ -342,7 +336,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         first: usize,
         last: usize,
         proposal: &mut Proposal,
-    ) -> Marched {
+    ) -> Marched<S> {
         for i in last..self.window.len() {
             self.window.set_state(i, PathState::REST);
         }

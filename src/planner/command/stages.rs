@@ -32,7 +32,6 @@ use crate::number::serial::{CycleSerial, NodeSerial};
 use crate::planner::Planner;
 use crate::planner::effort::Work;
 use crate::planner::horizon::{Handover, Horizon, Moment, Proposal};
-use crate::planner::making::PIECES;
 use crate::planner::phase::Halt;
 use crate::profile::clock::{Clock, Shape};
 use crate::servo::link::Branch;
@@ -72,13 +71,13 @@ pub enum Start<S> {
 
 /// What a slice has come to.
 #[derive(Clone, Copy, Debug)]
-pub enum Marched {
+pub enum Marched<S> {
     /// There is more to do.
     Working,
     /// The motion rests, and the proposal can be offered.
     Rests,
-    /// From this station on the motion goes evenly: its cells are to be handed over.
-    Evens { next: usize },
+    /// From this station on the motion goes evenly, by a clock with a rate: its cells are to be handed over.
+    Evens { next: usize, rate: S },
     /// There is no stop.
     Nothing,
 }
@@ -126,12 +125,9 @@ impl<S: Scalar> Staging<S> {
         released: None,
     };
 
-    /// Slices in which the stage is ended behind its last step, after which the clock goes so, with so many cells left to its end: the clock
-    /// is let go, and the pieces of what is run evenly are handed over.
-    #[inline(never)]
-    fn ends(&self, clock: Clock<S>, cells: usize) -> usize {
-        let even = if self.stops(clock) { 0 } else { cells.div_ceil(PIECES) };
-        usize::from(self.release.steps).div_ceil(RELEASES_PER_SLICE) + even
+    /// Slices in which the stage is ended behind its last step: the clock is let go. (What is run evenly goes with the last of them.)
+    fn ends(&self) -> usize {
+        usize::from(self.release.steps).div_ceil(RELEASES_PER_SLICE)
     }
 
     /// Whether a clock that goes like this and is let go hardly goes any more when it does so evenly.
@@ -139,11 +135,11 @@ impl<S: Scalar> Staging<S> {
         !(self.release.rate > clock.rate * S::of(LEAST_LEFT))
     }
 
-    /// Looks at the clock before a slice, with so many cells left. The slices before have taken so many servo cycles each.
-    pub(super) fn look_at(&mut self, now: CycleSerial, taken: S, clock: Clock<S>, cells: usize) {
+    /// Looks at the clock before a slice. The slices before have taken so many servo cycles each.
+    pub fn look_at(&mut self, now: CycleSerial, taken: S) {
         let left = S::from_u32(self.from.since(now).unwrap_or(0));
         // Behind this one there must be another.
-        let slices = 2 + self.ends(clock, cells);
+        let slices = 2 + self.ends();
         let needed = self.work.within(slices).greatest(taken * S::from_u32(slices as u32));
         self.pressed = !self.whole && left < needed;
     }
@@ -170,7 +166,7 @@ impl<S: Scalar> Staging<S> {
 
 impl<S: Scalar> Slowing<S> {
     /// No step has been found: what there is of the stage is ended, if no time is left to try others.
-    pub(super) fn end_stage(&mut self) -> Marched {
+    pub(super) fn end_stage(&mut self) -> Marched<S> {
         let Self { place, pieces, .. } = *self;
         if self.staging.whole || !self.staging.pressed || pieces == 0 {
             return Marched::Nothing;
@@ -223,9 +219,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let count = S::from_u32(ahead.len().max(1) as u32);
         let time = ahead.fold(S::ZERO, |time, i| time + self.horizon.agreed_time(i));
         let step = (time / count / self.horizon.config.cycle).least(S::of(STEP_CYCLES));
-        let cycles = |steps: usize| {
-            work.within(1 + steps.div_ceil(STEPS_PER_SLICE) + staging.ends(Clock::NORMAL, cells))
-        };
+        let cycles =
+            |steps: usize| work.within(1 + steps.div_ceil(STEPS_PER_SLICE) + staging.ends());
         let lasts = |steps: usize| S::from_u32(steps as u32) * step;
         let wanted = |steps: usize| cycles(steps) * S::of(GROWTH) + S::of(HEARD);
         let steps = (1..=MOST_STEPS).find(|steps| lasts(*steps) >= wanted(*steps));
@@ -299,12 +294,15 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         release: Release<S>,
         proposal: &mut Proposal,
         mut hand_over: impl FnMut(&Piece<S, N>),
-    ) -> Marched {
-        for _ in 0..RELEASES_PER_SLICE {
+    ) -> Marched<S> {
+        for left in (0..=RELEASES_PER_SLICE).rev() {
             let place = slowing.place;
             let stretch = proposal.stretch;
             if is_even(place.clock, slowing.step) {
                 return self.even_out(slowing, release, proposal);
+            }
+            if left == 0 {
+                break;
             }
             if slowing.pieces + 3 > NODES {
                 return Marched::Nothing;
@@ -401,7 +399,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         slowing: &Slowing<S>,
         release: Release<S>,
         proposal: &mut Proposal,
-    ) -> Marched {
+    ) -> Marched<S> {
         let Place { cell: next, clock, .. } = slowing.place;
         let (stretch, rate) = (proposal.stretch, clock.rate);
         let left = stretch.last.saturating_sub(next);
@@ -430,7 +428,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         };
         self.mark_slowing(self.window.serial(next), handover);
         proposal.halt = Some(Halt::Slowing);
-        Marched::Evens { next }
+        Marched::Evens { next, rate }
     }
 }
 

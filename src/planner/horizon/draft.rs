@@ -110,6 +110,17 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         self.eased = Some(self.window.serial(i));
     }
 
+    /// The first station from one on behind all that the draft has put in, and how many those are.
+    pub fn whole_from(&self, i: usize) -> (usize, u32) {
+        let Some(Draft { added, .. }) = self.draft.as_ref() else { return (i, 0) };
+        let mut first = i;
+        // Those put in later, before it, are not in its number.
+        for (later, (serial, _)) in added.iter().rev().enumerate() {
+            first = first.max(self.window.clamped_index(*serial) + later + 1);
+        }
+        (first, added.len() as u32)
+    }
+
     /// Makes the draft, which starts at node `first` and ends at node `end`, the agreed plan.
     pub fn commit(&mut self, first: NodeSerial, end: NodeSerial) {
         debug_assert!(self.draft.as_ref().is_some_and(|draft| draft.stage == Stage::Offered));

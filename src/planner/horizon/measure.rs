@@ -158,7 +158,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// How long the plan in the making takes for the cell of station `i`, s; 0 if there is none.
-    #[cfg(feature = "reshape")]
     pub fn time(&self, i: usize) -> S {
         let Some((station, next)) = self.window.pair(i) else { return S::ZERO };
         if station.cell.length > S::ZERO {
