@@ -280,21 +280,21 @@ fn thirty_slices_in_a_servo_cycle() {
 
 #[test]
 fn ten_slices_in_a_servo_cycle() {
-    holds::<f64>(10, 3, 1);
-    holds::<f32>(10, 3, 1);
+    holds::<f64>(10, 2, 1);
+    holds::<f32>(10, 2, 1);
 }
 
 /// About what a Cortex-M4F does.
 #[test]
 fn four_slices_in_a_servo_cycle() {
-    holds::<f64>(4, 4, 3);
-    holds::<f32>(4, 4, 3);
+    holds::<f64>(4, 3, 3);
+    holds::<f32>(4, 3, 3);
 }
 
 #[test]
 fn two_slices_in_a_servo_cycle() {
-    holds::<f64>(2, 7, 8);
-    holds::<f32>(2, 7, 8);
+    holds::<f64>(2, 5, 8);
+    holds::<f32>(2, 5, 8);
 }
 
 #[test]

@@ -8,6 +8,7 @@
 //!   Hold:       Slowing (its pieces as they are found) ───┼─▶ offered
 //!                  └─ (a stage of it, the rest evenly) ──▶│
 //!   Overrides:  Retuning ────────────────────────────────▶│
+//!   Falling:    Slowing, as a stage of a stop ───────────▶ offered
 //!   Easing:     Easing ──────────────────────────────────▶│
 //!   Reaction:   Reacting ────────────────────────────────▶│
 //!   BlockEnd:   Ending ───────────────────────────────────┘
@@ -41,7 +42,7 @@ use crate::profile::solving::Solving;
 use crate::servo::control::{Overrides, Wish};
 use crate::servo::link::{Branch, Room};
 use crate::servo::piece::Slower;
-use core::ops::ControlFlow;
+use core::ops::{ControlFlow, Range};
 
 /// Leads before its branch at which a plan that waits is handed over.
 #[cfg(feature = "reshape")]
@@ -64,6 +65,8 @@ pub enum Purpose {
     BlockEnd,
     /// To slow down to what is asked for.
     Easing(Overrides),
+    /// The same, a stage of it.
+    Falling(Overrides),
     /// To begin with what is asked for.
     Reaction(Overrides),
     /// To make the agreed motion faster.
@@ -275,7 +278,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 let (purpose, proposal, at) = (making.purpose, making.proposal, making.at);
                 self.abandon();
                 if failure == Failure::Unanswered {
-                    if matches!(purpose, Purpose::Easing(_)) {
+                    if matches!(purpose, Purpose::Easing(_) | Purpose::Falling(_)) {
                         self.ease_again();
                     }
                     if purpose == Purpose::Hold {
@@ -292,7 +295,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     #[inline(never)]
     fn publish(&mut self, stretch: Stretch, next: usize) -> Progress {
         let last = stretch.last.min(next + PIECES);
-        self.horizon.compile(stretch, next..last, |piece| self.side.write(piece));
+        self.write(stretch, next..last);
         if last == stretch.last {
             return self.made();
         }
@@ -300,6 +303,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             making.stage = Stage::Publishing { next: last };
         }
         Progress::Planning
+    }
+
+    /// Hands over the pieces of some cells.
+    #[inline(never)]
+    fn write(&mut self, stretch: Stretch, cells: Range<usize>) {
+        self.horizon.compile(stretch, cells, |piece| self.side.write(piece));
     }
 
     /// Hands over what a clock that goes evenly at a rate makes of the agreed plan from a station on: of the cells that are whole, but for
@@ -312,9 +321,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if whole >= last {
             return next;
         }
+        let first = self.horizon.window.serial(whole).minus(added);
+        let Some(from) = self.side.find(first) else { return next };
+        self.write(stretch, next..whole);
         let Self { horizon, side, .. } = self;
-        let Some(from) = side.find(horizon.window.serial(whole).minus(added)) else { return next };
-        horizon.compile(stretch, next..whole, |piece| side.write(piece));
         for (i, index) in (whole..last).zip(from..) {
             let Some(station) = horizon.window.get(i) else { return i };
             let (place, arc_length) = (station.node.at, station.arc_length);
@@ -358,6 +368,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 (self.pressing.reacted, self.pressing.easings) = (Some(asked), 0);
             }
             Purpose::Reaction(_) => self.effort.first.learn(1, cycles),
+            Purpose::Falling(asked) => {
+                self.learn_stop(usize::from(slices), cycles);
+                self.pressing.reacted = Some(asked);
+                self.pressing.falls += 1;
+            }
             Purpose::Hold => {
                 // A rest that is agreed anyway is no work.
                 if slices > 1 {
@@ -375,7 +390,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return Progress::Planned;
         }
         self.offer(proposal);
-        if matches!(purpose, Purpose::Easing(_) | Purpose::Reaction(_))
+        if matches!(purpose, Purpose::Easing(_) | Purpose::Falling(_) | Purpose::Reaction(_))
             && let Phase::Offered(offer) = &mut self.phase
         {
             offer.begins = true;
@@ -402,7 +417,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let cells = self.cells_ahead(at);
         let Effort { plan, stop, first, .. } = &mut self.effort;
         let (work, parts) = match purpose {
-            Purpose::Hold => (stop, usize::from(slices)),
+            Purpose::Hold | Purpose::Falling(_) => (stop, usize::from(slices)),
             Purpose::Easing(_) | Purpose::Reaction(_) if first.is_known() => (first, 1),
             Purpose::Easing(_) | Purpose::Reaction(_) => (plan, reaction::CELLS),
             Purpose::Overrides | Purpose::BlockEnd => (plan, reaction::PLANS * cells),
@@ -423,6 +438,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     #[inline(never)]
     fn learn_stop(&mut self, slices: usize, cycles: u32) {
         if !self.knows_stops {
+            // A short stage within a cycle is no stop that takes no time.
+            if cycles == 0 {
+                return;
+            }
             (self.knows_stops, self.effort.stop) = (true, Work::NONE);
         }
         self.effort.stop.learn(slices, cycles);
@@ -436,7 +455,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// An answer has not been taken up, and may be begun again.
     fn try_again(&mut self, purpose: Purpose) {
         match (purpose, &mut self.phase) {
-            (Purpose::Easing(_) | Purpose::Reaction(_), _) => {
+            (Purpose::Easing(_) | Purpose::Falling(_) | Purpose::Reaction(_), _) => {
                 (self.pressing.reacted, self.pressing.eased) = (None, None);
             }
             (Purpose::BlockEnd, Phase::Following(now)) => now.tried_block_end = false,
@@ -601,9 +620,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             // A stop at the end of a block is for a start that has not been taken up, too.
             Purpose::Ahead => paced && !brakes && !(wish.stop && at == self.horizon.end()),
             Purpose::Overrides => paced && !brakes,
-            Purpose::Easing(overrides) | Purpose::Reaction(overrides) => {
-                !brakes && wish.overrides == overrides
-            }
+            Purpose::Easing(overrides)
+            | Purpose::Falling(overrides)
+            | Purpose::Reaction(overrides) => !brakes && wish.overrides == overrides,
             Purpose::BlockEnd => paced && !brakes && (wish.stop || wish.single),
             #[cfg(feature = "reshape")]
             Purpose::Shape => paced && !brakes && !wish.stop && !wish.single,
@@ -627,7 +646,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                     }
                 }
                 Purpose::Easing(_) | Purpose::Reaction(_) => self.effort.first.learn(1, cycles),
-                Purpose::Hold => self.learn_stop(slices, cycles),
+                Purpose::Hold | Purpose::Falling(_) => self.learn_stop(slices, cycles),
                 // It takes several plans: counted as one, soon it is given as much time as it takes.
                 Purpose::Overrides | Purpose::BlockEnd => self.effort.plan.learn(cells, cycles),
                 #[cfg(feature = "reshape")]

@@ -110,6 +110,18 @@ impl<S: Scalar> Bounds<S> {
         bounds.goal = bounds.speed;
         bounds
     }
+
+    /// The speed, mm/s, that is asked for over its cell at a pace which is no faster, without the work of bounding it anew; `None` if only that tells.
+    pub fn goal_at<const N: usize>(
+        &self,
+        cell: &Cell<S, N>,
+        Pace { feed, rapid, .. }: &Pace<'_, S, N>,
+    ) -> Option<S> {
+        let programmed = cell.programmed;
+        let by = if programmed.rapid { *rapid } else { *feed };
+        let is_by_path = cell.straight || programmed.linear.speed::<S>().is_none();
+        is_by_path.then(|| self.goal.least(programmed.feed * by * S::of(SPEED_SHARE)))
+    }
 }
 
 /// A cell at steady speed: the velocity of every axis is a quartic, between its Bernstein coefficients.

@@ -106,6 +106,11 @@ impl<S: Scalar> Clock<S> {
         (first >= S::ZERO).then(|| [first, first + slows / bend])
     }
 
+    /// By how much it goes faster than a rate.
+    pub fn above(self, rate: S) -> Self {
+        Self { rate: self.rate - rate, ..self }
+    }
+
     /// The one bend, 1/s2, that stops a clock which slows down, and how long that takes, s; `None` if it does not slow down.
     pub fn end(self) -> Option<(S, S)> {
         let Self { rate, slope } = self;

@@ -37,6 +37,11 @@ impl Run {
         self.values.get(name).copied().unwrap_or(0)
     }
 
+    /// The longest round of the background, ms.
+    pub fn round(&self) -> f64 {
+        self.value("worst") as f64 * 1e-6
+    }
+
     /// Arc length at a servo cycle, mm.
     pub fn path(&self, cycle: usize) -> f64 {
         splineway::number::ArcLength::from_raw(self.samples[cycle].path).to_mm()

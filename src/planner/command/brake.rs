@@ -50,7 +50,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             Some(handover) => Start::Handover(handover),
             None => Start::Moment(self.moment_after(needed)),
         };
-        let begun = self.horizon.begin_slowing(start, self.pressing.attempts, quick, staging);
+        let begun =
+            self.horizon.begin_slowing(start, (self.pressing.attempts, quick, None), staging);
         if !matches!(begun, Begun::Attempt(_)) && needed > S::from_u32(self.near()) {
             // What planning has taken leads beyond the end of the plan. Perhaps the background was late, and is in time again.
             self.effort.stop = Work::NONE;

@@ -111,6 +111,18 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.pressing.eased = Some(asked);
             return false;
         }
+        if self.fall(asked, at) {
+            return true;
+        }
+        if self.is_falling(asked, at) {
+            return false;
+        }
+        // Without a draft, which bounds all cells anew, and again when it is dropped.
+        let first = self.horizon.window.clamped_index(at);
+        if self.horizon.excess(first..self.horizon.end_index(), asked).is_none() {
+            self.pressing.eased = Some(asked);
+            return false;
+        }
         let Some(moment) = self.moment_of_first_answer() else { return false };
         self.pressing.eased = Some(asked);
         let (halt, attempt) = (self.phase.halt(), self.pressing.easings);
@@ -151,7 +163,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
                 fastest = fastest.or(Some(i));
             }
         }
-        if self.gets_going(first) {
+        if self.gets_going(first) || !(rate < S::of(1.0 - NEARLY)) {
             return None;
         }
         let cell = self.falls_from(first, fastest?, rate);
@@ -172,7 +184,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
 
     /// Whether the motion is far below what it is asked for, and would be if it let go of its acceleration: a clock that goes slower would keep
     /// it there.
-    fn gets_going(&self, first: usize) -> bool {
+    pub(super) fn gets_going(&self, first: usize) -> bool {
         self.window.get(first).is_some_and(|station| {
             let PathState { b, a } = station.agreed;
             let [_, jerk] = self.limits_over(first, false).along(&station.node.tangent);
@@ -182,7 +194,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// The last station from which the motion can come down to a rate before the cell of station `fastest`, or else `first`.
-    fn falls_from(&self, first: usize, fastest: usize, rate: S) -> usize {
+    pub(super) fn falls_from(&self, first: usize, fastest: usize, rate: S) -> usize {
         let mut left = self.fall_time(fastest, rate);
         for i in (first..fastest).rev() {
             if !(left > S::ZERO) {
@@ -476,7 +488,9 @@ impl<S: Scalar> Easing<S> {
 
     /// The one bend that takes a clock which slows down to its rate, and how long that takes, s, if it is not too long.
     fn landing(&self, clock: Clock<S>, at_once: bool) -> Option<(S, S)> {
-        let above = Clock { rate: clock.rate - self.rate, ..clock };
-        above.end().filter(|(_, time)| at_once || *time <= self.step * S::of(LONGEST_LAST))
+        clock
+            .above(self.rate)
+            .end()
+            .filter(|(_, time)| at_once || *time <= self.step * S::of(LONGEST_LAST))
     }
 }

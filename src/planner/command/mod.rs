@@ -39,6 +39,7 @@
 pub mod block_end;
 mod brake;
 pub mod easing;
+pub mod falling;
 pub mod reaction;
 pub mod retune;
 pub mod slowing;
@@ -99,10 +100,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             (self.pressing.attempts, self.answered.quick) = (0, wish.quick);
         }
         if paced {
-            (self.pressing.retunes, self.pressing.refused) = (0, None);
+            (self.pressing.retunes, self.pressing.refused, self.pressing.falls) = (0, None, 0);
         }
         let stands = |asked: &Overrides| !brakes && *asked == wish.overrides;
-        self.pressing.reacted = self.pressing.reacted.filter(stands);
+        if self.pressing.reacted.is_some_and(|asked| !stands(&asked)) {
+            (self.pressing.reacted, self.pressing.falls) = (None, 0);
+        }
         self.pressing.eased = self.pressing.eased.filter(stands);
         if brakes {
             let slows = self.phase.halt() == Some(Halt::Slowing);

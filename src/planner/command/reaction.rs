@@ -39,6 +39,8 @@ pub struct Pressing {
     pub eased: Option<Overrides>,
     /// Attempts at that which have come to nothing.
     pub easings: u8,
+    /// Stages of slowing down to that which have been made.
+    pub falls: u8,
     /// Attempts to find a rest that have come to nothing.
     pub attempts: u8,
     /// Servo cycle of the first of them.
@@ -59,6 +61,7 @@ impl Pressing {
         reacted: None,
         eased: None,
         easings: 0,
+        falls: 0,
         attempts: 0,
         attempted: CycleSerial::ZERO,
         retunes: 0,

@@ -56,6 +56,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.ease(overrides, at) || self.react(overrides, at) {
             return true;
         }
+        if self.is_falling(overrides, at) {
+            return false;
+        }
         let now = self.side.cycles();
         let others = self.pressing.refused.is_some_and(|refused| refused != overrides);
         if self.is_due(at) || others {

@@ -21,6 +21,7 @@ use crate::profile::clock::{Clock, Instant, Shape};
 use crate::profile::law::PathState;
 use crate::profile::slowed::Run;
 use crate::profile::solver::Stretch;
+use crate::servo::control::Overrides;
 use crate::servo::piece::{Piece, Sequel};
 
 /// Steps of a stop on a straight.
@@ -178,12 +179,11 @@ pub(super) struct Stepped<S> {
 }
 
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
-    /// Begins a stop. There is a draft afterwards only if there is an attempt.
+    /// Begins a stop, or a stage of it, or one of slowing down to overrides that are asked for. There is a draft afterwards only if there is an attempt.
     pub(super) fn begin_slowing(
         &mut self,
         start: Start<S>,
-        attempt: u8,
-        quick: bool,
+        (attempt, quick, asked): (u8, bool, Option<Overrides>),
         mut staging: Staging<S>,
     ) -> Begun<S> {
         let mut soon = false;
@@ -192,6 +192,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             let (first, branch, clock) = draft.branch_off(start, &mut staging)?;
             draft.window.measure(first);
             let stretch = draft.stretch_from(first);
+            if let Some(asked) = asked {
+                staging.floor = draft.rate_for(stretch, asked)?;
+            }
             let from = clock.run(draft.window.get(first)?.state);
             let least = draft.stop_time(first, from, &draft.limits_over(first, quick));
             soon = draft.rests_soon(stretch, least);
@@ -204,7 +207,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             let step = step * S::of(longer);
             let share = S::of(share);
             let slowing = Slowing { place, step, share, quick, shorter: false, pieces: 0, staging };
-            let proposal = Proposal { stretch, branch, halt: Some(Halt::Hold) };
+            let halt = asked.is_none().then_some(Halt::Hold);
+            let proposal = Proposal { stretch, branch, halt };
             Some((proposal, Stage::Slowing(slowing)))
         });
         match begun {
@@ -280,6 +284,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
                 return slowing.end_stage();
             };
             let rests = stops || end == stretch.last;
+            if rests && slowing.staging.falls() {
+                return Marched::Nothing;
+            }
             if !rests {
                 let ends_slice = left == 0 || strides < STRIDES / 2;
                 self.hand_over_behind(&mut stepped, slowing, proposal, ends_slice);
@@ -380,10 +387,13 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let shape = Shape::of(piece);
         let step = Stride::new(&shape, place, longest);
         let [least, most] = step.bends(limits, share)?;
-        if let Some(stops) = self.stop(piece, place, ([least, most], longest), limits) {
+        let floor = slowing.staging.floor;
+        if !slowing.staging.falls()
+            && let Some(stops) = self.stop(piece, place, ([least, most], longest), limits)
+        {
             return Some(stops);
         }
-        let asked = (next, share, quick);
+        let asked = (next, share, quick, floor);
         let mut good = |bend: S, least: usize| {
             *strides = (*strides).max(least);
             self.at_bend(bend, (&step, piece, limits), asked, stretch, (ahead, strides))
@@ -412,7 +422,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         &self,
         bend: S,
         (step, piece, limits): (&Stride<'_, S, N>, &Piece<S, N>, &Limits<S, N>),
-        asked: (S, S, bool),
+        asked: (S, S, bool, S),
         stretch: Stretch,
         (ahead, strides): (&mut Ahead<S, N>, &mut usize),
     ) -> Option<Stepped<S>> {
@@ -464,17 +474,18 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         }
     }
 
-    /// How the clock can go evenly again from a place on, within the limits, or be stopped; `None` if it cannot.
+    /// How the clock can go evenly again from a place on, within the limits, faster than at a least rate, or be stopped where that is none; `None` if it
+    /// cannot.
     #[inline(never)]
     fn evens_out(
         &self,
         mut place: Place<S>,
-        (longest, share, quick): (S, S, bool),
+        (longest, share, quick, floor): (S, S, bool, S),
         stretch: Stretch,
         (ahead, strides): (&mut Ahead<S, N>, &mut usize),
     ) -> Option<Released<S>> {
         for steps in 0..RELEASE_STEPS as u8 {
-            if !(place.clock.rate > S::ZERO) {
+            if !(place.clock.rate > floor) {
                 return None;
             }
             if (place.clock.slope * longest).abs() < S::of(EVEN) || place.cell >= stretch.last {
@@ -486,7 +497,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             let step = Stride::new(shape, place, longest);
             let limits = self.limits_over(place.cell, quick);
             let bends = step.bends(&limits, share * S::of(RELEASED))?;
-            if step.may_stop(bends, longest) {
+            if !(floor > S::ZERO) && step.may_stop(bends, longest) {
                 return Some(Released { steps: steps + 1, rate: S::ZERO });
             }
             (_, place) = step.end(step.release(bends))?;

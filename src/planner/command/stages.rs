@@ -24,6 +24,7 @@
 //! States of nodes from the branch on are those of the agreed motion run at the clock's last rate: from where it goes evenly on that is what is
 //! run, and every plan may branch off there as from any other. So one clock is enough to say what goes on at the node before.
 
+use super::falling::NEARLY;
 use super::slowing::{
     EVEN, Leg, Place, RELEASED, Released, SHORTER, STEPS_PER_SLICE, Slowing, Stepped, Stride,
 };
@@ -57,8 +58,10 @@ const RELEASES_PER_SLICE: usize = 6;
 const RELEASES: u8 = 6;
 /// Pieces that there must be room for besides: of a step, of the last where the clock is let go, and of what is cut.
 const MORE_PIECES: usize = 3;
+/// A clock that would go evenly faster than it is to by less than this share is taken all the way.
+const NEAR: f64 = 0.03;
 /// Share of its rate that a clock must have left when it goes evenly.
-const LEAST_LEFT: f64 = 0.1;
+pub(super) const LEAST_LEFT: f64 = 0.1;
 
 /// Where a stop, or a stage of it, begins.
 #[derive(Clone, Copy, Debug)]
@@ -98,6 +101,8 @@ pub struct Staging<S> {
     work: Work<S>,
     /// How long it lasts, s.
     lasts: S,
+    /// Rate at which the clock must be able to go evenly behind every step; 0 if it is to stop.
+    pub(super) floor: S,
     /// Where the clock has begun to be let go.
     pub(super) released: Option<Release<S>>,
 }
@@ -122,8 +127,24 @@ impl<S: Scalar> Staging<S> {
         from: CycleSerial::ZERO,
         work: Work::NONE,
         lasts: S::ZERO,
+        floor: S::ZERO,
         released: None,
     };
+
+    /// Whether it is to come down to a rate, and not to stop.
+    pub(super) fn falls(&self) -> bool {
+        self.floor > S::ZERO
+    }
+
+    /// Whether it is no stage, but a stop as a whole.
+    pub(super) fn is_whole(&self) -> bool {
+        self.whole
+    }
+
+    /// Whether the motion has slowed down as much as is asked for, if it is not to stop.
+    fn has_fallen(&self) -> bool {
+        self.falls() && self.release.rate < self.floor * S::of(1.0 + NEAR)
+    }
 
     /// Slices in which the stage is ended behind its last step: the clock is let go. (What is run evenly goes with the last of them.)
     fn ends(&self) -> usize {
@@ -160,7 +181,9 @@ impl<S: Scalar> Staging<S> {
         let ends = usize::from(self.release.steps) + cells + MORE_PIECES;
         // Or there is no other way.
         self.to_rest |= ends > room;
-        !self.whole && !self.to_rest && (self.pressed && ends_slice || ends + MORE_PIECES > room)
+        let pressed = !self.whole && self.pressed && ends_slice;
+        let full = ends + MORE_PIECES > room && !(self.whole && !self.falls());
+        !self.to_rest && (pressed || full || self.has_fallen())
     }
 }
 
@@ -168,7 +191,8 @@ impl<S: Scalar> Slowing<S> {
     /// No step has been found: what there is of the stage is ended, if no time is left to try others.
     pub(super) fn end_stage(&mut self) -> Marched<S> {
         let Self { place, pieces, .. } = *self;
-        if self.staging.whole || !self.staging.pressed || pieces == 0 {
+        let ends = self.staging.pressed || self.staging.falls();
+        if self.staging.whole || !ends || pieces == 0 {
             return Marched::Nothing;
         }
         let station = (!(place.shown > S::ZERO)).then_some(place.cell);
@@ -318,6 +342,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
                 return Marched::Nothing;
             };
             let rests = stops || end == stretch.last;
+            if rests && slowing.staging.falls() {
+                return Marched::Nothing;
+            }
             if !rests && is_even(to.clock, slowing.step) {
                 if !self.put_node_at(to, proposal) {
                     return Marched::Nothing;
@@ -358,18 +385,25 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let Slowing { place, step: longest, share, quick, .. } = *slowing;
         let limits = &self.limits_over(place.cell, quick);
         let shape = Shape::of(piece);
-        let step = Stride::new(&shape, place, longest);
+        let mut step = Stride::new(&shape, place, longest);
         let bends = step.bends(limits, share * S::of(RELEASED))?;
-        if step.may_stop(bends, longest)
+        if !slowing.staging.falls()
+            && step.may_stop(bends, longest)
             && let Some(all) = step.bends(limits, share)
             && let Some(stops) = self.stop(piece, place, (all, longest), limits)
         {
             return Some(stops);
         }
         let mut bend = step.release(bends);
-        if stops && let Some((stop, _)) = place.clock.end() {
+        if (stops || slowing.staging.has_fallen())
+            && let Some((end, time)) = place.clock.above(slowing.staging.floor).end()
+        {
             // All the way with what is needed.
-            bend = bend.least(stop);
+            bend = bend.least(end);
+            let last = step.lasting(time, false);
+            if !stops && time <= longest && last.end(end).is_some() {
+                (step, bend) = (last, end.least(bends[1]));
+            }
         }
         let (mut leg, mut to) = step.take(bend)?;
         if is_even(to.clock, longest) {
@@ -427,7 +461,16 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
                 .plus((cycles + S::of(0.5)).to_i64().clamp(0, 1_000_000) as u32),
         };
         self.mark_slowing(self.window.serial(next), handover);
-        proposal.halt = Some(Halt::Slowing);
+        if slowing.staging.falls() {
+            // One that does not get on is left to others.
+            if !(rate < S::of(1.0 - NEARLY)) {
+                return Marched::Nothing;
+            }
+            self.mark_eased(next);
+            proposal.stretch.open = self.is_open(stretch);
+        } else {
+            proposal.halt = Some(Halt::Slowing);
+        }
         Marched::Evens { next, rate }
     }
 }

@@ -110,15 +110,18 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         self.eased = Some(self.window.serial(i));
     }
 
-    /// The first station from one on behind all that the draft has put in, and how many those are.
+    /// The first station from one on behind all that the draft has put in, from which the agreed motion is run by no clock of its own; and
+    /// how many stations it has put in.
     pub fn whole_from(&self, i: usize) -> (usize, u32) {
         let Some(Draft { added, .. }) = self.draft.as_ref() else { return (i, 0) };
-        let mut first = i;
+        let count = added.len() as u32;
+        let even = self.slowed.map_or(0, |node| self.window.clamped_index(node.plus(count)));
+        let mut first = i.max(even);
         // Those put in later, before it, are not in its number.
         for (later, (serial, _)) in added.iter().rev().enumerate() {
             first = first.max(self.window.clamped_index(*serial) + later + 1);
         }
-        (first, added.len() as u32)
+        (first, count)
     }
 
     /// Makes the draft, which starts at node `first` and ends at node `end`, the agreed plan.

@@ -239,6 +239,14 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         self.window.bounds(i, &Pace { feed: any, rapid: any, ..pace }).map_or(any, |of| of.speed)
     }
 
+    /// The speed, mm/s, that is asked for over a cell at other overrides; of those that are raised, the one before.
+    pub fn goal_at(&self, i: usize, overrides: Overrides) -> Option<S> {
+        let pace = pace(&self.config, &self.older, overrides);
+        let station = self.window.get(i)?;
+        let known = station.bounds.goal_at(&station.cell, &pace);
+        known.or_else(|| self.window.bounds(i, &pace).map(|of| of.goal))
+    }
+
     /// Pieces of a proposal, over some of its cells, in order. When the last is made, every station behind its end
     /// rests in the draft.
     pub fn compile(

@@ -127,13 +127,26 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
                 goal
             } else {
                 let agreed = most_speed(length, station.agreed, after.agreed).unwrap_or(S::ZERO);
-                let allowed = self.speed_of_axes(i);
-                (most * S::of(EXCESS)).least(allowed.greatest(agreed * S::of(EXCESS)))
+                let (most, agreed) = (most * S::of(EXCESS), agreed * S::of(EXCESS));
+                // What the axes allow is much to ask for, and counts only where it would be faster than agreed.
+                if most > agreed {
+                    most.least(self.speed_of_axes(i).greatest(agreed))
+                } else {
+                    most
+                }
             };
             if let Some(station) = self.window.get_mut(i) {
                 station.bounds.speed = speed.greatest(goal);
             }
         }
+    }
+}
+
+impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
+    /// The greatest speed, mm/s, of the agreed motion over the cell of station `i`.
+    pub fn greatest_speed(&self, i: usize) -> Option<S> {
+        let (station, after) = self.window.pair(i)?;
+        most_speed(station.cell.length, station.agreed, after.agreed)
     }
 }
 
