@@ -9,7 +9,7 @@
 //! | abort | everything is dropped (`drop_all`), [`Progress::Aborted`] until acknowledged | as a hold | as a hold |
 //! | hold, or an override of 0 | [`Progress::Held`] | [`brake`]: a plan that rests as soon as the limits allow, or the first and the next stage of it; none if the plan under way already does | it is withdrawn first, or waited for if it branches off at one of the next servo cycles |
 //! | a halt no longer wanted | - | the plan is taken further at once | - |
-//! | lower overrides | in effect at once | [`easing`]: the motion slows down as soon as the limits allow; then [`retune`] from where it has | as for a hold, but one from a servo cycle within a lead is waited for |
+//! | lower overrides | in effect at once | [`easing`], or [`falling`] in stages: the motion slows down as soon as the limits allow; then [`retune`] from where it has | as for a hold, but one from a servo cycle within a lead is waited for |
 //! | higher overrides | in effect at once | [`retune`]: a plan at the new pace from the next servo cycle on, or from a node that is near | the same |
 //! | stop, single block | held; in single block mode after every block, until a resume | [`block_end`]: a plan that rests at the end of a block, looked for once in every plan; none but a halt where the plan rests there anyway | withdrawn if the motion rests there before it, else waited for |
 //! | resume | ends the rest at a pause or in single block mode; a hold or a stop it has ended at the source | - | - |
@@ -21,7 +21,7 @@
 //! left of it starts at the very position, velocity and acceleration that the piece under way has
 //! at that moment, so the motion as planned before is a valid start for the solver, and the new
 //! plan joins without a step in any derivative up to the second. A hold is a march from there on ([`slowing`]), in stages where planning takes
-//! time ([`stages`]), and so is the first answer to a lowered override ([`easing`]); for the others
+//! time ([`stages`]), and so is the first answer to a lowered override ([`easing`], [`falling`]); for the others
 //! the cells within the distance that it takes to stop are cut finer, and the solver finds the states ([`retune`],
 //! [`block_end`]). Then the plan is offered. How many
 //! servo cycles ahead it branches off is what plans have taken so far ([`super::effort`]). If the interrupt
