@@ -182,7 +182,7 @@ impl<S: Scalar> Staging<S> {
         // Or there is no other way.
         self.to_rest |= ends > room;
         let pressed = !self.whole && self.pressed && ends_slice;
-        let full = ends + MORE_PIECES > room && !(self.whole && !self.falls());
+        let full = ends + MORE_PIECES > room && (self.falls() || !self.whole);
         !self.to_rest && (pressed || full || self.has_fallen())
     }
 }
