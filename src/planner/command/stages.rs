@@ -323,7 +323,13 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             let place = slowing.place;
             let stretch = proposal.stretch;
             if is_even(place.clock, slowing.step) {
-                return self.even_out(slowing, release, proposal);
+                // Within a cell there is no node from which it could go on so.
+                let within = place.shown > S::ZERO;
+                return if within {
+                    Marched::Nothing
+                } else {
+                    self.even_out(slowing, release, proposal)
+                };
             }
             if left == 0 {
                 break;
