@@ -380,6 +380,12 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         match self.phase {
             Phase::Offered(_) => Progress::Waiting,
+            // A plan ahead would not be what is asked for.
+            _ if wish.overrides != self.horizon.overrides()
+                && self.is_falling(wish.overrides, at) =>
+            {
+                Progress::Waiting
+            }
             _ if at == self.horizon.end() => self.poll_at_rest(at, wish.single),
             _ => {
                 let progress = self.poll_moving(at);

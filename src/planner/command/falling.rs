@@ -48,7 +48,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// Whether the motion is within a stage of a fall to overrides: all but the next stage branches off where it goes evenly.
-    pub(super) fn is_falling(&self, asked: Overrides, at: NodeSerial) -> bool {
+    pub(in crate::planner) fn is_falling(&self, asked: Overrides, at: NodeSerial) -> bool {
         self.pressing.reacted == Some(asked) && self.horizon.is_slowed(at)
     }
 }

@@ -141,10 +141,6 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         {
             return Some(Progress::Planning);
         }
-        if !paced && self.phase.offer().is_none() && self.is_falling(wish.overrides, at) {
-            // A plan ahead would not be what is asked for.
-            return Some(if self.build_one() { Progress::Planning } else { Progress::Waiting });
-        }
         if wish.stop || wish.single { self.obey_stop(at) } else { None }
     }
 
