@@ -407,7 +407,7 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
     /// Pieces of the plan that is being executed.
     #[cfg(feature = "outputs")]
     pub fn agreed(&self) -> usize {
-        self.flags().lengths[(1 - self.spare) & 1].load(Relaxed) as usize
+        self.under_way().len()
     }
 
     /// Pieces of the plan on offer.

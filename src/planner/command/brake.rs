@@ -1,7 +1,6 @@
 //! Coming to rest on the path as soon as the limits allow.
 
 use super::slowing::{ATTEMPTS, Begun};
-use super::stages::Start;
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::planner::Planner;
@@ -46,10 +45,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.pressing.attempted = now;
         }
         let (needed, staging) = self.stage_of_stop(handover, at);
-        let start = match handover {
-            Some(handover) => Start::Handover(handover),
-            None => Start::Moment(self.moment_after(needed)),
-        };
+        let start = self.start_of_stage(handover, needed);
         let begun =
             self.horizon.begin_slowing(start, (self.pressing.attempts, quick, None), staging);
         if !matches!(begun, Begun::Attempt(_)) && needed > S::from_u32(self.near()) {

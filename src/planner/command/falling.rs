@@ -5,7 +5,7 @@
 //! no slower than is asked for. When it nearly goes like that, the whole answer ([`retune`](super::retune)) follows, from where it goes evenly on.
 
 use super::slowing::Begun;
-use super::stages::{LEAST_LEFT, Start};
+use super::stages::LEAST_LEFT;
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::planner::Planner;
@@ -34,10 +34,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if staging.is_whole() && handover.is_none() {
             return false;
         }
-        let start = match handover {
-            Some(handover) => Start::Handover(handover),
-            None => Start::Moment(self.moment_after(needed)),
-        };
+        let start = self.start_of_stage(handover, needed);
         let begun = self.horizon.begin_slowing(start, (0, false, Some(asked)), staging);
         if let Begun::Attempt(begun) = begun {
             return self.make((Purpose::Falling(asked), at), Some(begun));

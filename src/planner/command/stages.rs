@@ -212,6 +212,14 @@ pub(super) fn end_at_node<S: Scalar>(legs: &mut [Option<Leg<S>>; 2]) {
 impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     Planner<'_, S, N, BLOCKS, NODES>
 {
+    /// Where a stop or a stage of it begins that is made within so many servo cycles: where the one before hands over, or as soon as can be.
+    pub(super) fn start_of_stage(&self, handover: Option<Handover<S>>, needed: S) -> Start<S> {
+        match handover {
+            Some(handover) => Start::Handover(handover),
+            None => Start::Moment(self.moment_after(needed)),
+        }
+    }
+
     /// How much of a stop is made at a time, and how many servo cycles that takes.
     pub(super) fn stage_of_stop(
         &self,

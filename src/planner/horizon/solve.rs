@@ -126,7 +126,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             let speed = if most < goal {
                 goal
             } else {
-                let agreed = most_speed(length, station.agreed, after.agreed).unwrap_or(S::ZERO);
+                let agreed = self.greatest_speed(i).unwrap_or(S::ZERO);
                 let (most, agreed) = (most * S::of(EXCESS), agreed * S::of(EXCESS));
                 // What the axes allow is much to ask for, and counts only where it would be faster than agreed.
                 if most > agreed {
@@ -140,9 +140,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             }
         }
     }
-}
 
-impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// The greatest speed, mm/s, of the agreed motion over the cell of station `i`.
     pub fn greatest_speed(&self, i: usize) -> Option<S> {
         let (station, after) = self.window.pair(i)?;
