@@ -34,7 +34,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// was done.
     pub(super) fn build_one(&mut self) -> bool {
         // A cell may have to be split in two.
-        if self.horizon.window.room() < self.least_room() {
+        if self.is_window_full() {
             return false;
         }
         let Some(last) = self.horizon.window.last() else { return false };
@@ -77,14 +77,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         false
     }
 
-    /// Room that is kept in the window.
-    #[allow(clippy::unused_self)]
-    fn least_room(&self) -> usize {
+    /// Whether the window has no more room than is kept in it.
+    fn is_window_full(&self) -> bool {
         #[cfg(feature = "reshape")]
-        if self.reshaping.is_some() {
-            return LEAST_ROOM + super::reshaping::reserve::<NODES>();
-        }
-        LEAST_ROOM
+        let kept = self.reshaping.as_ref().map_or(0, |_| super::reshaping::reserve::<NODES>());
+        #[cfg(not(feature = "reshape"))]
+        let kept = 0;
+        self.horizon.window.room() < LEAST_ROOM + kept
     }
 
     /// Whether a plan may end at a node.
@@ -116,7 +115,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let since = since.unwrap_or(now);
         let config = &self.horizon.config;
         let waited = S::from_u32(now.since(since).unwrap_or(u32::MAX)) * config.cycle;
-        let full = self.builder.is_full() || self.horizon.window.room() < self.least_room();
+        let full = self.builder.is_full() || self.is_window_full();
         if !(full || self.finished || waited >= config.start_delay) {
             self.phase = Phase::Resting(Rest::Ready { since: Some(since) });
             return Progress::NeedsBlocks;
@@ -210,7 +209,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         {
             self.builder.hurry(&self.horizon.config);
         }
-        if self.horizon.window.room() >= self.least_room()
+        if !self.is_window_full()
             && !self.builder.is_full()
             && self.builder.len() > 0
             && self.is_quiet()
@@ -246,8 +245,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.reshaping.is_some() {
             return false;
         }
-        let window_is_full = self.horizon.window.room() < self.least_room();
-        let full = self.builder.is_full() || (window_is_full && self.new_cells() >= LEAST_NEW);
+        let full =
+            self.builder.is_full() || (self.is_window_full() && self.new_cells() >= LEAST_NEW);
         full && matches!(self.phase, Phase::Following(_)) && self.is_calm(wish)
     }
 
@@ -261,10 +260,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     #[inline]
     fn is_calm(&self, wish: &Wish) -> bool {
         let asks = self.brakes(wish) || wish.stop || wish.single;
-        let answered = wish.overrides == self.horizon.overrides()
-            && wish.resumes == self.answered.resumes
-            && wish.quick == self.answered.quick;
-        !asks && answered && !self.horizon.is_eased()
+        let answered = wish.resumes == self.answered.resumes && wish.quick == self.answered.quick;
+        !asks && answered && self.horizon.is_paced(wish.overrides)
     }
 
     /// The last node that is known.

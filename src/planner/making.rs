@@ -1,10 +1,10 @@
 //! A plan in the making: what is kept of it between two slices of the planner's work.
 //!
 //! ```text
-//!   Ahead:   Solving ──▶ Checking ──┬──────────────▶ Publishing ──▶ offered
-//!                │                  │ beyond a limit     ▲
-//!                │                  ▼                    │
-//!                └─ (seeded) ◀── Seeding                 │
+//!   Ahead:   Solving ──┬───────────────────────────▶ Publishing ──▶ offered
+//!               ▲      │ beyond a limit                  ▲
+//!               │      ▼                                 │
+//!               └── Seeding                              │
 //!   Hold:       Slowing (its pieces as they are found) ───┼─▶ offered
 //!                  └─ (a stage of it, the rest evenly) ──▶│
 //!   Overrides:  Retuning ────────────────────────────────▶│
@@ -94,9 +94,8 @@ pub struct Making<S> {
 #[derive(Clone, Copy, Debug)]
 pub enum Stage<S> {
     /// A Newton step; the states from station `guessed` on began as a guess, or all as slow seeds.
+    /// When none is left: are all limits kept?
     Solving { solving: Solving<S>, guessed: Option<usize> },
-    /// Are all limits kept?
-    Checking { guessed: Option<usize> },
     /// A try for slow states that keep them, where the guess has led to none.
     Seeding(Seeding<S>),
     /// Some steps of a clock that slows down, which are handed over.
@@ -163,7 +162,7 @@ impl<S: Scalar> Making<S> {
             Stage::Ending(ending) => horizon.go_on_ending(ending, &mut self.proposal, room),
             Stage::Easing(easing) => horizon.go_on_easing(easing, &mut self.proposal),
             Stage::Reacting(reacting) => horizon.go_on_reacting(reacting, self.proposal, room),
-            Stage::Retuning(retuning) => horizon.go_on_retuning(retuning, self.proposal, room),
+            Stage::Retuning(retuning) => horizon.go_on_retuning(retuning, &mut self.proposal, room),
             _ => return self.step_ahead(horizon, room),
         };
         match flow {
@@ -186,9 +185,6 @@ impl<S: Scalar> Making<S> {
                 if horizon.go_on(solving, room) {
                     return ControlFlow::Continue(());
                 }
-                Stage::Checking { guessed: *guessed }
-            }
-            Stage::Checking { guessed } => {
                 if horizon.holds(stretch) {
                     let goes_on = self.proposal.branch != Branch::Node(horizon.end());
                     if let Some(crawl) = horizon.crawl_in(stretch)
@@ -520,7 +516,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return false;
         }
         // Where an answer to overrides is owed, the motion may be as slow as they were, and the place where the plan leaves it far off.
-        if self.horizon.is_eased() || wish.overrides != self.horizon.overrides() {
+        if !self.horizon.is_paced(wish.overrides) {
             return false;
         }
         let lead = self.horizon.config.lead;

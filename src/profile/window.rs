@@ -172,19 +172,31 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
         if self.stations.push_back(station).is_err() {
             return false;
         }
-        let moved = self.stations.iter_mut().skip(index + 1);
-        moved.fold(station, |before, slot| core::mem::replace(slot, before));
+        for i in (index + 1..self.len() - 1).rev() {
+            self.copy(i, i + 1);
+        }
+        if let Some(slot) = self.stations.get_mut(index + 1) {
+            *slot = station;
+        }
         true
     }
 
-    /// Takes out the station at `index`, not the first; the running numbers of those behind fall
-    /// by one.
-    pub fn remove(&mut self, index: usize) {
-        let Some(last) = self.stations.back().copied() else { return };
-        debug_assert!(index > 0 && index < self.len());
-        let moved = self.stations.iter_mut().skip(index).rev();
-        moved.fold(last, |behind, slot| core::mem::replace(slot, behind));
-        self.stations.pop_back();
+    /// Takes out stations, not the first, whose indices ascend; the running numbers of those behind each fall by one. Every station is
+    /// moved once.
+    pub fn remove(&mut self, indices: &[usize]) {
+        debug_assert!(indices.is_sorted() && !indices.contains(&0));
+        let Some(&first) = indices.first() else { return };
+        let (mut to, mut left) = (first, indices);
+        for from in first..self.len() {
+            match left.split_first() {
+                Some((next, behind)) if *next == from => left = behind,
+                _ => {
+                    self.copy(from, to);
+                    to += 1;
+                }
+            }
+        }
+        self.stations.truncate(to);
     }
 
     /// Puts others in the place of some stations, for which there must be room; running numbers behind them change with their count.
@@ -216,7 +228,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
         }
     }
 
-    #[cfg(feature = "reshape")]
+    #[inline(never)]
     fn copy(&mut self, from: usize, to: usize) {
         if let Some(station) = self.stations.get(from).copied()
             && let Some(slot) = self.stations.get_mut(to)

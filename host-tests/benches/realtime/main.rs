@@ -53,9 +53,9 @@ struct Bound {
 }
 
 const BOUNDS: [Bound; 3] = [
-    Bound { path: "noisy.txt", ratio: 1.05, round: 2.0, hold: 20.0 },
-    Bound { path: "butterfly.json", ratio: 1.03, round: 2.0, hold: 60.0 },
-    Bound { path: "zigzag.txt", ratio: 1.01, round: 2.0, hold: 60.0 },
+    Bound { path: "noisy.txt", ratio: 1.05, round: 1.6, hold: 20.0 },
+    Bound { path: "butterfly.json", ratio: 1.03, round: 1.6, hold: 60.0 },
+    Bound { path: "zigzag.txt", ratio: 1.01, round: 1.6, hold: 60.0 },
 ];
 
 /// Settings of a bench run.

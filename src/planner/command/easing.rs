@@ -150,23 +150,13 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         halt: Option<Halt>,
     ) -> Option<(Proposal, Stage<S>)> {
         let share = *SHARES.get(usize::from(attempt) % ATTEMPTS)?;
-        self.try_overrides(asked);
         let (first, branch) = self.cut_in(moment)?;
         let last = self.end_index();
-        self.bound_from(first);
-        self.loosen(first, last);
-        let (mut rate, mut fastest) = (S::ONE, None);
-        for i in first..last {
-            let Some(bounds) = self.window.get(i).map(|station| station.bounds) else { break };
-            if bounds.speed > bounds.goal {
-                rate = rate.least(bounds.goal / bounds.speed);
-                fastest = fastest.or(Some(i));
-            }
-        }
+        let (rate, fastest) = self.excess(first..last, asked)?;
         if self.gets_going(first) || !(rate < S::of(1.0 - NEARLY)) {
             return None;
         }
-        let cell = self.falls_from(first, fastest?, rate);
+        let cell = self.falls_from(first, fastest, rate);
         let step = (self.fall_time(cell, rate) * S::of(1.0 / STEPS))
             .greatest(self.config.cycle * S::of(LEAST_CYCLES));
         let mut stretch = Stretch { first, last, open: false };
@@ -310,7 +300,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             self.run_by(i, Clock { rate, slope: S::ZERO });
         }
         // It is a plan at the overrides that are in effect, though it is slower.
-        self.keep_overrides();
         self.loosen(first, last);
         self.mark_eased(easing.cell);
         // With what is left of the last cell that was cut.

@@ -9,7 +9,7 @@ use super::stages::LEAST_LEFT;
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::planner::Planner;
-use crate::planner::horizon::Horizon;
+use crate::planner::horizon::{EXCESS, Horizon};
 use crate::planner::making::Purpose;
 use crate::profile::solver::Stretch;
 use crate::servo::control::Overrides;
@@ -71,7 +71,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             let Some(most) = self.greatest_speed(i) else { continue };
             let goal = self.goal_at(i, asked)?;
             if most > goal {
-                rate = rate.least(goal / most);
+                // What is run at that rate may be faster by a rounding.
+                rate = rate.least(goal / (most * S::of(EXCESS)));
                 fastest = fastest.or(Some(i));
             }
         }

@@ -47,6 +47,7 @@ pub mod stages;
 #[cfg(test)]
 mod tests;
 
+use self::reaction::Pressing;
 use super::phase::{Following, Halt, Offer, Phase, Rest};
 use super::{Planner, Progress};
 use crate::number::Scalar;
@@ -87,7 +88,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let resumed = wish.resumes != self.answered.resumes;
         self.answered.resumes = wish.resumes;
         let brakes = self.brakes(wish);
-        let paced = wish.overrides == self.horizon.overrides() && !self.horizon.is_eased();
+        let paced = self.horizon.is_paced(wish.overrides);
         let (rests, lead) = (at == self.horizon.end(), self.most_reaction());
         if rests && (brakes || wish.stop || !paced) {
             // A start that has not been taken up.
@@ -100,7 +101,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             (self.pressing.attempts, self.answered.quick) = (0, wish.quick);
         }
         if paced {
-            (self.pressing.retunes, self.pressing.refused, self.pressing.falls) = (0, None, 0);
+            let Pressing { retunes, refused, falls, easings, .. } = &mut self.pressing;
+            (*retunes, *refused, *falls, *easings) = (0, None, 0, 0);
         }
         let stands = |asked: &Overrides| !brakes && *asked == wish.overrides;
         if self.pressing.reacted.is_some_and(|asked| !stands(&asked)) {
@@ -125,7 +127,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 self.horizon.owe_pace(at);
             }
         }
-        let paced = paced && !self.horizon.is_eased();
+        let paced = self.horizon.is_paced(wish.overrides);
         let stays = |offer: &Offer| offer.before.is_some() && offer.taken.halt == Some(Halt::Block);
         if self.phase.offer().is_some_and(stays) && !Halt::Block.is_wanted(wish) {
             self.revoke(lead);
@@ -158,7 +160,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         {
             let asked = self.horizon.overrides();
             self.revoke(self.most_reaction());
-            if self.horizon.overrides() != asked || self.horizon.is_eased() {
+            if !self.horizon.is_paced(asked) {
                 // A whole answer to other overrides: it waits until the motion has come farther, or both would be made for ever.
                 self.refuse(asked, at);
             }
@@ -211,7 +213,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.phase = Phase::Resting(Rest::Dropped { abort: wish.aborts });
             return Some(self.settled(Progress::Aborted));
         }
-        if wish.overrides != self.horizon.overrides() || self.horizon.is_eased() {
+        if !self.horizon.is_paced(wish.overrides) {
             self.horizon.set_overrides(wish.overrides);
         }
         let end = self.horizon.window.get_mut(end);

@@ -137,7 +137,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         asked: Overrides,
         halt: Option<Halt>,
     ) -> Option<(Proposal, Stage<S>)> {
-        self.try_overrides(asked);
         let (first, branch) = self.cut_in(moment)?;
         let mut stretch = self.stretch_from(first);
         let behind;
@@ -145,6 +144,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         if self.is_stopping(first) {
             return None;
         }
+        // Not before it is known that there is one: all cells are bounded anew, and again when it is over.
+        self.try_overrides(asked);
         self.bound_from(first);
         self.loosen(first, stretch.last);
         let aim = if self.exceeds_goal(stretch) { Aim::Slow } else { Aim::Time };

@@ -20,6 +20,8 @@ const TRIES: u8 = 2;
 /// A plan at other overrides in the making.
 #[derive(Clone, Copy, Debug)]
 pub enum Retuning<S> {
+    /// The agreed motion is cut where it is left, and is to be cut finer; up to station `from` it is left as it is.
+    Cut { from: usize },
     /// States are being found from a guess, as for a new plan.
     Finding(Solving<S>),
     /// The agreed ones are brought down to the goal, at a penalty.
@@ -133,7 +135,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let mut stops = false;
         let begun = self.draft(|draft| {
             let behind = draft.cells_behind_easing().filter(|_| eased);
-            draft.try_overrides(overrides);
             let (first, branch) = match leaves? {
                 Leaves::Within(moment) => draft.cut_in(moment)?,
                 Leaves::At(node) => (draft.window.clamped_index(node), Branch::Node(node)),
@@ -144,29 +145,39 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             if stops {
                 return None;
             }
-            draft.bound(from);
-            let speed = draft.window.get(from).map_or(S::ZERO, |station| station.state.b.sqrt());
-            let distance = draft.ramp(from, speed).greatest(draft.braking_distance(from));
-            let by_cycle = branch.is_by_cycle();
-            let last = if by_cycle { draft.refine(from, end, distance).0 } else { end };
+            // Not before it is known that there is a try: all cells are bounded anew, and again when a draft at other overrides is dropped.
+            draft.try_overrides(overrides);
             draft.bound_from(first);
-            draft.loosen(first, last);
-            let mut stretch = Stretch { first: from, last, open: false };
-            let slower = draft.exceeds_goal(stretch);
-            stretch.open = halt.is_none() && draft.is_open(stretch);
-            let retuning = if slower {
-                // First down to the goal, at a penalty; then, with the speeds reached as bounds, for time.
-                Retuning::Slowing(draft.begin_improving(stretch, Aim::Slow))
-            } else {
-                Retuning::Finding(draft.begin_finding(stretch, from + 1))
-            };
-            let stretch = Stretch { first, ..stretch };
-            Some((Proposal { stretch, branch, halt }, Stage::Retuning(retuning)))
+            let stretch = Stretch { first, last: end, open: false };
+            let proposal = Proposal { stretch, branch, halt };
+            Some((proposal, Stage::Retuning(Retuning::Cut { from })))
         });
         match begun {
             Some(begun) => Begun::Attempt(begun),
             None if stops => Begun::Stops,
             None => Begun::Nothing,
+        }
+    }
+
+    /// Cuts the motion finer from station `from` on, and begins to look for states.
+    #[inline(never)]
+    fn refine_retuning(&mut self, from: usize, proposal: &mut Proposal) -> Retuning<S> {
+        let Stretch { first, last: end, .. } = proposal.stretch;
+        let mut stretch = Stretch { first: from, last: end, open: false };
+        if proposal.branch.is_by_cycle() {
+            let speed = self.window.get(from).map_or(S::ZERO, |station| station.state.b.sqrt());
+            let distance = self.ramp(from, speed).greatest(self.braking_distance(from));
+            (stretch.last, _) = self.refine(from, end, distance);
+        }
+        self.loosen(first, stretch.last);
+        let slower = self.exceeds_goal(stretch);
+        stretch.open = proposal.halt.is_none() && self.is_open(stretch);
+        proposal.stretch = Stretch { first, ..stretch };
+        if slower {
+            // First down to the goal, at a penalty; then, with the speeds reached as bounds, for time.
+            Retuning::Slowing(self.begin_improving(stretch, Aim::Slow))
+        } else {
+            Retuning::Finding(self.begin_finding(stretch, from + 1))
         }
     }
 
@@ -178,16 +189,22 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         })
     }
 
-    /// A slice of it: one Newton step.
+    /// A slice of it: the cuts, or one Newton step.
     pub fn go_on_retuning(
         &mut self,
         retuning: &mut Retuning<S>,
-        proposal: Proposal,
+        proposal: &mut Proposal,
         room: Room<'_, S, N>,
     ) -> Flow {
-        let (Retuning::Finding(solving)
-        | Retuning::Slowing(solving)
-        | Retuning::Improving(solving)) = retuning;
+        let solving = match retuning {
+            Retuning::Cut { from } => {
+                *retuning = self.refine_retuning(*from, proposal);
+                return Flow::Working;
+            }
+            Retuning::Finding(solving)
+            | Retuning::Slowing(solving)
+            | Retuning::Improving(solving) => solving,
+        };
         if self.go_on(solving, room) {
             return Flow::Working;
         }
@@ -196,7 +213,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let runs =
             |horizon: &mut Self| horizon.holds(stretch) && horizon.crawl_in(stretch).is_none();
         match retuning {
-            Retuning::Finding(_) => {
+            Retuning::Cut { .. } | Retuning::Finding(_) => {
                 if runs(self) {
                     return Flow::Ready;
                 }

@@ -25,7 +25,7 @@ use crate::servo::control::Overrides;
 use crate::servo::piece::{Piece, Sequel};
 
 /// Steps of a stop on a straight.
-const STEPS: f64 = 28.0;
+const STEPS: f64 = 34.0;
 /// Servo cycles that a step takes at least.
 const LEAST_CYCLES: f64 = 3.0;
 /// A step that ends this near to the end of its cell, in steps, goes there; from a little further away it goes half-way.
@@ -34,7 +34,7 @@ const HALF_WAY: f64 = 2.0;
 /// Steps in which the clock must be able to go evenly again.
 const RELEASE_STEPS: usize = 48;
 /// Share of the limits with which that is tried: what is known of a step before it is taken is not exact.
-pub(super) const RELEASED: f64 = 0.96;
+pub(super) const RELEASED: f64 = 0.985;
 /// From this part of all the pieces on that there may be, each step is longer than the one before by this factor.
 const MANY: usize = 2;
 const LONGER: f64 = 1.06;

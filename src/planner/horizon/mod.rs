@@ -18,6 +18,7 @@ mod solve;
 
 pub use self::draft::ADDED;
 use self::draft::Draft;
+pub use self::solve::EXCESS;
 
 use super::phase::Halt;
 use crate::machine::{Config, LimitSets, OlderLimits, UNLIMITED};
@@ -147,6 +148,11 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// not what it does between them.
     pub fn is_slowed(&self, at: NodeSerial) -> bool {
         self.slowed.is_some_and(|end| at.is_before(end))
+    }
+
+    /// Whether the agreed motion is a whole answer to overrides.
+    pub fn is_paced(&self, overrides: Overrides) -> bool {
+        self.overrides == overrides && !self.is_eased()
     }
 
     /// Whether it answers to overrides in part only: a whole answer is owed, whatever they are by now.

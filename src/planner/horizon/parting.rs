@@ -47,12 +47,32 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         }
     }
 
-    /// Takes out again the stations that the draft has put in.
+    /// Takes out again the stations that the draft has put in: all at once, since to move the window for each takes as long as to plan.
     pub fn take_back(&mut self) {
+        let mut out = heapless::Vec::<usize, ADDED>::new();
         while let Some(draft) = self.draft.as_mut()
             && let Some((serial, whole)) = draft.added.pop()
         {
-            self.take_out(self.window.clamped_index(serial), whole);
+            // Where it is among those that were put in later.
+            let mut i = self.window.clamped_index(serial);
+            for later in &out {
+                i += usize::from(*later <= i);
+            }
+            let Some(before) = (0..i).rev().find(|before| !out.contains(before)) else { continue };
+            if let Some(Station { cell, .. }) = self.window.get_mut(before) {
+                (cell.length, cell.tangent_offset) = (whole.length, whole.tangent_offset);
+            }
+            let noted = out.insert(out.partition_point(|other| *other < i), i);
+            debug_assert!(noted.is_ok(), "there was room to add it");
+        }
+        self.window.remove(&out);
+        self.end = self.end.minus(out.len() as u32);
+        let mut bound = None;
+        for (fewer, i) in out.iter().enumerate() {
+            let before = i - fewer - 1;
+            if bound.replace(before) != Some(before) {
+                self.bound(before);
+            }
         }
     }
 
@@ -204,17 +224,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             return false;
         };
         (station.rest || first + 1 == last) && !after.rest && station.cell.length > S::ZERO
-    }
-
-    /// Takes out the station at `i`, which was put into a cell.
-    fn take_out(&mut self, i: usize, Whole { length, tangent_offset }: Whole<S, N>) {
-        let Some(before) = i.checked_sub(1) else { return };
-        if let Some(station) = self.window.get_mut(before) {
-            (station.cell.length, station.cell.tangent_offset) = (length, tangent_offset);
-        }
-        self.window.remove(i);
-        self.end = self.end.previous();
-        self.bound(before);
     }
 
     /// Stations that one answer may still add.

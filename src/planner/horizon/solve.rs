@@ -14,7 +14,7 @@ use core::ops::Range;
 
 /// Share by which a bound lies above a speed that exceeds what is asked for; the limits of the axes
 /// have as much in reserve.
-const EXCESS: f64 = 1.0001;
+pub const EXCESS: f64 = 1.0001;
 
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// Whether the states of a stretch keep all limits, with a rest at its end.
@@ -62,7 +62,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             .improve(steps, aim)
     }
 
-    /// A part of a Newton step, in the room for the plan. Whether there is more to do.
+    /// A part of a Newton step, if one is left, in the room for the plan. Whether there was.
     // Once in the image, however often it is called.
     #[inline(never)]
     pub fn go_on(&mut self, solving: &mut Solving<S>, room: Room<'_, S, N>) -> bool {

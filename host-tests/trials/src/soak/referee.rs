@@ -114,6 +114,10 @@ struct Since {
     polls: u32,
     /// s, from the speed at which it was given.
     bound: f64,
+    /// Whether it was given while the background was late: what has been planned by then takes effect as late.
+    rough: bool,
+    /// So many times as long as at programmed speed a block may have taken meanwhile.
+    slow: f64,
 }
 
 /// Watches a run.
@@ -325,7 +329,7 @@ impl Referee {
     /// A command has been given: from now on it must be obeyed.
     pub fn pressed(&mut self, action: Command) {
         self.presses += 1;
-        let since = Since { bound: self.bound(), ..Since::default() };
+        let since = Since { bound: self.bound(), rough: self.rough, slow: 1.0, ..Since::default() };
         match action {
             Command::Hold => self.key = true,
             Command::FeedOverride(0) => self.overrides.0 = 0,
@@ -678,10 +682,9 @@ impl Referee {
     fn check_times(&mut self, now: &Sample) {
         let h = self.setting.cycle;
         let stops = self.stops();
-        let loose = if self.rough { 3.0 } else { 1.0 };
-        let extra =
-            if self.rough { 2.0 * STOPS * stops + 3.0 * self.setting.lead + 0.6 } else { 0.0 };
+        let late_plans = 2.0 * STOPS * stops + 3.0 * self.setting.lead + 0.6;
         let rests = self.idle > 0;
+        let slow = 100.0 / f64::from(self.overrides.0.min(self.overrides.1).max(1));
         let longest = self.taken.iter().map(|taken| taken.time).fold(0.0, f64::max);
         let mut late = None;
         let moves_on = [
@@ -693,9 +696,11 @@ impl Referee {
             let Some(since) = since else { continue };
             // A poll may take as long as it likes; the next must answer.
             let counts = !self.rough || since.polls > 0;
+            let (loose, extra) = if since.rough { (3.0, late_plans) } else { (1.0, 0.0) };
             since.cycles += u32::from(counts);
+            since.slow = since.slow.max(slow);
             let time = f64::from(since.cycles) * h;
-            if !rests && time > loose * (since.bound + more) + extra {
+            if !rests && time > loose * (since.bound + more * since.slow) + extra {
                 late = Some((rule, format!("{name} has not been obeyed after {time:.4} s")));
             }
         }
