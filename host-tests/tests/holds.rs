@@ -186,9 +186,13 @@ fn a_march_at_a_corner_finds_its_way() {
 
 #[test]
 fn a_square_at_a_quarter_of_a_millisecond() {
+    // What a hold takes leaps from one servo cycle to the next here: one that finds a step a little harder may come to a corner in another way.
     let machine = machine((200.0, 2000.0, 50_000.0), 0.02, 0.25e-3);
-    let time = time_to_rest(&square(), &machine, Precision::F64, 1281);
-    assert!(time < 0.11, "{time}");
+    let cycles = (1101..1400).step_by(12);
+    let times: Vec<f64> =
+        cycles.map(|k| time_to_rest(&square(), &machine, Precision::F64, k)).collect();
+    let mean = times.iter().sum::<f64>() / times.len() as f64;
+    assert!(mean < 0.107 && times.iter().all(|time| *time < 0.14), "{mean}: {times:?}");
 }
 
 /// From 0.8 mm/s, with all the jerk that there is.
