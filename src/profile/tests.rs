@@ -79,7 +79,7 @@ fn a_window_is_a_list_whose_numbers_wrap_around() {
     assert_eq!(tags(&window), [0, 1, 2, 2, 3, 4, 4]);
     assert!(window.insert_after(0, third) && window.insert_after(6, third));
     assert_eq!(tags(&window), [0, 2, 1, 2, 2, 3, 4, 2, 4]);
-    window.remove(&[1, 3, 7]);
+    window.remove(&core::array::from_fn(|i| [1, 3, 7].contains(&i)));
     assert_eq!(tags(&window), [0, 1, 2, 3, 4, 4]);
     window.release_before(first.plus(3));
     assert_eq!((window.serial(0), tags(&window)), (NodeSerial::from_raw(1), [3, 4, 4].to_vec()));

@@ -181,20 +181,15 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
         true
     }
 
-    /// Takes out stations, not the first, whose indices ascend; the running numbers of those behind each fall by one. Every station is
+    /// Takes out stations, those that are marked, not the first; the running numbers of those behind each fall by one. Every station is
     /// moved once.
-    pub fn remove(&mut self, indices: &[usize]) {
-        debug_assert!(indices.is_sorted() && !indices.contains(&0));
-        let Some(&first) = indices.first() else { return };
-        let (mut to, mut left) = (first, indices);
-        for from in first..self.len() {
-            match left.split_first() {
-                Some((next, behind)) if *next == from => left = behind,
-                _ => {
-                    self.copy(from, to);
-                    to += 1;
-                }
+    pub fn remove(&mut self, out: &[bool; NODES]) {
+        let mut to = 0;
+        for (from, _) in out.iter().take(self.len()).enumerate().filter(|(_, out)| !**out) {
+            if to < from {
+                self.copy(from, to);
             }
+            to += 1;
         }
         self.stations.truncate(to);
     }

@@ -49,30 +49,28 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
 
     /// Takes out again the stations that the draft has put in: all at once, since to move the window for each takes as long as to plan.
     pub fn take_back(&mut self) {
-        let mut out = heapless::Vec::<usize, ADDED>::new();
+        let mut out = [false; NODES];
         while let Some(draft) = self.draft.as_mut()
             && let Some((serial, whole)) = draft.added.pop()
         {
-            // Where it is among those that were put in later.
-            let mut i = self.window.clamped_index(serial);
-            for later in &out {
-                i += usize::from(*later <= i);
-            }
-            let Some(before) = (0..i).rev().find(|before| !out.contains(before)) else { continue };
+            // Counted without those that were put in later.
+            let i = self.window.clamped_index(serial);
+            let mut kept = out.iter_mut().enumerate().filter(|(_, out)| !**out);
+            let before = i.checked_sub(1).and_then(|before| kept.nth(before));
+            let (Some((before, _)), Some((_, here))) = (before, kept.next()) else { continue };
+            *here = true;
             if let Some(Station { cell, .. }) = self.window.get_mut(before) {
                 (cell.length, cell.tangent_offset) = (whole.length, whole.tangent_offset);
             }
-            let noted = out.insert(out.partition_point(|other| *other < i), i);
-            debug_assert!(noted.is_ok(), "there was room to add it");
+            self.end = self.end.previous();
         }
         self.window.remove(&out);
-        self.end = self.end.minus(out.len() as u32);
-        let mut bound = None;
-        for (fewer, i) in out.iter().enumerate() {
-            let before = i - fewer - 1;
-            if bound.replace(before) != Some(before) {
-                self.bound(before);
+        let (mut next, mut joined) = (0, false);
+        for out in out {
+            if out && !joined {
+                self.bound(next - 1);
             }
+            (next, joined) = (next + usize::from(!out), out);
         }
     }
 
