@@ -66,8 +66,8 @@ impl<S: Scalar> Solving<S> {
         self.task.stretch.first
     }
 
-    /// A part of a Newton step, if one is left, in a room. Whether there was: what comes of the last is for another slice. If the solver has been put to another
-    /// problem since the last call, or the room is another, the step begins again.
+    /// A part of a Newton step, if one is left, in a room. Whether there was: what comes of the last is for another slice. If the
+    /// solver has been put to another problem since the last call, or the room is another, the step begins again.
     ///
     /// Cost: a pass with gradients over some cells of the stretch, or at most three without over all of it: at most 250,000
     /// instructions on the target, with three axes and 64 nodes.

@@ -184,6 +184,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
     /// Takes out stations, those that are marked, not the first; the running numbers of those behind each fall by one. Every station is
     /// moved once.
     pub fn remove(&mut self, out: &[bool; NODES]) {
+        debug_assert!(out.first() != Some(&true), "the first station stays");
         let mut to = 0;
         for (from, _) in out.iter().take(self.len()).enumerate().filter(|(_, out)| !**out) {
             if to < from {

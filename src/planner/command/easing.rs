@@ -117,7 +117,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.is_falling(asked, at) {
             return false;
         }
-        // Without a draft, which bounds all cells anew, and again when it is dropped.
+        // Before anything is cut: where no speed is too great, the whole answer is begun in this slice.
         let first = self.horizon.window.clamped_index(at);
         if self.horizon.excess(first..self.horizon.end_index(), asked).is_none() {
             self.pressing.eased = Some(asked);
