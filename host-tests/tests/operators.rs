@@ -453,3 +453,25 @@ fn long_dwells_take_their_time() {
     check::<f32>();
     check::<f64>();
 }
+
+/// Dwells that are shorter than a servo cycle: a tick passes four at most, be they from rest or between moves.
+#[test]
+fn dwells_of_less_than_a_servo_cycle_are_passed_four_at_a_time() {
+    fn check<S: Scalar>() {
+        let dwells = |from: u32| (from..from + 7).map(|tag| Block::dwell(S::of(2.0e-4), tag));
+        let mut blocks: Vec<Block<S, 2>> = dwells(1).collect();
+        blocks.push(Block::rapid(at(0.1, 0.0), 8));
+        blocks.extend(dwells(9));
+        let (mut before, mut dwelt) = (0, 0u32);
+        drive::<S>(&blocks, (0.01, 1000), |_, progress, setpoint, _| {
+            // The fifth begins as the fourth ends.
+            assert!(setpoint.tag <= before + 5, "{} after {before}", setpoint.tag);
+            before = setpoint.tag;
+            dwelt += u32::from(setpoint.activity == Activity::Dwelling);
+            !(progress == Progress::Done && setpoint.activity == Activity::Idle)
+        });
+        assert!((3..=4).contains(&dwelt), "{dwelt}");
+    }
+    check::<f32>();
+    check::<f64>();
+}

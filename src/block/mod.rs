@@ -70,7 +70,7 @@ pub enum Motion<S, const N: usize> {
         /// End point, absolute.
         to: [Coord; N],
     },
-    /// Stand still for a time, s. Always comes with an exact stop.
+    /// Stand still for a time, s, a quarter of a servo cycle at least (0: not at all). Always comes with an exact stop.
     Dwell {
         /// Duration, s.
         seconds: S,

@@ -59,6 +59,14 @@ const MOST_DWELL_CYCLES: f64 = 1_048_576.0;
 /// Halvings of 2^20 s down to a dwell of that many of the shortest cycles.
 const HALVINGS: u32 = 20;
 
+/// Servo cycles that a standstill takes at least, like any other cell (`profile::bounds`): a tick passes few.
+const LEAST_DWELL_CYCLES: f64 = 0.25;
+
+/// How long, s, the motion stands where a dwell asks for less than a cell takes.
+pub fn dwell_time<S: Scalar>(dwell: S, cycle: S) -> S {
+    dwell.greatest(cycle * S::of(LEAST_DWELL_CYCLES))
+}
+
 /// The part of a dwell, s, that goes into one cell: a power of two, so that what is left is exact.
 pub fn dwell_part<S: Scalar>(dwell: S, cycle: S) -> S {
     let most = cycle * S::of(MOST_DWELL_CYCLES);

@@ -7,7 +7,7 @@ use crate::machine::Config;
 use crate::number::{Interval, Length, Scalar};
 use crate::path::blend::{self, Blend};
 use crate::path::corner::Corner;
-use crate::path::cut::{Cut, Emitted, dwell_part, next_cut, standstill};
+use crate::path::cut::{Cut, Emitted, dwell_part, dwell_time, next_cut, standstill};
 use crate::path::joint::{BentLengths, mean_node};
 use crate::path::node::{Cell, Node};
 use crate::path::queued::{Entrance, Joint, QueuedBlock};
@@ -207,7 +207,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             }
         }
         self.rested = true;
-        standstill(last, &QueuedBlock { dwell, ..block })
+        standstill(last, &QueuedBlock { dwell: dwell_time(dwell, config.cycle), ..block })
     }
 
     /// The next cell of the front segment's body.
