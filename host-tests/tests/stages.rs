@@ -141,7 +141,7 @@ fn run<S: Scalar>(path: &Path, presses: &[(u32, Press)], slices: u32, until: Unt
         link.split(settings, coordinates(path.points[0])).unwrap();
     let controls = planner.controls();
     // As the judge has it; in `f32` the difference of two accelerations has their rounding besides.
-    let rounding = if S::EPSILON.to_f64() > 1e-10 { 2.0e-3 } else { 1.0e-3 };
+    let rounding = 1.0e-4;
     let (mut next, mut before, mut speeds) = (0, None::<[f64; AXES]>, Vec::new());
     for cycle in 0..LONGEST {
         for (_, press) in presses.iter().filter(|(when, _)| *when == cycle) {

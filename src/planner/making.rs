@@ -454,6 +454,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             (Purpose::Easing(_) | Purpose::Falling(_) | Purpose::Reaction(_), _) => {
                 (self.pressing.reacted, self.pressing.eased) = (None, None);
             }
+            // Meanwhile the motion may have become faster than is asked for.
+            (Purpose::Overrides, _) => (self.pressing.eased, self.pressing.falls) = (None, 0),
             (Purpose::BlockEnd, Phase::Following(now)) => now.tried_block_end = false,
             _ => {}
         }

@@ -149,6 +149,7 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
             return self.stop(starves, entry.began);
         };
         self.time = first.time();
+        debug_assert!(self.lasts(self.time), "a piece of less than its least duration");
         if t < self.time {
             self.side.pass(1);
             return self.report(first, t, entry);
@@ -180,6 +181,7 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
             let Some(next) = following.next() else { break };
             t = t - time;
             time = next.time();
+            debug_assert!(self.lasts(time), "a piece of less than its least duration");
             piece = next;
             passed += 1;
             if t < time {
@@ -188,6 +190,11 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
         }
         self.time = time;
         (piece, t, passed)
+    }
+
+    /// Whether that is as long as a piece is at least, but for its rounding.
+    fn lasts(&self, time: S) -> bool {
+        time >= self.cycle * S::of(0.24)
     }
 
     /// A piece is under way.

@@ -60,6 +60,8 @@ const RELEASES: u8 = 6;
 const MORE_PIECES: usize = 3;
 /// A clock that would go evenly faster than it is to by less than this share is taken all the way.
 const NEAR: f64 = 0.03;
+/// Servo cycles that are left of a cell at least behind a node where the clock begins to go evenly within it.
+const LEAST_CYCLES_LEFT: f64 = 2.0;
 /// Share of its rate that a clock must have left when it goes evenly.
 pub(super) const LEAST_LEFT: f64 = 0.1;
 
@@ -330,7 +332,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         for left in (0..=RELEASES_PER_SLICE).rev() {
             let place = slowing.place;
             let stretch = proposal.stretch;
-            if is_even(place.clock, slowing.step) {
+            // To the last bit: a slope that is left would be a leap of the acceleration.
+            if !(place.clock.slope.abs() > S::ZERO) {
                 // Within a cell there is no node from which it could go on so.
                 let within = place.shown > S::ZERO;
                 return if within {
@@ -415,8 +418,20 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             // All the way with what is needed.
             bend = bend.least(end);
             let last = step.lasting(time, false);
-            if !stops && time <= longest && last.end(end).is_some() {
-                (step, bend) = (last, end.least(bends[1]));
+            if !stops
+                && time <= longest
+                && let Some((_, to)) = last.end(end)
+            {
+                let left = step.cell_time() - to.shown;
+                (step, bend) =
+                    if left < self.config.cycle * S::of(LEAST_CYCLES_LEFT) * to.clock.rate {
+                        // A node there would leave hardly anything of the cell.
+                        let whole = step.lasting(time, true);
+                        let even = whole.release(bends);
+                        (whole, even)
+                    } else {
+                        (last, end.least(bends[1]))
+                    };
             }
         }
         let (mut leg, mut to) = step.take(bend)?;
