@@ -106,11 +106,15 @@ impl<S: Scalar> Run<S> {
         let further = (a * n(0.5) + (j * n(1.0 / 6.0) + (fourth + fifth * s) * s) * s) * s * s;
         // Of its jerk by this clock, what does not come from the bend: that is a cubic, and missed nowhere.
         let jerk = (n(3.0) * a * g + j * r * r) * r;
+        // The clock may be let go to the last bit: what its bend leaves of its slope.
+        let left = end.slope - (g + self.bend * h);
         // What the cubic has not, of acceleration, velocity and way.
-        let gain =
-            (a * (end.rate + r) * (end.rate - r) + more * end.rate * end.rate + faster * end.slope
-                - jerk * h)
-                * h;
+        let gain = (a * (end.rate + r) * (end.rate - r)
+            + more * end.rate * end.rate
+            + faster * end.slope
+            + v * left
+            - jerk * h)
+            * h;
         let speed = faster * end.rate - (a * r * r + jerk * h * n(0.5)) * h;
         let missed = further - (a * r * r * n(0.5) + jerk * h * n(1.0 / 6.0)) * h * h;
         let per = S::ONE / h;

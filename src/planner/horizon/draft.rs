@@ -132,6 +132,11 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         if let Some((_, handover)) = slows {
             self.handover = handover;
         }
+        // A cell that was cut where the motion left it begins there: arc lengths do not go on from the stations before it, which are passed.
+        let replaced = self.draft.as_ref().and_then(|draft| draft.replaced.as_ref());
+        if let Some((cut, _)) = replaced {
+            self.window.release_before(*cut);
+        }
         self.draft.set(None);
         self.end = end;
         // The part of the window before is the same in both plans.
