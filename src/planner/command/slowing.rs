@@ -62,8 +62,8 @@ const LAST: [f64; 3] = [0.95, 0.8, 0.6];
 const LONGEST_LAST: f64 = 1.5;
 /// Share of a short cell that is left behind a rest at least.
 const LEAST_PART_LEFT: f64 = 0.25;
-/// Servo cycles that the pieces last at least which stop it.
-const SHORTEST: f64 = 0.5;
+/// Servo cycles that the pieces last at least with which it stops, or comes to its rate.
+pub(super) const SHORTEST: f64 = 0.5;
 /// A slope that is none, in parts of 1 / step.
 pub(super) const EVEN: f64 = 1.0e-5;
 

@@ -26,7 +26,8 @@
 
 use super::falling::NEARLY;
 use super::slowing::{
-    EVEN, Leg, Place, RELEASED, Released, SHORTER, STEPS_PER_SLICE, Slowing, Stepped, Stride,
+    EVEN, Leg, Place, RELEASED, Released, SHORTER, SHORTEST, STEPS_PER_SLICE, Slowing, Stepped,
+    Stride,
 };
 use crate::number::Scalar;
 use crate::number::serial::{CycleSerial, NodeSerial};
@@ -417,21 +418,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         {
             // All the way with what is needed.
             bend = bend.least(end);
-            let last = step.lasting(time, false);
-            if !stops
-                && time <= longest
-                && let Some((_, to)) = last.end(end)
-            {
-                let left = step.cell_time() - to.shown;
-                (step, bend) =
-                    if left < self.config.cycle * S::of(LEAST_CYCLES_LEFT) * to.clock.rate {
-                        // A node there would leave hardly anything of the cell.
-                        let whole = step.lasting(time, true);
-                        let even = whole.release(bends);
-                        (whole, even)
-                    } else {
-                        (last, end.least(bends[1]))
-                    };
+            if !stops && time <= longest {
+                (step, bend) = self.landing(&step, (end, time), bends).unwrap_or((step, bend));
             }
         }
         let (mut leg, mut to) = step.take(bend)?;
@@ -444,6 +432,30 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             to,
             release: Released::STOPPED,
         })
+    }
+
+    /// A step at whose end the clock has come to its rate: with the one bend and in the time that it takes, or to the end of the cell where
+    /// hardly anything would be left of that; `None` if it is too short a step.
+    fn landing<'a>(
+        &self,
+        step: &Stride<'a, S, N>,
+        (end, time): (S, S),
+        bends: [S; 2],
+    ) -> Option<(Stride<'a, S, N>, S)> {
+        let cycle = self.config.cycle;
+        if time < cycle * S::of(SHORTEST) {
+            return None;
+        }
+        let last = step.lasting(time, false);
+        let (_, to) = last.end(end)?;
+        let rate = to.clock.rate;
+        let left = (step.cell_time() - to.shown) / rate;
+        if left < cycle * S::of(LEAST_CYCLES_LEFT) {
+            let whole = step.lasting(time + left, true);
+            let even = whole.release(bends);
+            return Some((whole, even));
+        }
+        Some((last, end.least(bends[1])))
     }
 
     /// The jerk of a curved cell is bounded by that of its halves: where one was cut before its middle, what is left is cut there.
