@@ -1,6 +1,6 @@
 //! What an operator asks for while the machine moves.
 
-use super::interleave::{AtomicBool, AtomicU32};
+use super::interleave::AtomicU32;
 use core::sync::atomic::Ordering::{Acquire, Relaxed, Release};
 
 /// Greatest feed override, per cent.
@@ -18,25 +18,32 @@ const RESUMES: u32 = 0x7FFF << 2;
 /// One abort; they are counted in the fifteen bits above.
 const ABORT: u32 = 1 << 17;
 
+/// Bits of the feed override, and where that of rapids begins and the bit of single block mode is.
+const FEED: u32 = 0xFFFF;
+const RAPID: u32 = 16;
+const RAPID_BITS: u32 = 0xFF;
+const SINGLE: u32 = 1 << 24;
+/// Times that commands which come while they are read are read anew.
+const ROUNDS: usize = 3;
+
 /// The requests, as the operator's side leaves them and the planner finds them. The planner only
 /// reads: what is asked for is ended by another command, never by having been answered, so there is
 /// no moment at which a command could be lost.
 ///
-/// Commands of several contexts, on one core or on several, meet in one word that is changed by
-/// read-modify-write alone: none overwrites another. Pressing releases, [`Requests::read`] acquires it
-/// first: whoever sees a command sees the overrides and the single block mode that the same operator
-/// set before it. These three are single numbers, relaxed.
+/// Commands of several contexts, on one core or on several, meet in two words that are changed by
+/// read-modify-write alone: none overwrites another. Changing either releases, [`Requests::read`] acquires both, and the first once more
+/// behind the second: what it makes of them was asked for at one moment. A hold, and then an override that is no longer 0, are never
+/// seen as no hold with the new override, nor an override of 0 and then a resume as a resume with the old one: between what was asked for before
+/// and after, nothing moves that nobody asked for.
 #[derive(Debug)]
 pub struct Requests {
     /// Hold, stop, and the numbers of resumes and aborts, in one word: all of them at one moment, in
     /// the order in which they were pressed.
     pressed: AtomicU32,
-    single: AtomicBool,
+    /// What is set: overrides, as what they differ from 100 per cent by, and single block mode. Untouched requests are all zeros.
+    set: AtomicU32,
     /// Holds and aborts for which the stop limits were asked.
     quick: AtomicU32,
-    /// Overrides, as what they differ from 100 per cent by: untouched requests are all zeros.
-    feed: AtomicU32,
-    rapid: AtomicU32,
     /// Jogs that have been called off.
     #[cfg(feature = "jog")]
     cancels: AtomicU32,
@@ -80,22 +87,20 @@ impl Wish {
     }
 }
 
-fn per_cent(share: &AtomicU32) -> u16 {
-    share.load(Relaxed).wrapping_add(100) as u16
-}
-
-fn set_per_cent(share: &AtomicU32, percent: u16) {
-    share.store(u32::from(percent).wrapping_sub(100), Relaxed);
+impl Overrides {
+    /// Those of what is set.
+    fn of(set: u32) -> Self {
+        let rapid = MOST_RAPID.saturating_sub((set >> RAPID & RAPID_BITS) as u16);
+        Self { feed: (set & FEED).wrapping_add(100) as u16, rapid }
+    }
 }
 
 impl Requests {
     pub const fn new() -> Self {
         Self {
             pressed: AtomicU32::new(0),
-            single: AtomicBool::new(false),
+            set: AtomicU32::new(0),
             quick: AtomicU32::new(0),
-            feed: AtomicU32::new(0),
-            rapid: AtomicU32::new(0),
             #[cfg(feature = "jog")]
             cancels: AtomicU32::new(0),
             #[cfg(feature = "jog")]
@@ -115,14 +120,23 @@ impl Requests {
         self.holds.load(Relaxed)
     }
 
+    /// What is asked for.
     pub fn read(&self) -> Wish {
-        let pressed = self.pressed.load(Acquire);
+        let (pressed_now, set_now) = (|| self.pressed.load(Acquire), || self.set.load(Acquire));
+        let (mut pressed, mut set) = (pressed_now(), set_now());
+        for _ in 0..ROUNDS {
+            let now = pressed_now();
+            if now == pressed {
+                break;
+            }
+            (pressed, set) = (now, set_now());
+        }
         Wish {
             hold: pressed & HOLD != 0,
             stop: pressed & STOP != 0,
-            single: self.is_single(),
+            single: set & SINGLE != 0,
             quick: self.quick.load(Relaxed),
-            overrides: Overrides { feed: per_cent(&self.feed), rapid: per_cent(&self.rapid) },
+            overrides: Overrides::of(set),
             resumes: pressed & RESUMES,
             aborts: pressed / ABORT,
         }
@@ -135,17 +149,24 @@ impl Requests {
 
     /// Whether single block mode is on.
     pub fn is_single(&self) -> bool {
-        self.single.load(Relaxed)
+        self.set.load(Relaxed) & SINGLE != 0
     }
 
-    /// Goes round again only if a command of another context came between.
     fn press(&self, change: impl Fn(u32) -> u32) {
-        let mut pressed = self.pressed.load(Relaxed);
-        while let Err(now) =
-            self.pressed.compare_exchange(pressed, change(pressed), Release, Relaxed)
-        {
-            pressed = now;
-        }
+        exchange(&self.pressed, change);
+    }
+
+    /// Sets some bits.
+    fn set(&self, which: u32, bits: u32) {
+        exchange(&self.set, |set| set & !which | bits & which);
+    }
+}
+
+/// Goes round again only if a command of another context came between.
+fn exchange(word: &AtomicU32, change: impl Fn(u32) -> u32) {
+    let mut was = word.load(Relaxed);
+    while let Err(now) = word.compare_exchange(was, change(was), Release, Relaxed) {
+        was = now;
     }
 }
 
@@ -243,12 +264,13 @@ impl<'a> Controls<'a> {
     /// Feed override, 0 to 200 per cent of the programmed feed (more counts as 200), never beyond
     /// what the axes allow. At 0 the motion is held.
     pub fn feed_override(self, percent: u16) {
-        set_per_cent(&self.requests.feed, percent.min(MOST_FEED));
+        self.requests.set(FEED, u32::from(percent.min(MOST_FEED)).wrapping_sub(100));
     }
 
     /// Override of rapids, 0 to 100 per cent. At 0 the motion is held.
     pub fn rapid_override(self, percent: u16) {
-        set_per_cent(&self.requests.rapid, percent.min(MOST_RAPID));
+        let less = MOST_RAPID.saturating_sub(percent);
+        self.requests.set(RAPID_BITS << RAPID, u32::from(less) << RAPID);
     }
 
     /// Single block mode: rest at the end of every block until [`Controls::resume`]; what follows on with the same tag
@@ -256,6 +278,6 @@ impl<'a> Controls<'a> {
     /// joined to the next one, while the mode is on. A block whose joint was rounded before ends in the middle of the
     /// rounding.
     pub fn single_block(self, on: bool) {
-        self.requests.single.store(on, Relaxed);
+        self.requests.set(SINGLE, if on { SINGLE } else { 0 });
     }
 }

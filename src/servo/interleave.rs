@@ -7,7 +7,7 @@
 //! places: nothing that shares state with it comes in while it runs.
 
 #[cfg(not(feature = "interleave"))]
-pub use crate::number::atomic::{AtomicBool, AtomicU32};
+pub use crate::number::atomic::AtomicU32;
 
 /// A bug in the hand-over of plans, to see whether a test finds it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,7 +34,7 @@ pub const fn is_planted(_: Fault) -> bool {
 pub use super::models::is_planted;
 
 #[cfg(feature = "interleave")]
-pub use hooked::{AtomicBool, AtomicU32, is_planted, plant, point, set};
+pub use hooked::{AtomicU32, is_planted, plant, point, set};
 
 #[cfg(feature = "interleave")]
 mod hooked {
@@ -71,64 +71,55 @@ mod hooked {
         PLANTED.get() == Some(fault)
     }
 
-    macro_rules! atomic {
-        ($name:ident, $value:ty) => {
-            /// The atomic of the same name, with a [`point`] before every access.
-            #[derive(Debug)]
-            pub struct $name(atomic::$name);
-
-            impl $name {
-                pub const fn new(value: $value) -> Self {
-                    Self(atomic::$name::new(value))
-                }
-
-                pub fn load(&self, order: Ordering) -> $value {
-                    point();
-                    self.0.load(order)
-                }
-
-                pub fn store(&self, value: $value, order: Ordering) {
-                    point();
-                    self.0.store(value, order);
-                }
-
-                #[allow(dead_code)] // Not every type needs every access.
-                pub fn swap(&self, value: $value, order: Ordering) -> $value {
-                    point();
-                    self.0.swap(value, order)
-                }
-
-                #[allow(dead_code)] // As above.
-                pub fn fetch_or(&self, value: $value, order: Ordering) -> $value {
-                    point();
-                    self.0.fetch_or(value, order)
-                }
-
-                #[allow(dead_code)] // As above.
-                pub fn fetch_and(&self, value: $value, order: Ordering) -> $value {
-                    point();
-                    self.0.fetch_and(value, order)
-                }
-
-                #[allow(dead_code)] // As above.
-                pub fn compare_exchange(
-                    &self,
-                    old: $value,
-                    new: $value,
-                    done: Ordering,
-                    failed: Ordering,
-                ) -> Result<$value, $value> {
-                    point();
-                    self.0.compare_exchange(old, new, done, failed)
-                }
-            }
-        };
-    }
-
-    atomic!(AtomicBool, bool);
-    atomic!(AtomicU32, u32);
+    /// The atomic of the same name, with a [`point`] before every access.
+    #[derive(Debug)]
+    pub struct AtomicU32(atomic::AtomicU32);
 
     impl AtomicU32 {
+        pub const fn new(value: u32) -> Self {
+            Self(atomic::AtomicU32::new(value))
+        }
+
+        pub fn load(&self, order: Ordering) -> u32 {
+            point();
+            self.0.load(order)
+        }
+
+        pub fn store(&self, value: u32, order: Ordering) {
+            point();
+            self.0.store(value, order);
+        }
+
+        #[allow(dead_code)] // Not every set of features needs every access.
+        pub fn swap(&self, value: u32, order: Ordering) -> u32 {
+            point();
+            self.0.swap(value, order)
+        }
+
+        #[allow(dead_code)] // As above.
+        pub fn fetch_or(&self, value: u32, order: Ordering) -> u32 {
+            point();
+            self.0.fetch_or(value, order)
+        }
+
+        #[allow(dead_code)] // As above.
+        pub fn fetch_and(&self, value: u32, order: Ordering) -> u32 {
+            point();
+            self.0.fetch_and(value, order)
+        }
+
+        #[allow(dead_code)] // As above.
+        pub fn compare_exchange(
+            &self,
+            old: u32,
+            new: u32,
+            done: Ordering,
+            failed: Ordering,
+        ) -> Result<u32, u32> {
+            point();
+            self.0.compare_exchange(old, new, done, failed)
+        }
+
         #[allow(dead_code)] // As above.
         pub fn fetch_add(&self, value: u32, order: Ordering) -> u32 {
             point();

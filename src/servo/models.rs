@@ -261,6 +261,24 @@ fn commands_before_a_hold() {
     assert_eq!(aborts, 0);
 }
 
+/// What is seen was asked for at one moment: a motion that is held throughout, first by an override of 0 and then by a hold, or the other way
+/// round, is never seen as one that goes.
+fn held_throughout() {
+    let (_, _, requests) = core();
+    Controls::new(requests).feed_override(0);
+    let operator = spawn(move || {
+        let controls = Controls::new(requests);
+        controls.hold();
+        controls.feed_override(60);
+        controls.rapid_override(0);
+        controls.resume();
+    });
+    let wish = requests.read();
+    assert!(wish.holds(), "{wish:?}");
+    operator.join().unwrap();
+    assert!(requests.read().holds());
+}
+
 /// Events come out as they were put in, and a place is used again only when it has been read.
 #[cfg(feature = "wire")]
 fn events() {
@@ -330,6 +348,7 @@ const MODELS: &[(&str, fn())] = &[
     ("verdicts", verdicts),
     ("commands", commands),
     ("commands before a hold", commands_before_a_hold),
+    ("held throughout", held_throughout),
     #[cfg(feature = "wire")]
     ("events", events),
     #[cfg(feature = "probe")]

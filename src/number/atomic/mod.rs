@@ -2,12 +2,10 @@
 //! [loom](https://docs.rs/loom), which tries every interleaving and every value that the memory model lets a load
 //! see. See `servo/models.rs`.
 
-#[cfg(not(any(feature = "interleave", all(test, loom))))]
-pub use core::sync::atomic::AtomicBool;
 #[cfg(not(all(test, loom)))]
 pub use core::sync::atomic::{AtomicU32, fence};
 
 #[cfg(all(test, loom))]
 pub mod modelled;
 #[cfg(all(test, loom))]
-pub use modelled::{AtomicBool, AtomicU32, fence};
+pub use modelled::{AtomicU32, fence};

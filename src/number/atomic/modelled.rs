@@ -67,46 +67,37 @@ pub fn fence(order: Ordering) {
     }
 }
 
-macro_rules! atomic {
-    ($name:ident, $value:ty) => {
-        /// The model checker's atomic, made at its first use: before a second thread knows of it.
-        pub struct $name {
-            start: $value,
-            model: OnceLock<loom::sync::atomic::$name>,
-        }
-
-        impl core::fmt::Debug for $name {
-            fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-                self.start.fmt(f)
-            }
-        }
-
-        impl $name {
-            pub const fn new(start: $value) -> Self {
-                Self { start, model: OnceLock::new() }
-            }
-
-            fn model(&self) -> &loom::sync::atomic::$name {
-                self.model.get_or_init(|| loom::sync::atomic::$name::new(self.start))
-            }
-
-            #[track_caller]
-            pub fn load(&self, order: Ordering) -> $value {
-                self.model().load(at(order, Location::caller()))
-            }
-
-            #[track_caller]
-            pub fn store(&self, value: $value, order: Ordering) {
-                self.model().store(value, at(order, Location::caller()));
-            }
-        }
-    };
+/// The model checker's atomic, made at its first use: before a second thread knows of it.
+pub struct AtomicU32 {
+    start: u32,
+    model: OnceLock<loom::sync::atomic::AtomicU32>,
 }
 
-atomic!(AtomicBool, bool);
-atomic!(AtomicU32, u32);
+impl core::fmt::Debug for AtomicU32 {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        self.start.fmt(f)
+    }
+}
 
 impl AtomicU32 {
+    pub const fn new(start: u32) -> Self {
+        Self { start, model: OnceLock::new() }
+    }
+
+    fn model(&self) -> &loom::sync::atomic::AtomicU32 {
+        self.model.get_or_init(|| loom::sync::atomic::AtomicU32::new(self.start))
+    }
+
+    #[track_caller]
+    pub fn load(&self, order: Ordering) -> u32 {
+        self.model().load(at(order, Location::caller()))
+    }
+
+    #[track_caller]
+    pub fn store(&self, value: u32, order: Ordering) {
+        self.model().store(value, at(order, Location::caller()));
+    }
+
     #[track_caller]
     pub fn fetch_or(&self, value: u32, order: Ordering) -> u32 {
         self.model().fetch_or(value, at(order, Location::caller()))
