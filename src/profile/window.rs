@@ -277,6 +277,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
     }
 
     /// Forgets the stations before the one with this running number.
+    #[inline(never)]
     pub fn release_before(&mut self, serial: NodeSerial) {
         // At most the whole window.
         for _ in 0..NODES {

@@ -12,9 +12,10 @@ pub const MOST_RAPID: u16 = 100;
 const HOLD: u32 = 1;
 /// A stop is in force.
 const STOP: u32 = 2;
-/// One resume; resumes are counted in fifteen bits.
+/// One resume; resumes are counted in fourteen bits, and one more takes what they carry over.
 const RESUME: u32 = 1 << 2;
 const RESUMES: u32 = 0x7FFF << 2;
+const CARRY: u32 = 1 << 16;
 /// One abort; they are counted in the fifteen bits above.
 const ABORT: u32 = 1 << 17;
 
@@ -152,20 +153,25 @@ impl Requests {
         self.set.load(Relaxed) & SINGLE != 0
     }
 
-    fn press(&self, change: impl Fn(u32) -> u32) {
-        exchange(&self.pressed, change);
+    /// Of what is pressed, some bits are kept and others added.
+    fn press(&self, kept: u32, added: u32) {
+        change(&self.pressed, kept, added);
     }
 
     /// Sets some bits.
     fn set(&self, which: u32, bits: u32) {
-        exchange(&self.set, |set| set & !which | bits & which);
+        change(&self.set, !which, bits & which);
     }
 }
 
 /// Goes round again only if a command of another context came between.
-fn exchange(word: &AtomicU32, change: impl Fn(u32) -> u32) {
+// Once in the image.
+#[inline(never)]
+fn change(word: &AtomicU32, kept: u32, added: u32) {
     let mut was = word.load(Relaxed);
-    while let Err(now) = word.compare_exchange(was, change(was), Release, Relaxed) {
+    while let Err(now) =
+        word.compare_exchange(was, (was & kept).wrapping_add(added), Release, Relaxed)
+    {
         was = now;
     }
 }
@@ -234,10 +240,7 @@ impl<'a> Controls<'a> {
 
     /// Ends a hold or a stop, and the rest at a pause; in single block mode, runs the next block.
     pub fn resume(self) {
-        self.requests.press(|pressed| {
-            let resumes = pressed.wrapping_add(RESUME) & RESUMES;
-            pressed & !(HOLD | STOP | RESUMES) | resumes
-        });
+        self.requests.press(!(HOLD | STOP | CARRY), RESUME);
     }
 
     /// Finish the block under way, then rest until [`Controls::resume`]. If the motion is too fast
@@ -252,7 +255,7 @@ impl<'a> Controls<'a> {
     /// until [`Planner::acknowledge_abort`](crate::Planner::acknowledge_abort),
     /// [`Planner::push`](crate::Planner::push) takes no block.
     pub fn abort(self) {
-        self.requests.press(|pressed| (pressed & !(HOLD | STOP)).wrapping_add(ABORT));
+        self.requests.press(!(HOLD | STOP), ABORT);
     }
 
     /// The same by the stop limits ([`Config::stop_limits`](crate::Config)).

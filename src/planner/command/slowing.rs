@@ -555,6 +555,11 @@ impl<'a, S: Scalar, const N: usize> Stride<'a, S, N> {
         Self { time, to_end, ..*self }
     }
 
+    /// Becomes one for another time.
+    pub(super) fn last(&mut self, time: S, to_end: bool) {
+        (self.time, self.to_end) = (time, to_end);
+    }
+
     /// The bends at which the limits are kept.
     #[inline(never)]
     pub(super) fn bends(&self, limits: &Limits<S, N>, share: S) -> Option<[S; 2]> {

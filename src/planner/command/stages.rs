@@ -36,6 +36,7 @@ use crate::planner::effort::Work;
 use crate::planner::horizon::{Handover, Horizon, Moment, Proposal};
 use crate::planner::phase::Halt;
 use crate::profile::clock::{Clock, Shape};
+use crate::profile::slowed::Run;
 use crate::servo::link::Branch;
 use crate::servo::piece::{Piece, Sequel};
 
@@ -333,8 +334,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         for left in (0..=RELEASES_PER_SLICE).rev() {
             let place = slowing.place;
             let stretch = proposal.stretch;
-            // To the last bit: a slope that is left would be a leap of the acceleration.
-            if !(place.clock.slope.abs() > S::ZERO) {
+            if is_even(place.clock) {
                 // Within a cell there is no node from which it could go on so.
                 let within = place.shown > S::ZERO;
                 return if within {
@@ -363,7 +363,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             if rests && slowing.staging.falls() {
                 return Marched::Nothing;
             }
-            if !rests && is_even(to.clock, slowing.step) {
+            if !rests && is_even(to.clock) {
                 if !self.put_node_at(to, proposal) {
                     return Marched::Nothing;
                 }
@@ -401,6 +401,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         stops: bool,
     ) -> Option<Stepped<S>> {
         let Slowing { place, step: longest, share, quick, .. } = *slowing;
+        let floor = slowing.staging.floor;
         let limits = &self.limits_over(place.cell, quick);
         let shape = Shape::of(piece);
         let mut step = Stride::new(&shape, place, longest);
@@ -414,48 +415,52 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         }
         let mut bend = step.release(bends);
         if (stops || slowing.staging.has_fallen())
-            && let Some((end, time)) = place.clock.above(slowing.staging.floor).end()
+            && let Some((end, time)) = place.clock.above(floor).end()
         {
             // All the way with what is needed.
             bend = bend.least(end);
             if !stops && time <= longest {
-                (step, bend) = self.landing(&step, (end, time), bends).unwrap_or((step, bend));
+                bend = self.land_at(floor, place, &mut step, (end, time, bends)).unwrap_or(bend);
             }
         }
         let (mut leg, mut to) = step.take(bend)?;
-        if is_even(to.clock, longest) {
-            // To the last bit.
-            (to.clock.slope, leg.run.to.slope) = (S::ZERO, S::ZERO);
+        let mut keeps = false;
+        if is_nearly_even(to.clock, longest) {
+            // To the last bit, if a limit leaves room for that; or else with the next step.
+            let clock = Clock { slope: S::ZERO, ..to.clock };
+            let even = Leg { run: Run { to: clock, ..leg.run }, ..leg };
+            keeps = even.keeps(piece, limits);
+            if keeps {
+                (leg, to.clock) = (even, clock);
+            }
         }
-        leg.keeps(piece, limits).then_some(Stepped {
+        (keeps || leg.keeps(piece, limits)).then_some(Stepped {
             legs: [Some(leg), None],
             to,
             release: Released::STOPPED,
         })
     }
 
-    /// A step at whose end the clock has come to its rate: with the one bend and in the time that it takes, or to the end of the cell where
-    /// hardly anything would be left of that; `None` if it is too short a step.
-    fn landing<'a>(
+    /// Makes a step one at whose end the clock has come to a rate, with the one bend and in the time that it takes, or to the end of the cell
+    /// where hardly anything would be left of that. Returns the bend; `None` if it would be too short a step or goes beyond the cell: then it stays.
+    fn land_at(
         &self,
-        step: &Stride<'a, S, N>,
-        (end, time): (S, S),
-        bends: [S; 2],
-    ) -> Option<(Stride<'a, S, N>, S)> {
+        rate: S,
+        place: Place<S>,
+        step: &mut Stride<'_, S, N>,
+        (end, time, bends): (S, S, [S; 2]),
+    ) -> Option<S> {
         let cycle = self.config.cycle;
-        if time < cycle * S::of(SHORTEST) {
+        let left = (step.cell_time() - place.shown - place.clock.shown(time, end)) / rate;
+        if !(left > S::ZERO) || time < cycle * S::of(SHORTEST) {
             return None;
         }
-        let last = step.lasting(time, false);
-        let (_, to) = last.end(end)?;
-        let rate = to.clock.rate;
-        let left = (step.cell_time() - to.shown) / rate;
         if left < cycle * S::of(LEAST_CYCLES_LEFT) {
-            let whole = step.lasting(time + left, true);
-            let even = whole.release(bends);
-            return Some((whole, even));
+            step.last(time + left, true);
+            return Some(step.release(bends));
         }
-        Some((last, end.least(bends[1])))
+        step.last(time, false);
+        Some(end.least(bends[1]))
     }
 
     /// The jerk of a curved cell is bounded by that of its halves: where one was cut before its middle, what is left is cut there.
@@ -516,7 +521,12 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 }
 
-/// Whether a clock goes evenly, but for a rounding.
-fn is_even<S: Scalar>(clock: Clock<S>, step: S) -> bool {
+/// Whether a clock goes evenly, to the last bit: a slope that is left would be a leap of the acceleration.
+fn is_even<S: Scalar>(clock: Clock<S>) -> bool {
+    !(clock.slope.abs() > S::ZERO)
+}
+
+/// The same but for a rounding.
+fn is_nearly_even<S: Scalar>(clock: Clock<S>, step: S) -> bool {
     (clock.slope * step).abs() < S::of(EVEN)
 }
