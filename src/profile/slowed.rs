@@ -258,6 +258,23 @@ mod tests {
         assert!((last.path_speed - speed * run.to.rate).abs() < 1.0e-9);
     }
 
+    /// A clock whose bend leaves a hundredth of its slope, and which is said to go evenly at the end: so does the motion.
+    #[test]
+    fn a_clock_that_is_let_go_to_the_last_bit_leaves_no_leap() {
+        let bend = -SLOWS.slope / TIME * 0.99;
+        let to = Clock { slope: 0.0, ..SLOWS.after(TIME, bend) };
+        let run = Run { time: TIME, bend, from: SLOWS, to };
+        let last = 5.0e-3 + SLOWS.shown(TIME, bend);
+        let end = run.piece(&piece(), [5.0e-3, last], Sequel::Motion).at(TIME);
+        let agreed = piece().at(last);
+        for i in 0..2 {
+            let (v, a) = (agreed.velocity[i] * to.rate, agreed.acceleration[i] * to.rate * to.rate);
+            assert!((end.velocity[i] - v).abs() < 1.0e-9, "{} {v}", end.velocity[i]);
+            assert!((end.acceleration[i] - a).abs() < 1.0e-6, "{} {a}", end.acceleration[i]);
+            assert!((end.position_mm(i) - agreed.position_mm(i)).abs() < 1.0e-9);
+        }
+    }
+
     /// A motion that comes to rest by its own clock as well, the sooner the less is left of it where the clock stops.
     #[test]
     fn a_path_that_stops_never_goes_back() {

@@ -284,3 +284,51 @@ impl<'a> Controls<'a> {
         self.requests.set(SINGLE, if on { SINGLE } else { 0 });
     }
 }
+
+// Of one context; `models.rs` has those of several.
+#[cfg(all(test, not(loom)))]
+mod tests {
+    use super::*;
+
+    /// Longer than any of the numbers can count.
+    #[test]
+    fn a_resume_and_an_abort_are_never_like_the_ones_before() {
+        let requests = Requests::new();
+        let controls = Controls::new(&requests);
+        let mut before = requests.read();
+        for i in 0..100_000 {
+            controls.hold();
+            controls.stop();
+            if i % 3 == 0 {
+                controls.abort();
+            } else {
+                controls.resume();
+            }
+            let now = requests.read();
+            assert!(!now.hold && !now.stop);
+            let changed = (now.resumes != before.resumes, now.aborts != before.aborts);
+            assert_eq!(changed, (i % 3 != 0, i % 3 == 0), "{i}");
+            before = now;
+        }
+    }
+
+    #[test]
+    fn what_is_set_is_what_is_read() {
+        let requests = Requests::new();
+        let controls = Controls::new(&requests);
+        assert_eq!(requests.read().overrides, Overrides::PROGRAMMED);
+        for feed in [0, 1, 99, 100, 101, 200, u16::MAX] {
+            for rapid in [0, 1, 25, 99, 100, u16::MAX] {
+                for single in [false, true] {
+                    controls.feed_override(feed);
+                    controls.rapid_override(rapid);
+                    controls.single_block(single);
+                    let Wish { overrides, single: read, .. } = requests.read();
+                    let wanted =
+                        Overrides { feed: feed.min(MOST_FEED), rapid: rapid.min(MOST_RAPID) };
+                    assert_eq!((overrides, read), (wanted, single));
+                }
+            }
+        }
+    }
+}
