@@ -34,6 +34,8 @@ pub struct Interpolator<'a, S: Scalar, const N: usize> {
 
 /// Pieces of a plan that may begin within one servo cycle: each lasts a quarter of one, but for its rounding.
 const PIECES_PER_TICK: usize = 5;
+/// That, in servo cycles; a shorter one would be run with what rounding makes of it, too.
+const LEAST_PIECE: f64 = 0.24;
 /// Pieces of the plan under way that may begin in the servo cycle in which another branches off: behind more, which are
 /// short, the other is refused in the next cycle, as one that comes too late.
 const BEFORE_BRANCH: usize = 2;
@@ -194,7 +196,7 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
 
     /// Whether that is as long as a piece is at least, but for its rounding.
     fn lasts(&self, time: S) -> bool {
-        time >= self.cycle * S::of(0.24)
+        time >= self.cycle * S::of(LEAST_PIECE)
     }
 
     /// A piece is under way.
