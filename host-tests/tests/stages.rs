@@ -140,7 +140,7 @@ fn run<S: Scalar>(path: &Path, presses: &[(u32, Press)], slices: u32, until: Unt
     let (mut planner, mut interpolator) =
         link.split(settings, coordinates(path.points[0])).unwrap();
     let controls = planner.controls();
-    // As the judge has it; in `f32` the difference of two accelerations has their rounding besides.
+    // The difference of two accelerations has their rounding.
     let rounding = 1.0e-4;
     let (mut next, mut before, mut speeds) = (0, None::<[f64; AXES]>, Vec::new());
     for cycle in 0..LONGEST {

@@ -11,6 +11,9 @@ use crate::number::Scalar;
 #[cfg(feature = "shaping")]
 const NANOMETRE: f64 = 1.0e-6;
 
+/// A cell takes at least this share of a servo cycle, a standstill too: a tick passes few of them.
+pub(crate) const LEAST_CYCLE_SHARE: f64 = 0.25;
+
 /// How the corners between straight lines are rounded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -16,6 +16,7 @@ mod size;
 #[cfg(feature = "travel")]
 mod travel;
 
+pub(crate) use config::LEAST_CYCLE_SHARE;
 pub use config::{Config, CornerMode};
 pub use error::ConfigError;
 #[cfg(feature = "shaping")]

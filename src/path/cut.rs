@@ -3,7 +3,7 @@
 use super::node::{Cell, Node};
 use super::queued::{Joint, QueuedBlock};
 use super::segment::Segment;
-use crate::machine::{Limits, Ramp};
+use crate::machine::{LEAST_CYCLE_SHARE, Limits, Ramp};
 use crate::number::vector::{norm, zero};
 use crate::number::{Interval, Length, Scalar};
 
@@ -59,12 +59,9 @@ const MOST_DWELL_CYCLES: f64 = 1_048_576.0;
 /// Halvings of 2^20 s down to a dwell of that many of the shortest cycles.
 const HALVINGS: u32 = 20;
 
-/// Servo cycles that a standstill takes at least, like any other cell (`profile::bounds`): a tick passes few.
-const LEAST_DWELL_CYCLES: f64 = 0.25;
-
 /// How long, s, the motion stands where a dwell asks for less than a cell takes.
 pub fn dwell_time<S: Scalar>(dwell: S, cycle: S) -> S {
-    dwell.greatest(cycle * S::of(LEAST_DWELL_CYCLES))
+    dwell.greatest(cycle * S::of(LEAST_CYCLE_SHARE))
 }
 
 /// The part of a dwell, s, that goes into one cell: a power of two, so that what is left is exact.

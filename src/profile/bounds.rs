@@ -1,6 +1,6 @@
 //! What bounds the motion over a cell besides its shape: speed, and on a straight acceleration and jerk.
 
-use crate::machine::{AxisLimits, LimitSets, Limits, UNLIMITED};
+use crate::machine::{AxisLimits, LEAST_CYCLE_SHARE, LimitSets, Limits, UNLIMITED};
 use crate::number::Scalar;
 use crate::number::vector::{Vector, norm};
 use crate::path::node::{Cell, Node};
@@ -16,9 +16,6 @@ const MOTOR_RESERVE: f64 = 5.0e-4;
 /// Jerk along a cell that is not straight, mm/s^3: its axes bound it in other places. A guess takes the root of it, and that
 /// of [`UNLIMITED`] would hold speeds down over cells of micrometres.
 const NO_JERK_LIMIT: f64 = 1.0e15;
-
-/// A cell takes at least this share of a servo cycle, so that a tick passes few of them.
-pub const LEAST_CYCLE_SHARE: f64 = 0.25;
 
 /// How fast the machine may go, and is asked to.
 #[derive(Clone, Copy, Debug)]

@@ -21,6 +21,8 @@ const SHARE: f64 = 0.998;
 const STEEPEST: f64 = 4.0;
 /// Share of a time that is a rounding.
 const ROUNDED: f64 = 1.0e-3;
+/// A slope that is none, in parts of 1 / step.
+const EVEN: f64 = 1.0e-5;
 /// Rounds of Newton's method for the time at which the clock shows something.
 const ROUNDS: usize = 4;
 
@@ -104,6 +106,16 @@ impl<S: Scalar> Clock<S> {
         let half = slows * slows * S::of(0.5);
         let first = ((half + bend * self.rate).sqrt() - slows) / bend;
         (first >= S::ZERO).then(|| [first, first + slows / bend])
+    }
+
+    /// Whether it goes evenly, to the last bit: a slope that is left would be a leap of the acceleration.
+    pub fn is_even(self) -> bool {
+        !(self.slope.abs() > S::ZERO)
+    }
+
+    /// The same but for a rounding, for steps of a duration, s.
+    pub fn is_nearly_even(self, step: S) -> bool {
+        (self.slope * step).abs() < S::of(EVEN)
     }
 
     /// By how much it goes faster than a rate.

@@ -90,25 +90,11 @@ mod hooked {
             self.0.store(value, order);
         }
 
-        #[allow(dead_code)] // Not every set of features needs every access.
-        pub fn swap(&self, value: u32, order: Ordering) -> u32 {
-            point();
-            self.0.swap(value, order)
-        }
-
-        #[allow(dead_code)] // As above.
         pub fn fetch_or(&self, value: u32, order: Ordering) -> u32 {
             point();
             self.0.fetch_or(value, order)
         }
 
-        #[allow(dead_code)] // As above.
-        pub fn fetch_and(&self, value: u32, order: Ordering) -> u32 {
-            point();
-            self.0.fetch_and(value, order)
-        }
-
-        #[allow(dead_code)] // As above.
         pub fn compare_exchange(
             &self,
             old: u32,
@@ -120,7 +106,6 @@ mod hooked {
             self.0.compare_exchange(old, new, done, failed)
         }
 
-        #[allow(dead_code)] // As above.
         pub fn fetch_add(&self, value: u32, order: Ordering) -> u32 {
             point();
             self.0.fetch_add(value, order)

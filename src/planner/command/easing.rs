@@ -15,7 +15,7 @@
 
 use super::Flow;
 use super::slowing::{Ahead, Place, Stride};
-use crate::machine::{LimitSets, Limits, UNLIMITED};
+use crate::machine::{LEAST_CYCLE_SHARE, LimitSets, Limits, UNLIMITED};
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::planner::Planner;
@@ -23,7 +23,6 @@ use crate::planner::horizon::{Horizon, Moment, Proposal};
 use crate::planner::making::{Purpose, Stage};
 use crate::planner::phase::Halt;
 use crate::profile::barrier::Slack;
-use crate::profile::bounds::LEAST_CYCLE_SHARE;
 use crate::profile::clock::Clock;
 use crate::profile::law::{Law, PathState};
 use crate::profile::relaxation::Relaxation;
@@ -59,8 +58,6 @@ const NEARLY: f64 = 0.03;
 const FAR_BELOW: f64 = 0.2;
 /// Servo cycles that are left of a cell at least where the motion has come to its speed in it.
 const LEAST_LEFT: f64 = 2.0;
-/// A slope that is none, in parts of 1 / step.
-const EVEN: f64 = 1.0e-5;
 /// The clock may become slower than it is to be by this share.
 const SLOWER: f64 = 0.01;
 /// And may go evenly when it is faster by no more than this.
@@ -424,7 +421,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             if !(place.clock.rate >= least) {
                 return false;
             }
-            if (place.clock.slope * easing.step).abs() < S::of(EVEN) {
+            if place.clock.is_nearly_even(easing.step) {
                 return place.clock.rate <= S::ONE;
             }
             let Some(left) = strides.checked_sub(1) else { return false };
@@ -463,8 +460,8 @@ fn by_clock<S: Scalar, const N: usize>(station: &Station<S, N>, clock: Clock<S>)
 impl<S: Scalar> Easing<S> {
     /// Whether the clock goes as it is to go.
     fn is_even(&self) -> bool {
-        let Clock { rate, slope } = self.clock;
-        (slope * self.step).abs() < S::of(EVEN) && rate <= self.rate * S::of(1.0 + FASTER)
+        let clock = self.clock;
+        clock.is_nearly_even(self.step) && clock.rate <= self.rate * S::of(1.0 + FASTER)
     }
 
     /// Duration of the next step, s: none takes the clock beyond its rate by its slope alone.

@@ -63,9 +63,9 @@ const LONGEST_LAST: f64 = 1.5;
 /// Share of a short cell that is left behind a rest at least.
 const LEAST_PART_LEFT: f64 = 0.25;
 /// Servo cycles that the pieces last at least with which it stops, or comes to its rate.
-pub(super) const SHORTEST: f64 = 0.5;
-/// A slope that is none, in parts of 1 / step.
-pub(super) const EVEN: f64 = 1.0e-5;
+const SHORTEST: f64 = 0.5;
+/// Servo cycles that are left of a cell at least behind a node where the clock begins to go evenly within it.
+const LEAST_CYCLES_LEFT: f64 = 2.0;
 
 /// The rest that the plan comes to anyway is taken if the shortest stop takes as long but for this factor and
 /// so many servo cycles.
@@ -488,7 +488,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             if !(place.clock.rate > floor) {
                 return None;
             }
-            if (place.clock.slope * longest).abs() < S::of(EVEN) || place.cell >= stretch.last {
+            if place.clock.is_nearly_even(longest) || place.cell >= stretch.last {
                 let rate = place.clock.rate;
                 return (rate <= S::ONE).then_some(Released { steps, rate });
             }
@@ -555,9 +555,26 @@ impl<'a, S: Scalar, const N: usize> Stride<'a, S, N> {
         Self { time, to_end, ..*self }
     }
 
-    /// Becomes one for another time.
-    pub(super) fn last(&mut self, time: S, to_end: bool) {
-        (self.time, self.to_end) = (time, to_end);
+    /// Becomes one at whose end the clock has come to a rate, with the one bend and in the time that it takes, or to the end of the cell where
+    /// hardly anything would be left of that. Returns the bend; `None` if it would be too short or go beyond the cell: then it stays.
+    pub(super) fn land(
+        &mut self,
+        rate: S,
+        (end, time, bends): (S, S, [S; 2]),
+        cycle: S,
+    ) -> Option<S> {
+        let Place { shown, clock, .. } = self.place;
+        let left = (self.shape.time - shown - clock.shown(time, end)) / rate;
+        if !(left > S::ZERO) || time < cycle * S::of(SHORTEST) {
+            return None;
+        }
+        self.to_end = left < cycle * S::of(LEAST_CYCLES_LEFT);
+        if self.to_end {
+            self.time = time + left;
+            return Some(self.release(bends));
+        }
+        self.time = time;
+        Some(end.least(bends[1]))
     }
 
     /// The bends at which the limits are kept.

@@ -26,8 +26,7 @@
 
 use super::falling::NEARLY;
 use super::slowing::{
-    EVEN, Leg, Place, RELEASED, Released, SHORTER, SHORTEST, STEPS_PER_SLICE, Slowing, Stepped,
-    Stride,
+    Leg, Place, RELEASED, Released, SHORTER, STEPS_PER_SLICE, Slowing, Stepped, Stride,
 };
 use crate::number::Scalar;
 use crate::number::serial::{CycleSerial, NodeSerial};
@@ -62,8 +61,6 @@ const RELEASES: u8 = 6;
 const MORE_PIECES: usize = 3;
 /// A clock that would go evenly faster than it is to by less than this share is taken all the way.
 const NEAR: f64 = 0.03;
-/// Servo cycles that are left of a cell at least behind a node where the clock begins to go evenly within it.
-const LEAST_CYCLES_LEFT: f64 = 2.0;
 /// Share of its rate that a clock must have left when it goes evenly.
 pub(super) const LEAST_LEFT: f64 = 0.1;
 
@@ -334,7 +331,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         for left in (0..=RELEASES_PER_SLICE).rev() {
             let place = slowing.place;
             let stretch = proposal.stretch;
-            if is_even(place.clock) {
+            if place.clock.is_even() {
                 // Within a cell there is no node from which it could go on so.
                 let within = place.shown > S::ZERO;
                 return if within {
@@ -363,7 +360,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             if rests && slowing.staging.falls() {
                 return Marched::Nothing;
             }
-            if !rests && is_even(to.clock) {
+            if !rests && to.clock.is_even() {
                 if !self.put_node_at(to, proposal) {
                     return Marched::Nothing;
                 }
@@ -420,12 +417,13 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             // All the way with what is needed.
             bend = bend.least(end);
             if !stops && time <= longest {
-                bend = self.land_at(floor, place, &mut step, (end, time, bends)).unwrap_or(bend);
+                let lands = step.land(floor, (end, time, bends), self.config.cycle);
+                bend = lands.unwrap_or(bend);
             }
         }
         let (mut leg, mut to) = step.take(bend)?;
         let mut keeps = false;
-        if is_nearly_even(to.clock, longest) {
+        if to.clock.is_nearly_even(longest) {
             // To the last bit, if a limit leaves room for that; or else with the next step.
             let clock = Clock { slope: S::ZERO, ..to.clock };
             let even = Leg { run: Run { to: clock, ..leg.run }, ..leg };
@@ -439,28 +437,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             to,
             release: Released::STOPPED,
         })
-    }
-
-    /// Makes a step one at whose end the clock has come to a rate, with the one bend and in the time that it takes, or to the end of the cell
-    /// where hardly anything would be left of that. Returns the bend; `None` if it would be too short a step or goes beyond the cell: then it stays.
-    fn land_at(
-        &self,
-        rate: S,
-        place: Place<S>,
-        step: &mut Stride<'_, S, N>,
-        (end, time, bends): (S, S, [S; 2]),
-    ) -> Option<S> {
-        let cycle = self.config.cycle;
-        let left = (step.cell_time() - place.shown - place.clock.shown(time, end)) / rate;
-        if !(left > S::ZERO) || time < cycle * S::of(SHORTEST) {
-            return None;
-        }
-        if left < cycle * S::of(LEAST_CYCLES_LEFT) {
-            step.last(time + left, true);
-            return Some(step.release(bends));
-        }
-        step.last(time, false);
-        Some(end.least(bends[1]))
     }
 
     /// The jerk of a curved cell is bounded by that of its halves: where one was cut before its middle, what is left is cut there.
@@ -519,14 +495,4 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         }
         Marched::Evens { next, rate }
     }
-}
-
-/// Whether a clock goes evenly, to the last bit: a slope that is left would be a leap of the acceleration.
-fn is_even<S: Scalar>(clock: Clock<S>) -> bool {
-    !(clock.slope.abs() > S::ZERO)
-}
-
-/// The same but for a rounding.
-fn is_nearly_even<S: Scalar>(clock: Clock<S>, step: S) -> bool {
-    (clock.slope * step).abs() < S::of(EVEN)
 }

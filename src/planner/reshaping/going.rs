@@ -1,9 +1,8 @@
 //! The agreed motion as reshaping sees it: states by time, and the line that each is in.
 
-use crate::machine::Config;
+use crate::machine::{Config, LEAST_CYCLE_SHARE};
 use crate::number::{Coord, Scalar};
 use crate::planner::horizon::Horizon;
-use crate::profile::bounds::LEAST_CYCLE_SHARE;
 use crate::reshape::{Agreed, Line, Onward, Places, State};
 use heapless::Vec;
 

@@ -2,10 +2,10 @@
 
 use super::going::Going;
 use super::{POINTS, STATIONS};
+use crate::machine::LEAST_CYCLE_SHARE;
 use crate::number::vector::{dot, norm, sub};
 use crate::number::{Coord, Scalar};
 use crate::path::node::{Cell, Node, Programmed};
-use crate::profile::bounds::LEAST_CYCLE_SHARE;
 use crate::profile::law::{Law, PathState};
 use crate::profile::window::Station;
 use crate::reshape::{Bounds, Window};
