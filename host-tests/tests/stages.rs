@@ -7,18 +7,21 @@ use common::soak;
 use splineway::{
     Activity, AxisLimits, Block, Config, Controls, Coord, Limits, Link, Progress, PushError, Scalar,
 };
+use splineway_studies::paths::Made;
 
 const AXES: usize = 2;
 const VELOCITY: f64 = 200.0;
 const ACCELERATION: f64 = 2000.0;
 const JERK: f64 = 50_000.0;
 const TOLERANCE: f64 = 0.05;
-/// s.
+/// Servo cycle, s.
 const CYCLE: f64 = 1.0e-3;
+/// And others, in `f64`: in short ones rounding of `f32` is felt as jerk.
+const CYCLES: [f64; 4] = [CYCLE, 0.25e-3, 0.5e-3, 2.0e-3];
 /// Slices in a servo cycle where planning takes no time.
 const ALL: u32 = 20_000;
 /// Servo cycles of a run at most.
-const LONGEST: u32 = 30_000;
+const LONGEST: u32 = 60_000;
 /// A speed that differs by more shows, mm/s.
 const SHOWN: f64 = 0.1;
 /// Two motions are the same as long as their speeds differ by less, mm/s, for so many servo cycles.
@@ -55,6 +58,8 @@ impl Draw {
 struct Path {
     points: Vec<Point>,
     feed: f64,
+    /// Servo cycle, s.
+    cycle: f64,
 }
 
 impl Path {
@@ -75,7 +80,7 @@ impl Path {
         // To the nanometre, as the core has it.
         let grid = |mm: f64| (mm * 1.0e6).round() * 1.0e-6;
         let points = points.into_iter().map(|at| at.map(grid)).collect();
-        Self { points, feed: draw.between(20.0, 200.0) }
+        Self { points, feed: draw.between(20.0, 200.0), cycle: CYCLE }
     }
 
     /// Distance of a place from the lines, mm.
@@ -88,6 +93,14 @@ impl Path {
             f64::hypot(at[0] - ax - t * dx, at[1] - ay - t * dy)
         };
         self.points.windows(2).map(apart).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Some lines in a row of a tool path.
+    fn stretch(draw: &mut Draw, of: &Made, cycle: f64) -> Self {
+        let count = of.points.len().min(20 + (draw.share() * 380.0) as usize);
+        let first = (draw.share() * (of.points.len() - count) as f64) as usize;
+        let points = of.points[first..first + count].iter().map(|[x, y, _]| [*x, *y]).collect();
+        Self { points, feed: draw.between(50.0, 200.0), cycle }
     }
 
     fn end(&self) -> Point {
@@ -104,6 +117,15 @@ enum Press {
 }
 
 impl Press {
+    fn any(draw: &mut Draw) -> Self {
+        match (draw.share() * 8.0) as u32 {
+            0 | 1 => Self::Hold,
+            2 | 3 => Self::Resume,
+            4 => Self::Stop,
+            _ => Self::Feed(draw.between(1.0, 200.0) as u16),
+        }
+    }
+
     fn send(self, controls: Controls<'_>) {
         match self {
             Self::Hold => controls.hold(),
@@ -131,6 +153,7 @@ fn run<S: Scalar>(path: &Path, presses: &[(u32, Press)], slices: u32, until: Unt
     let axis = AxisLimits::linear(S::of(VELOCITY), S::of(ACCELERATION), S::of(JERK));
     let mut settings = Config::new(Limits::new([axis; AXES]).unwrap());
     settings.tolerance = S::of(TOLERANCE);
+    settings.cycle = S::of(path.cycle);
     let blocks: Vec<Block<S, AXES>> = path.points[1..]
         .iter()
         .zip(1..)
@@ -171,7 +194,7 @@ fn run<S: Scalar>(path: &Path, presses: &[(u32, Press)], slices: u32, until: Unt
             let (v, a) = (velocity[axis], acceleration[axis]);
             assert!(v.abs() <= VELOCITY * (1.0 + rounding), "cycle {cycle}: velocity {v}");
             assert!(a.abs() <= ACCELERATION * (1.0 + rounding), "cycle {cycle}: acceleration {a}");
-            let jerk = before.map_or(0.0, |before| (a - before[axis]) / CYCLE);
+            let jerk = before.map_or(0.0, |before| (a - before[axis]) / path.cycle);
             assert!(jerk.abs() <= JERK * (1.0 + rounding), "cycle {cycle}: jerk {jerk}");
         }
         before = Some(acceleration);
@@ -270,6 +293,53 @@ fn holds<S: Scalar>(slices: u32, shows: usize, beyond: usize) {
     println!("{slices}: shows {half} / {most} later, {late} of {count} rest late, by {worst}");
     assert!(most <= shows, "{slices} slices: shows {most} cycles later");
     assert!(late * 100 <= beyond * count, "{slices} slices: {late} of {count} rest late");
+}
+
+/// Presses in random servo cycles, some right behind each other, and at last what lets every program come to its end.
+fn presses(draw: &mut Draw) -> Vec<(u32, Press)> {
+    let mut when = 0;
+    let mut presses: Vec<(u32, Press)> = (0..(draw.share() * 30.0) as u32)
+        .map(|_| {
+            when += (0.3 * 10_f64.powf(draw.between(0.0, 3.5))) as u32;
+            (when, Press::any(draw))
+        })
+        .collect();
+    // A stop may only have come to the end of its line then.
+    presses.extend([(when + 200, Press::Feed(100)), (when + 201, Press::Resume)]);
+    presses.push((when + 5000, Press::Resume));
+    presses
+}
+
+/// Real tool paths find what random lines and bends do not.
+fn on_tool_paths<S: Scalar>() {
+    let paths = splineway_studies::paths::all().unwrap();
+    for seed in 1..=200 * u64::from(soak().unwrap_or(1)) {
+        let draw = &mut Draw::new(seed);
+        let of = &paths[(draw.share() * paths.len() as f64) as usize];
+        let cycles = if S::NAME == "f32" { &CYCLES[..1] } else { &CYCLES };
+        let cycle = cycles[(draw.share() * cycles.len() as f64) as usize];
+        let path = Path::stretch(draw, of, cycle);
+        let slices = [1, 2, 4, 10, 30, ALL][(draw.share() * 6.0) as usize];
+        let presses = presses(draw);
+        let runs = || run::<S>(&path, &presses, slices, Until::End);
+        let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(runs));
+        assert!(
+            outcome.is_ok(),
+            "case {seed}: {} in {}, {slices} slices in {cycle} s",
+            of.name,
+            S::NAME
+        );
+    }
+}
+
+#[test]
+fn any_commands_on_tool_paths_in_f32() {
+    on_tool_paths::<f32>();
+}
+
+#[test]
+fn any_commands_on_tool_paths_in_f64() {
+    on_tool_paths::<f64>();
 }
 
 #[test]

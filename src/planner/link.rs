@@ -120,7 +120,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Link<S,
                 #[cfg(feature = "shaping")]
                 rested: origin.cycle.plus(u32::MAX / 2 + 2),
             },
-            Interpolator::new(servo, (origin.node, start), config.cycle),
+            Interpolator::new(servo, (origin.node, start), config.cycle)
+                .watched(config.limits.least_jerk()),
         ))
     }
 }

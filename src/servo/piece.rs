@@ -60,6 +60,10 @@ const SAME_TIME: f64 = 1.0e-3;
 /// What rounding makes of a velocity, as a share of the speed, is less than this.
 const ROUNDED: f64 = 1.0e-4;
 
+/// Pieces meet, in `f64`, within this, in mm and mm/s and as a share of velocity and acceleration.
+#[cfg(debug_assertions)]
+const MET: f64 = 1.0e-8;
+
 /// What a piece that is run slower has of its own.
 #[derive(Clone, Copy, Debug)]
 pub struct Slower<S> {
@@ -318,6 +322,29 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
         to
     }
 
+    /// Whether it begins as another piece is `t` seconds after its start, or at rest if there is none: in `f64`, at the place, unless that is
+    /// set, at the velocity, and at an acceleration that leaps by so much at most, mm/s2. What rounding makes of `f32` says nothing.
+    #[cfg(debug_assertions)]
+    pub fn follows(&self, before: Option<(&Self, S)>, leap: S) -> bool {
+        if S::EPSILON > S::of(f64::EPSILON) {
+            return true;
+        }
+        let begins = self.at(S::ZERO, false);
+        let Some((before, t)) = before else {
+            return begins.velocity == [S::ZERO; N] && begins.acceleration == [S::ZERO; N];
+        };
+        let ends = before.at(t, false);
+        (0..N).all(|i| {
+            let off: S = ends.position(i).minus(begins.position(i));
+            let faster = ends.velocity[i] - begins.velocity[i];
+            let harder = ends.acceleration[i] - begins.acceleration[i];
+            let rounded = S::of(MET) * (S::ONE + begins.velocity[i].abs());
+            (off.abs() <= S::of(MET) || self.has_event())
+                && faster.abs() <= rounded
+                && harder.abs() <= leap + S::of(MET) * begins.acceleration[i].abs()
+        })
+    }
+
     /// Whether its first servo cycle reports an event.
     #[inline]
     pub fn has_event(&self) -> bool {
@@ -506,6 +533,40 @@ mod tests {
         keep::<1>();
         keep::<2>();
         keep::<9>();
+    }
+
+    /// The second half of a motion follows the first; not with a leap of place, velocity or acceleration, nor from rest. Places may be set.
+    #[cfg(debug_assertions)]
+    #[test]
+    fn a_piece_follows_the_one_that_ends_as_it_begins() {
+        let whole = Piece { event: false, origin: [Coord::ZERO; 2], ..piece() };
+        let first = Slot::EMPTY;
+        first.store(&whole);
+        let t = 0.1;
+        let middle = whole.at(t);
+        let half = Piece {
+            origin: whole.place(t),
+            axes: from_fn(|i| [middle.velocity[i], middle.acceleration[i] * 0.5, 0.0, 0.0, 0.0]),
+            ..whole
+        };
+        let follows = |next: &Piece<f64, 2>| {
+            let second = Slot::EMPTY;
+            second.store(next);
+            second.follows(Some((&first, t)), 1.0e-3)
+        };
+        assert!(follows(&half));
+        let mut leaps = [half; 3];
+        leaps[0].origin[1] = leaps[0].origin[1].plus(1.0e-6);
+        leaps[1].axes[1][0] += 1.0e-6;
+        leaps[2].axes[1][1] += 1.0e-2;
+        assert!(leaps.iter().all(|leap| !follows(leap)));
+        assert!(follows(&Piece { event: true, ..leaps[0] }));
+        let moves = Slot::EMPTY;
+        moves.store(&half);
+        assert!(!moves.follows(None, 1.0e-3));
+        let starts = Slot::EMPTY;
+        starts.store(&Piece { axes: [[0.0, 0.0, 3.0, 0.0, 0.0]; 2], ..whole });
+        assert!(starts.follows(None, 1.0e-3));
     }
 
     /// A path that stands still for a time: its arc length has no motion.
