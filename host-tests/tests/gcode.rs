@@ -228,7 +228,7 @@ fn offsets_and_cycles_lead_where_they_say() {
         ("G68 X0 Y0 R90\nG2 X10 Y0 I5 J0 F60", "cw(0 5)+0 Y10"),
         ("G68 X0 Y0 R90\nG90.1 G2 X10 Y0 I5 J0 F60", "cw(0 5)+0 Y10"),
         ("G68 X0 Y0 R90\nG53 G0 X10", "G0 X10"),
-        ("G68 X0 Y0 R0\nG0 X1e0 Y2", "G0 X1Y2"),
+        ("G68 X0 Y0 R0\nG0 X1e+0 Y2", "G0 X1Y2"),
         // Reference points.
         ("G0 X5 Y5 Z5\nG28", "G0 X5Y5Z5, G0 0"),
         ("G0 X5 Y5 Z5\nG91 G28 Z0", "G0 X5Y5Z5, G0 X5Y5"),
@@ -356,9 +356,8 @@ fn one_code_of_a_group_and_one_word_of_a_letter() {
 fn numbers_and_lines() {
     for (text, expected) in [
         ("G0 X1e-05", "G0 X0.00001"),
-        ("G0 X1E-05", "G0 X0.00001"),
         ("G0 X-1.5e+1", "G0 X-15"),
-        ("G0 X2e2 Y1", "G0 X200Y1"),
+        ("G0 X2e+2 Y1", "G0 X200Y1"),
         ("g0x1y2z3", "G0 X1Y2Z3"),
         ("G00 X+1.", "G0 X1"),
         ("G 0 X 1 Y -.5", "G0 X1Y-0.5"),
@@ -393,8 +392,16 @@ fn numbers_and_lines() {
         assert_eq!(story(&read(text, MILL)), expected, "{text:?}");
     }
     for (line, part) in [
-        ("G1 X1e F60", "column 4: what stands behind \"X\" is not a number"),
-        ("G1 X1e5.5", "is not a number"),
+        ("G1 X1e F60", "column 4: the E behind the number of \"X\" may be an exponent or a word"),
+        ("G1 X1e-5.5", "is not a number"),
+        (
+            "G1 X10 Y20E3 F1000",
+            "column 8: the E behind the number of \"Y\" may be an exponent or a word",
+        ),
+        ("G1 X1e5", "may be an exponent or a word"),
+        ("G1 X1E-05", "may be an exponent or a word"),
+        ("G1 X1E-0.5", "may be an exponent or a word"),
+        ("g1 x20e-3", "may be an exponent or a word"),
         ("G0 X1 E-05", "word E"),
         ("G2E1", "G2 needs axis words"),
         ("G9E1", "word E"),
@@ -408,8 +415,8 @@ fn numbers_and_lines() {
         ("G1 X1-5", "is not a number"),
         ("G1 X", "no number behind \"X\""),
         ("G1 Xa", "column 4: no number behind \"X\""),
-        ("G1 X1e400", "too large"),
-        ("G1 X1e9 F1", "X would go to 1000000000 mm"),
+        ("G1 X1e+400", "too large"),
+        ("G1 X1e+9 F1", "X would go to 1000000000 mm"),
         ("G1 X1000001 F1", "column 4: X would go to 1000001 mm"),
         ("G1 12 X1", "unexpected character '1'"),
         ("G1 X#1", "parameters and expressions"),
@@ -592,7 +599,7 @@ fn every_place_is_listed_at_once() {
 #[test]
 fn the_core_is_asked_too() {
     let (program, findings) =
-        examine("G1 X1 F60\nG2 X3 I5\nG1 X4 F9e8\nG93 X5 F1e-6\nG94", options(MILL));
+        examine("G1 X1 F60\nG2 X3 I5\nG1 X4 F9e+8\nG93 X5 F1e-6\nG94", options(MILL));
     assert!(findings.iter().all(|finding| !finding.is_error()), "{findings:?}");
     let lines: Vec<u32> =
         validate(&program, &Machine::default()).iter().map(|finding| finding.line).collect();

@@ -257,7 +257,7 @@ fn what_is_refused_and_where() {
         ("X1 Y1\nM3 S100\nX2 Y1\nX3 Y0", 5, "M3 cannot stand in a NURBS block"),
         ("X1 Y1\nG91\nX2 Y1\nX3 Y0", 5, "G91 cannot stand in a NURBS block"),
         ("X1 Y1\nO5\nX2 Y1\nX3 Y0", 5, "O cannot stand in a NURBS block"),
-        ("X1 Y1\nX2 Y1\nX1e9 Y0", 6, "coordinates must be within"),
+        ("X1 Y1\nX2 Y1\nX1e+9 Y0", 6, "coordinates must be within"),
         ("X1 Y1\nX2 Y1\nX3 Y1\nG5.3 X3 Y0", 7, "no code of this line takes the word X"),
         ("X1 Y1\nM2", 5, "M2 cannot stand in a NURBS block"),
     ] {

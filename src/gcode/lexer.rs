@@ -8,11 +8,11 @@
 //!
 //! | as written, without a space | LinuxCNC, grbl | Marlin |
 //! |---|---|---|
-//! | `X1e-05`, `X1e+3` | exponent | exponent: so programs print numbers |
-//! | `X1E-05`, `X1E+3` | exponent | refused: an exponent, or X1 and E-05 |
-//! | `X1e5` | exponent | refused |
-//! | `X1E5`, `X1E-0.5` | exponent; no number | X1 and a word of the extruder |
+//! | `X1e-05`, `X1e+3` | exponent: so programs print numbers | exponent |
+//! | `X1E-05`, `X1E+3`, `X1e5`, `x1e-3` | refused: an exponent, or X1 and E-05 | refused |
+//! | `X1E5`, `X1E-0.5` | refused | X1 and a word of the extruder |
 //!
+//! A file of a printer that is not known for one must not send an axis to where E says.
 //! The numbers of codes (G, M, T, N, O) have no exponents: G2E1 is not G20. With a space before it, E is a word. An E without digits behind it is none of these and is refused.
 
 use super::Dialect;
@@ -163,7 +163,7 @@ impl Lexer<'_> {
         let mut value = None;
         match self.skip_blanks() {
             Some(b'0'..=b'9' | b'.' | b'+' | b'-') => {
-                let number = self.number(letter, column)?;
+                let number = self.number(byte, column)?;
                 if !number.is_finite() {
                     return refuse(Reason::Huge(letter));
                 }
@@ -218,7 +218,8 @@ impl Lexer<'_> {
         Err(Refusal::new(column, Reason::CommentOpen))
     }
 
-    fn number(&mut self, letter: char, column: u32) -> Result<f64, Refusal> {
+    fn number(&mut self, byte: u8, column: u32) -> Result<f64, Refusal> {
+        let letter = char::from(byte.to_ascii_uppercase());
         let mut number = Decimal::default();
         if let Some(sign @ (b'+' | b'-')) = self.peek() {
             number.negative = sign == b'-';
@@ -238,7 +239,7 @@ impl Lexer<'_> {
         if !number.digits {
             return Err(Refusal::new(column, Reason::NotANumber(letter)));
         }
-        self.exponent(&mut number, letter, column)?;
+        self.exponent(&mut number, byte, column)?;
         Ok(number.value())
     }
 
@@ -249,7 +250,8 @@ impl Lexer<'_> {
     }
 
     /// The exponent behind a number, as the table at the top has it.
-    fn exponent(&mut self, number: &mut Decimal, letter: char, column: u32) -> Result<(), Refusal> {
+    fn exponent(&mut self, number: &mut Decimal, byte: u8, column: u32) -> Result<(), Refusal> {
+        let letter = char::from(byte.to_ascii_uppercase());
         let Some(e @ (b'e' | b'E')) = self.peek() else { return Ok(()) };
         if matches!(letter, 'G' | 'M' | 'T' | 'N' | 'O') {
             return Ok(());
@@ -257,16 +259,12 @@ impl Lexer<'_> {
         let signed = matches!(self.text.get(self.at + 1), Some(b'+' | b'-'));
         let first = self.text.get(self.at + 1 + usize::from(signed)).copied();
         let is_digit = first.is_some_and(|byte| byte.is_ascii_digit());
-        if self.dialect == Dialect::Marlin {
-            match (e, signed) {
-                // A word of the extruder.
-                (b'E', false) => return Ok(()),
-                (b'E', true) if self.has_point(self.at + 2) => return Ok(()),
-                (b'e', true) if is_digit => {}
-                _ => return Err(Refusal::new(column, Reason::Exponent(letter))),
-            }
-        } else if !is_digit {
-            return Err(Refusal::new(column, Reason::NotANumber(letter)));
+        let extruder = self.dialect == Dialect::Marlin && e == b'E';
+        if extruder && (!signed || self.has_point(self.at + 2)) {
+            return Ok(());
+        }
+        if !(e == b'e' && signed && is_digit && byte.is_ascii_uppercase()) {
+            return Err(Refusal::new(column, Reason::Exponent(letter)));
         }
         let negative = self.text.get(self.at + 1) == Some(&b'-');
         self.at += 1 + usize::from(signed);

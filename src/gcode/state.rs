@@ -134,11 +134,17 @@ impl Reader {
         }
     }
 
+    /// What is still to be given out is dropped, and what a curve or a cycle would go on from. Modes, feed and offsets stay.
+    pub fn drop_moves(&mut self) {
+        self.drop_pending();
+        self.nurbs.drop();
+        (self.curve, self.series) = (None, None);
+    }
+
     /// As after power-up, where the machine stands: modes, feed, shifts and the length of the tool are forgotten. Work offsets and
     /// reference points stay.
     pub fn restart(&mut self) {
-        self.drop_pending();
-        self.nurbs.drop();
+        self.drop_moves();
         self.modal = Modal::new(Mode::Rapid);
         self.frame.clear_shift(false);
         self.frame.set_tool(Coord::ZERO);
@@ -150,7 +156,6 @@ impl Reader {
         {
             (self.beam, self.was_rapid) = (5, true);
         }
-        (self.curve, self.series) = (None, None);
         self.set_ended(false);
     }
 
@@ -165,7 +170,6 @@ impl Reader {
         {
             (self.beam, self.was_rapid) = (5, true);
         }
-        (self.curve, self.series) = (None, None);
         self.set_ended(false);
     }
 

@@ -124,7 +124,10 @@ impl<S: Scalar, const N: usize> Station<S, N> {
     pub(super) fn alarm(&mut self, alarm: Alarm, controls: Controls<'_>) {
         if self.abort.is_none() {
             controls.abort();
-            self.abort = Some(Abort::Alarm);
+        }
+        if matches!(self.abort, None | Some(Abort::Probe)) {
+            let probes = matches!(alarm, Alarm::ProbeInitial | Alarm::ProbeContact);
+            self.abort = Some(if probes { Abort::Probe } else { Abort::Alarm });
         }
         self.lock = Lock::Alarm;
         self.startup = None;
@@ -178,7 +181,7 @@ impl<S: Scalar, const N: usize> Station<S, N> {
         }
     }
 
-    /// Where an abort is complete: everything is as after power-up, where the machine stands.
+    /// Where an abort is complete: everything is as after power-up, where the machine stands; behind a probe the reader is as before.
     pub(super) fn complete_abort<const BLOCKS: usize, const NODES: usize, const M: usize>(
         &mut self,
         planner: &mut Planner<'_, S, N, BLOCKS, NODES>,
@@ -197,7 +200,10 @@ impl<S: Scalar, const N: usize> Station<S, N> {
         (self.held, self.door, self.stopped) = (false, false, false);
         // A hold that was asked for while it braked.
         planner.controls().resume();
-        self.reader.restart();
+        match abort {
+            Abort::Reset | Abort::Alarm => self.reader.restart(),
+            Abort::Probe => self.reader.drop_moves(),
+        }
         self.reader.stand_at(planner.end());
         self.show_offsets_now();
         let line = core::mem::replace(&mut self.doing, Doing::Nothing);

@@ -95,6 +95,8 @@ pub(super) enum Abort {
     Reset,
     /// An alarm: the lock.
     Alarm,
+    /// That of a probe: what modes and offsets were in force still are, as in grbl.
+    Probe,
 }
 
 /// Why nothing is done.

@@ -108,6 +108,35 @@ fn a_probe_is_answered_when_it_is_over() {
     });
 }
 
+/// A sender that retracts by an inch after a probe that has found nothing does not send the machine elsewhere.
+#[test]
+fn modes_and_offsets_outlast_the_alarm_of_a_probe() {
+    with_rig(|rig| {
+        rig.world.plate = Some(-3.5);
+        for line in ["G10 L2 P2 X1", "G55 G20 G91 F30", "G92 Z0.5", "G43.1 Z0.25"] {
+            assert_eq!(rig.answer(line), "ok", "{line}");
+        }
+        let before = (rig.ask("$G"), rig.ask("$#"));
+        rig.send(b"G38.2 Z-0.01\n");
+        let said = rig.wait();
+        assert_eq!((said[0].as_str(), said.last().unwrap().as_str()), ("ALARM:5", "ok"));
+        rig.rounds(50);
+        rig.ask("$X");
+        // The motion mode ends with a probe.
+        let modes = |said: &[String]| said[0].replace("G80 ", "").replace("G0 ", "");
+        let after = (rig.ask("$G"), rig.ask("$#"));
+        assert_eq!(modes(&after.0), modes(&before.0));
+        let offsets = |said: &[String]| -> Vec<String> {
+            said.iter().filter(|said| !said.starts_with("[PRB")).cloned().collect()
+        };
+        assert_eq!(offsets(&after.1), offsets(&before.1));
+        let [x, y, z] = rig.place();
+        assert_eq!(rig.answer("G0 Z0.5"), "ok");
+        rig.rounds(3000);
+        assert_eq!(rig.place(), [x, y, z + 127 * MM / 10]);
+    });
+}
+
 #[test]
 fn probes_that_fail_have_their_published_alarms() {
     with_rig(|rig| {
@@ -134,7 +163,9 @@ fn probes_that_fail_have_their_published_alarms() {
             rig.ask("$X");
         }
         assert_eq!(rig.place(), [0, 0, -2 * MM]);
-        // What is refused does nothing.
+        // What is refused does nothing. (Feeds have outlasted the alarms.)
+        rig.send(b"\x18");
+        rig.rounds(10);
         for (line, number) in [
             ("G38.2 F100", 26),
             ("G38.2 Z-2 F100", 20),

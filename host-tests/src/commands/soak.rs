@@ -18,10 +18,10 @@ const SHOWN: usize = 20;
 #[derive(Clone, Debug, clap::Args)]
 pub struct Soak {
     /// Cases to be run
-    #[arg(long, value_name = "COUNT", default_value_t = 100_000, value_parser = whole(0, u64::MAX))]
+    #[arg(long, value_name = "COUNT", default_value_t = 100_000, value_parser = whole(1, u64::MAX / 2))]
     pub cases: u64,
     /// Number of the first case; the same numbers give the same cases
-    #[arg(long, value_name = "NUMBER", default_value_t = 0, value_parser = whole(0, u64::MAX))]
+    #[arg(long, value_name = "NUMBER", default_value_t = 0, value_parser = whole(0, u64::MAX / 2))]
     pub seed: u64,
     /// Threads [default: as many as the machine has cores]
     #[arg(long, value_name = "COUNT", value_parser = whole(1_usize, 1024))]

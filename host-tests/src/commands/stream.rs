@@ -137,15 +137,19 @@ impl Stream {
         );
         bar.finish_and_clear();
         let summary = outcome.with_context(|| self.port.display().to_string())?;
+        let position = &summary.situation.position;
         if self.json {
             say(&serde_json::to_string_pretty(&Report::new(&summary))?);
-        } else if !self.quiet {
+        } else if !self.quiet && !position.is_empty() {
             print(&summary);
         }
         match summary.aborted {
+            Some(reason) if position.is_empty() => {
+                Err(anyhow::anyhow!("aborted: {reason}, before anything was sent"))
+            }
             Some(reason) => Err(anyhow::anyhow!(
                 "aborted: {reason}; the machine stands at {}",
-                describe_place(&summary.situation.position)
+                describe_place(position)
             )),
             None => Ok(()),
         }
