@@ -161,6 +161,11 @@ fn events_are_played() {
     assert!(played > plain + 0.3, "{played} and {plain}");
     let abort = file("abort.csv", "0.3, abort\n").display().to_string();
     assert!(seconds(&["simulate", &path, "--events", &abort]) < plain);
+    // Figures are of what was run: 120 mm would be more than the feed allows.
+    let output = splineway(&["simulate", &path, "--events", &abort, "--json"]);
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let mean = report["feed"]["mean_mm_s"].as_f64().unwrap();
+    assert!(report["aborted"] == true && mean > 20.0 && mean < 100.0, "{mean}");
     let wrong = file("wrong.csv", "0.3, hold\n0.4, jump\n").display().to_string();
     let error = error_of(&["simulate", &path, "--events", &wrong], 1);
     assert!(error.contains("wrong.csv") && error.contains("line 2"), "{error}");

@@ -22,6 +22,8 @@ pub struct Verdict {
     pub outside: Outside,
     /// Largest speed along the path, mm/s.
     pub path_speed: f64,
+    /// Way from setpoint to setpoint, mm.
+    pub way: f64,
     /// Peaks per axis, then per motor, by differences of positions, less rounding: mm and s.
     pub peaks: Vec<Peaks>,
     /// The same over the limits.
@@ -180,6 +182,7 @@ impl Observer for Judge<'_> {
         }
         self.witness.see(sample);
         self.verdict.path_speed = self.verdict.path_speed.max(step / self.cycle);
+        self.verdict.way += step;
         self.before.clear();
         self.before.extend_from_slice(x);
         if let Some(watch) = &mut self.watch {

@@ -67,7 +67,7 @@ pub struct AxisReport {
 /// Speed along the path.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FeedReport {
-    /// Length over time.
+    /// Length over time; of what was run, where the rest was dropped.
     pub mean_mm_s: f64,
     /// Greatest.
     pub max_mm_s: f64,
@@ -82,6 +82,8 @@ pub struct Report {
     pub cycles: u64,
     /// Blocks.
     pub blocks: u64,
+    /// Whether the rest of the program was dropped.
+    pub aborted: bool,
     /// Length of the programmed path, mm.
     pub path_length_mm: f64,
     /// Tolerance, mm (the machine's; blocks may bring their own).
@@ -145,11 +147,13 @@ impl Report {
         let names = machine.motors_for(program).into_iter().map(|motor| motor.name);
         let motors = names.zip(motors).collect();
         let steps = f64::from(stats.counters.plans.max(1));
+        let went = if stats.aborted { verdict.way } else { length };
         let blocks_per_step = (stats.blocks as f64 / steps).max(1e-9);
         Self {
             time_s: verdict.time,
             cycles: verdict.cycles,
             blocks: stats.blocks,
+            aborted: stats.aborted,
             path_length_mm: length,
             tolerance_mm: machine.tolerance,
             max_deviation_mm: verdict.deviation,
@@ -161,7 +165,7 @@ impl Report {
             axes,
             motors,
             feed: FeedReport {
-                mean_mm_s: if verdict.time > 0.0 { length / verdict.time } else { 0.0 },
+                mean_mm_s: if verdict.time > 0.0 { went / verdict.time } else { 0.0 },
                 max_mm_s: verdict.path_speed,
             },
             ns_per_block: Nanoseconds::new(&stats.planning, blocks_per_step),
