@@ -147,6 +147,28 @@ fn an_abort_ends_the_program_where_the_machine_stands() {
     }
 }
 
+/// Whenever that is: the next sender need not wait until the session ends by silence.
+#[test]
+fn an_abort_before_the_first_block_leaves_the_machine_to_the_next() {
+    let (name, _happenings) = controller(3, 2.0, 0.0);
+    for wait in 0..30 {
+        let mut port = SerialPort::open(&name, 921_600).unwrap();
+        let (sender, receiver) = channel();
+        let pressed = thread::spawn(move || {
+            thread::sleep(Duration::from_micros(wait * 500));
+            let _ = sender.send(Order::Command(Command::Abort));
+        });
+        let make = |_: &Controlled| {
+            thread::sleep(Duration::from_millis(20));
+            items(&gcode("G1 X1 F600"), 3)
+        };
+        let summary = send(&mut port, CALM, make, &receiver, &mut |_| {}).unwrap();
+        assert_eq!((summary.aborted, summary.sent), (Some("an abort"), 0), "{wait}");
+        pressed.join().unwrap();
+    }
+    stream(&name, &gcode("G1 X1 F600"), CALM, &[]).unwrap();
+}
+
 #[test]
 fn a_hold_holds_and_a_resume_goes_on() {
     let (port, happenings) = controller(3, 10.0, 0.001);

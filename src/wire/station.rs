@@ -175,6 +175,8 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
                 let _ = self.owner(session);
             }
             Request::Close { session } => {
+                // Who has only knocked goes, too.
+                self.knock = self.knock.filter(|opening| opening.session != session);
                 if let Some(owner) = self.owner(session) {
                     owner.closed = true;
                 }

@@ -194,7 +194,8 @@ impl<'a> Talk<'a> {
 
     /// Takes leave. Should the word be lost, the controller ends the session by itself.
     pub fn leave(&mut self) {
-        if self.sender.is_open() {
+        // A session may be open whose answer has not come.
+        if self.hello.is_some() && self.sender.denied().is_none() {
             let farewell = self.sender.farewell();
             // Nothing can be done about it here.
             let _ = self.write(&farewell);
