@@ -170,6 +170,7 @@ impl Reader {
         {
             (self.beam, self.was_rapid) = (5, true);
         }
+        (self.curve, self.series) = (None, None);
         self.set_ended(false);
     }
 

@@ -35,6 +35,21 @@ fn moves_become_blocks_of_the_machines_axes() {
     assert!(action.block::<f32, 2>(&[0, 1]).is_none());
 }
 
+/// G5 without I and J: what it would go on from ends with the program, and with moves that are dropped.
+#[test]
+fn a_curve_goes_on_only_from_one_that_was_run() {
+    let ways: [fn(&mut Reader); 3] = [Reader::begin_anew, Reader::drop_moves, Reader::restart];
+    for forget in ways {
+        let mut reader = Reader::new(&Settings::default());
+        for line in [&b"G5 X4 I1 J2 P-1 Q2 F60"[..], b"G5 X8 P-1 Q2"] {
+            reader.line(1, line).unwrap();
+            assert_eq!(actions(&mut reader).len(), 1);
+        }
+        forget(&mut reader);
+        assert!(reader.line(2, b"G5 X12 P-1 Q2 F60").is_err());
+    }
+}
+
 #[test]
 fn axes_that_are_not_there_are_refused() {
     let axes = [true, true, true, false, false, false, false, false, false];
