@@ -88,6 +88,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Link<S,
         #[cfg(feature = "jog")]
         self.jogging.clear();
         let (side, servo, requests) = channel.ends(origin);
+        #[cfg(debug_assertions)]
+        side.watch(config.limits.least_jerk(), config.cycle);
         builder.restart(start);
         builder.set_limits(SetNumber::FIRST);
         horizon.begin(&config, Node { at: start, tangent: zero(), curvature: zero() }, origin.node);
@@ -120,8 +122,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize> Link<S,
                 #[cfg(feature = "shaping")]
                 rested: origin.cycle.plus(u32::MAX / 2 + 2),
             },
-            Interpolator::new(servo, (origin.node, start), config.cycle)
-                .watched(config.limits.least_jerk()),
+            Interpolator::new(servo, (origin.node, start), config.cycle),
         ))
     }
 }

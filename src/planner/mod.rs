@@ -229,6 +229,8 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         #[cfg(feature = "kinematics")]
         let limits = limits.on_motors_of(&self.horizon.config.limits);
+        #[cfg(debug_assertions)]
+        self.side.watch(limits.least_jerk(), self.horizon.config.cycle);
         self.idle = false;
         if !self.builder.uses_limits() {
             self.horizon.config.limit(&limits);

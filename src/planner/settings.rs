@@ -52,6 +52,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             } else {
                 limits.on_motors_of(&self.horizon.config.limits)
             };
+            #[cfg(debug_assertions)]
+            self.side.watch(limits.least_jerk(), self.horizon.config.cycle);
             self.horizon.config.limit(&limits);
             self.vain = None;
         }

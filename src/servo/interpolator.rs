@@ -28,9 +28,6 @@ pub struct Interpolator<'a, S: Scalar, const N: usize> {
     serial: NodeSerial,
     /// Where the motion rests if nothing follows.
     rest: Place<S, N>,
-    /// By how much an acceleration may leap where a piece begins, mm/s2; `None` if that is not looked at.
-    #[cfg(debug_assertions)]
-    leap: Option<S>,
     #[cfg(feature = "outputs")]
     switcher: Switcher<'a, S>,
 }
@@ -39,9 +36,6 @@ pub struct Interpolator<'a, S: Scalar, const N: usize> {
 const PIECES_PER_TICK: usize = 5;
 /// That, in servo cycles; a shorter one would be run with what rounding makes of it, too.
 const LEAST_PIECE: f64 = 0.24;
-/// The share of jerk that is felt where two pieces meet: twice what is granted to a cell that is cut in a crawl.
-#[cfg(debug_assertions)]
-const LEAP: f64 = 5.0e-4;
 /// Pieces of the plan under way that may begin in the servo cycle in which another branches off: behind more, which are
 /// short, the other is refused in the next cycle, as one that comes too late.
 const BEFORE_BRANCH: usize = 2;
@@ -73,21 +67,7 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
             event: false,
             serial: node,
             rest: Place { origin: start, ..Place::ZERO },
-            #[cfg(debug_assertions)]
-            leap: None,
         }
-    }
-
-    /// The same, which looks at every piece in debug builds whether it begins as the one before ends: its acceleration leaps by no more than a
-    /// share of what a jerk, mm/s3, changes in a servo cycle.
-    pub(crate) fn watched(
-        self,
-        #[cfg_attr(not(debug_assertions), expect(unused))] jerk: S,
-    ) -> Self {
-        #[cfg(debug_assertions)]
-        return Self { leap: Some(jerk * self.cycle * S::of(LEAP)), ..self };
-        #[cfg(not(debug_assertions))]
-        self
     }
 
     /// Advances by one servo cycle and returns where the axes should be at its end.
@@ -231,7 +211,7 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
     /// The next piece goes on from a time of the one before, s, or from rest if there is none.
     #[cfg(debug_assertions)]
     fn goes_on(&self, before: Option<(&Slot<S, N>, S)>, next: Option<&Slot<S, N>>) {
-        if let (Some(leap), Some(next)) = (self.leap, next) {
+        if let (Some(leap), Some(next)) = (self.side.leap(), next) {
             assert!(next.follows(before, leap), "a piece begins as none ends");
         }
     }

@@ -43,6 +43,8 @@ use crate::number::atomic::{AtomicU32, fence};
 use crate::number::serial::{CycleSerial, NodeSerial};
 use crate::number::shared::Shared;
 use crate::number::{Coord, Scalar};
+#[cfg(debug_assertions)]
+use core::sync::atomic::AtomicU32 as Unshared;
 use core::sync::atomic::Ordering::{Acquire, Relaxed, Release};
 
 /// Where a plan leaves the one before.
@@ -67,6 +69,9 @@ const TAKEN: u32 = 0;
 const OPEN: u32 = 1;
 const REFUSED: u32 = 2;
 const VERDICT: u32 = 3;
+/// The share of jerk that is felt where two pieces meet: twice what is granted to a cell that is cut in a crawl.
+#[cfg(debug_assertions)]
+const LEAP: f64 = 5.0e-4;
 
 /// What both sides tell each other besides the pieces.
 pub struct Flags<S: Scalar> {
@@ -92,6 +97,9 @@ pub struct Flags<S: Scalar> {
     cycles: AtomicU32,
     /// Stops for want of blocks.
     starved: AtomicU32,
+    /// By how much an acceleration may leap where a piece begins, mm/s2, as the bits of an `f32`; 0 if that is not looked at.
+    #[cfg(debug_assertions)]
+    leap: Unshared,
 }
 
 /// The numbers that are counted on from.
@@ -124,6 +132,8 @@ impl<S: Scalar> Flags<S> {
             lag: S::Shared::ZERO,
             cycles: AtomicU32::new(origin.cycle.raw()),
             starved: AtomicU32::new(0),
+            #[cfg(debug_assertions)]
+            leap: Unshared::new(0),
         }
     }
 }
@@ -253,6 +263,14 @@ impl<S: Scalar, const N: usize> PlanSide<'_, S, N> {
     fn flags(&self) -> &Flags<S> {
         point();
         self.shared
+    }
+
+    /// Has the interrupt look whether every piece begins as the one before ends: its acceleration leaps by no more than a share of what a
+    /// jerk, mm/s3, changes in a servo cycle, s. Of several the greatest counts.
+    #[cfg(debug_assertions)]
+    pub fn watch(&self, jerk: S, cycle: S) {
+        let leap = (jerk * cycle * S::of(LEAP)).to_f64() as f32;
+        self.shared.leap.fetch_max(leap.to_bits(), Relaxed);
     }
 
     /// Uses every atomic once.
@@ -489,6 +507,13 @@ pub struct ServoSide<'a, S: Scalar, const N: usize> {
 }
 
 impl<'a, S: Scalar, const N: usize> ServoSide<'a, S, N> {
+    /// By how much an acceleration may leap where a piece begins, mm/s2; `None` if that is not looked at.
+    #[cfg(debug_assertions)]
+    pub fn leap(&self) -> Option<S> {
+        let leap = f32::from_bits(self.flags.leap.load(Relaxed));
+        (leap > 0.0).then(|| S::of(f64::from(leap)))
+    }
+
     /// The offer that is open: its word, its branch.
     fn open(&self) -> Option<(u32, Branch)> {
         let offer = self.flags.offer.load(Acquire);
