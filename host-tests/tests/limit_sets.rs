@@ -1,12 +1,13 @@
 //! Limits that change between blocks, and stops by the stop limits: random programs on random machines, against a check of
 //! the limits that knows setpoints and the blocks they belong to.
 
+mod common;
 #[path = "common/motors.rs"]
 mod motors;
 
+use common::config;
 use motors::{motor_shares, with_motors, with_stops};
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use splineway::{
     Activity, AxisLimits, Block, Config, Coord, Feed, Interpolator, Limits, Link, Motion, Planner,
     Progress, PushError, Scalar, Setpoint,
@@ -258,7 +259,7 @@ fn random_changes<S: Scalar>(seed: u64, presses: Presses) {
 }
 
 proptest! {
-    #![proptest_config(cases())]
+    #![proptest_config(config(60))]
     #[test]
     fn every_block_keeps_its_own_limits(seed in any::<u64>()) {
         random_changes::<f64>(seed, Presses::Nothing);
@@ -287,17 +288,6 @@ proptest! {
     #[test]
     fn whatever_is_pressed_limits_hold_in_f32(seed in any::<u64>()) {
         random_changes::<f32>(seed, Presses::Anything);
-    }
-}
-
-/// The same cases in every run; `SOAK=20` draws twenty times as many new ones.
-fn cases() -> ProptestConfig {
-    let soak = std::env::var("SOAK").ok().and_then(|text| text.parse::<u32>().ok());
-    ProptestConfig {
-        cases: 60 * soak.unwrap_or(1),
-        rng_seed: if soak.is_some() { RngSeed::Random } else { RngSeed::Fixed(2023) },
-        failure_persistence: None,
-        ..ProptestConfig::default()
     }
 }
 

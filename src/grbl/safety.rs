@@ -177,7 +177,6 @@ impl<S: Scalar, const N: usize> Station<S, N> {
             self.alarm(Alarm::HardLimit, planner.controls());
         } else if stop || foreign {
             self.alarm(Alarm::Abort, planner.controls());
-            self.abort = self.abort.or(Some(Abort::Alarm));
         }
     }
 

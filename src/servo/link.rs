@@ -43,8 +43,9 @@ use crate::number::atomic::{AtomicU32, fence};
 use crate::number::serial::{CycleSerial, NodeSerial};
 use crate::number::shared::Shared;
 use crate::number::{Coord, Scalar};
+// One at which no other context comes in: what is looked at in debug builds alone does not change what interleaves.
 #[cfg(debug_assertions)]
-use core::sync::atomic::AtomicU32 as Unshared;
+use core::sync::atomic::AtomicU32 as QuietU32;
 use core::sync::atomic::Ordering::{Acquire, Relaxed, Release};
 
 /// Where a plan leaves the one before.
@@ -99,7 +100,7 @@ pub struct Flags<S: Scalar> {
     starved: AtomicU32,
     /// By how much an acceleration may leap where a piece begins, mm/s2, as the bits of an `f32`; 0 if that is not looked at.
     #[cfg(debug_assertions)]
-    leap: Unshared,
+    leap: QuietU32,
 }
 
 /// The numbers that are counted on from.
@@ -133,7 +134,7 @@ impl<S: Scalar> Flags<S> {
             cycles: AtomicU32::new(origin.cycle.raw()),
             starved: AtomicU32::new(0),
             #[cfg(debug_assertions)]
-            leap: Unshared::new(0),
+            leap: QuietU32::new(0),
         }
     }
 }
