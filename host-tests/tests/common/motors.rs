@@ -88,7 +88,7 @@ fn stopping<S: Scalar, const N: usize, const M: usize>(
     stop.with_motors(&linear, more).unwrap()
 }
 
-/// Greatest shares of velocity, acceleration and jerk that a motor has used between two setpoints, where the jerk is constant; `more`
+/// Greatest shares of velocity, acceleration and jerk that a motor has used between two setpoints, and where it turned; `more`
 /// are limits of acceleration and jerk that count too, and `rounding` is that of setpoints.
 pub fn motor_shares<S: Scalar, const N: usize>(
     (limits, more): (&Limits<S, N>, &[&Limits<S, N>]),
@@ -113,8 +113,10 @@ pub fn motor_shares<S: Scalar, const N: usize>(
         let [v0, v1] = [from, to].map(|at| sum(&at.velocity));
         let [a0, a1] = [from, to].map(|at| sum(&at.acceleration));
         let jerk = (a1 - a0) / cycle;
-        let turned = if a0 * a1 < 0.0 { v0 - 0.5 * a0 * a0 / jerk } else { v1 };
         let (v, a) = (slack(|axis| axis.velocity), slack(|axis| axis.acceleration));
+        // Where the jerk changes within the cycle, setpoints do not say how fast it was in between.
+        let steady = (v1 - v0 - 0.5 * (a0 + a1) * cycle).abs() < v;
+        let turned = if a0 * a1 < 0.0 && steady { v0 - 0.5 * a0 * a0 / jerk } else { v1 };
         let seen = [
             v1.abs().max(turned.abs()) / (row.limits.velocity.to_f64() + v),
             a1.abs() / (most_of(|axis| axis.acceleration) + a),
