@@ -172,6 +172,42 @@ fn events_are_played() {
     let held = file("held.csv", "0.3, hold\n").display().to_string();
     let error = error_of(&["simulate", &path, "--events", &held], 1);
     assert!(error.contains("needs a resume"), "{error}");
+    // What is dropped is said, and that nothing was found is a failure.
+    let late = file("late.csv", "0.1, abort\n0.15, resume\n9, hold\n").display().to_string();
+    let output = splineway(&["simulate", &path, "--events", &late]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success() && said.contains("1 of the events come too late"), "{said}");
+    assert!(said.contains("the first at 9 s"), "{said}");
+    for (name, events, words) in [
+        ("probe.csv", "0, probe, X70 at 10\n", "no contact up to X70"),
+        ("home.csv", "0, home, X-20 slow 4 reach 5 back 1 at 0\n", "home: "),
+    ] {
+        let events = file(name, events).display().to_string();
+        let error = error_of(&["simulate", &path, "--events", &events], 1);
+        assert!(error.contains("not found: ") && error.contains(words), "{error}");
+    }
+}
+
+/// A description of a machine is blamed for its own values only.
+#[test]
+fn errors_name_the_file_that_has_the_value() {
+    let program = file("blame.ngc", "G1 X10 F600\n").display().to_string();
+    for (text, words) in [
+        ("tolerance = -1\n", "tolerance is -1 mm"),
+        ("cycle = 5\n", "servo cycle is 5 s"),
+        ("[axes.Y]\nvelocity = 1\nacceleration = 2\njerk = 3\n", "axes.X: the program moves"),
+    ] {
+        let machine = file("blame.toml", text).display().to_string();
+        let error = error_of(&["simulate", &program, "--machine", &machine], 1);
+        assert!(error.contains("blame.toml: ") && error.contains(words), "{error}");
+    }
+    for (flag, value, words) in [
+        ("--tolerance", "-1", "--tolerance -1: it must be 0 to 1000 mm"),
+        ("--cycle", "5", "--cycle 5: it must be 0.000001 to 0.01 s"),
+    ] {
+        let error = error_of(&["simulate", &program, flag, value], 1);
+        assert!(error.contains(words), "{error}");
+    }
 }
 
 #[test]

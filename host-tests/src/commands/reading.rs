@@ -54,6 +54,22 @@ pub struct Reading {
     pub block_delete: bool,
 }
 
+/// Whether the value of a flag for a setting of the core is one that it takes.
+///
+/// # Errors
+/// Names the flag, the value and the range.
+pub fn check_setting(
+    flag: &str,
+    quantity: Quantity,
+    (value, unit): (Option<f64>, &str),
+) -> Result<()> {
+    let Range { least, greatest } = quantity.range();
+    let value = value.unwrap_or(least);
+    let fits = (least..=greatest).contains(&value);
+    ensure!(fits, "{flag} {value}: it must be {least} to {greatest} {unit}");
+    Ok(())
+}
+
 impl Reading {
     /// Before anything is read: the flags themselves.
     ///
@@ -62,18 +78,6 @@ impl Reading {
     pub fn check(&self) -> Result<()> {
         let feed = self.feed.unwrap_or(FEED);
         ensure!(feed > 0.0 && feed.is_finite(), "--feed {feed}: it must be greater than 0");
-        Ok(())
-    }
-
-    /// The same of `--tolerance`, for commands that do not run what they are given as it is.
-    ///
-    /// # Errors
-    /// Names the value and the range.
-    pub fn check_tolerance(tolerance: Option<f64>) -> Result<()> {
-        let Range { least, greatest } = Quantity::Tolerance.range();
-        let value = tolerance.unwrap_or(least);
-        let fits = (least..=greatest).contains(&value);
-        ensure!(fits, "--tolerance {value}: it must be {least} to {greatest} mm");
         Ok(())
     }
 

@@ -2,9 +2,10 @@
 
 use super::files::{self, named};
 use super::limit::write;
-use super::reading::Reading;
+use super::reading::{Reading, check_setting};
 use anyhow::{Context, Result, ensure};
 use serde::Serialize;
+use splineway::machine::Quantity;
 use splineway_simulator::judge::violations;
 use splineway_simulator::machine::Machine;
 use splineway_simulator::program::{self, LETTERS, Tape};
@@ -66,7 +67,7 @@ impl Reshape {
             self.files.len()
         );
         self.reading.check()?;
-        Reading::check_tolerance(self.tolerance)?;
+        check_setting("--tolerance", Quantity::Tolerance, (self.tolerance, "mm"))?;
         let mut inputs: Vec<_> =
             self.files.iter().map(|file| Some(("a tool path", file.as_path()))).collect();
         inputs.push(self.reading.file());

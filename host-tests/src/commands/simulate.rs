@@ -3,11 +3,12 @@
 use super::files::{self, named};
 use super::numbers::whole;
 use super::page;
-use super::reading::Reading;
+use super::reading::{Reading, check_setting};
 use super::recorded::{self, Places, Recorded, is_page};
 use crate::view::page::Overlay;
 use crate::view::{Busy, Curve, Progress, Scene, plot, plot_speeds};
 use anyhow::{Context, Result, bail};
+use splineway::machine::Quantity;
 use splineway_simulator::judge::{Judge, Track, violations};
 use splineway_simulator::machine::{Axis, Machine, Mode};
 use splineway_simulator::program::{self, LETTERS, Loaded, ReadOptions, Tape};
@@ -26,7 +27,7 @@ Examples:
   splineway simulate part.gcode --machine mill.toml --report part.json
   splineway simulate path.txt --scalar f32 --setpoints setpoints.csv
 
-Exit codes: 0 done, 1 error or a limit broken, 2 wrong usage.";
+Exit codes: 0 done, 1 error, a limit broken, or a probe or homing that found nothing, 2 wrong usage.";
 
 /// Runs a tool path through the motion core and judges every servo cycle
 #[derive(Clone, Debug, clap::Args)]
@@ -137,6 +138,8 @@ impl Simulate {
     /// What cannot be read, run or written, and limits broken by the run.
     pub fn execute(&self) -> Result<()> {
         self.reading.check()?;
+        check_setting("--tolerance", Quantity::Tolerance, (self.tolerance, "mm"))?;
+        check_setting("--cycle", Quantity::Cycle, (self.cycle, "s"))?;
         let plotted = self.plot.clone().or_else(|| self.open.then(|| page::place(&self.file)));
         self.check_files(plotted.as_ref())?;
         let machine = self.reading.machine()?;
@@ -150,6 +153,9 @@ impl Simulate {
             eprintln!("warning: {}: {warning}", self.file.display());
         }
         let machine = self.machine(machine, program)?;
+        if let Some(name) = &self.reading.machine {
+            machine.axes_of(program).with_context(|| name.display().to_string())?;
+        }
         found.extend(splineway_simulator::run::validate(program, &machine));
         if let Some(words) = sharp_corners(program, &machine) {
             eprintln!("note: {words}");
@@ -244,6 +250,9 @@ impl Simulate {
         if !broken.is_empty() {
             bail!("the run broke limits: {}", broken.join("; "));
         }
+        if stats.missed {
+            bail!("not found: {}", stats.sought.join("; "));
+        }
         Ok(())
     }
 }
@@ -261,6 +270,12 @@ impl Simulate {
 
     /// Says what came of it.
     fn tell(&self, report: &Report, stats: &Stats) -> Result<()> {
+        if let (Some(first), count) = (stats.unplayed.first(), stats.unplayed.len()) {
+            let end = report.time_s;
+            eprintln!(
+                "warning: the run ends at {end:.3} s: {count} of the events come too late, the first at {first} s"
+            );
+        }
         if self.json {
             println!("{}", serde_json::to_string_pretty(report)?);
         } else if !self.quiet {

@@ -73,8 +73,12 @@ pub struct Stats {
     pub least_ahead: usize,
     /// What came of probes and homing, in words.
     pub sought: Vec<String>,
+    /// Whether one of them did not find what it sought.
+    pub missed: bool,
     /// Whether the run ended with an abort.
     pub aborted: bool,
+    /// Times of the events that were still to come when it ended, s.
+    pub unplayed: Vec<f64>,
     /// Duration of the planning steps.
     pub planning: Timing,
     /// Duration of the ticks.
@@ -220,7 +224,10 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         };
         let waiting = progress == Progress::Held || now < operator.silent_until;
         if progress == Progress::Held && operator.is_done() {
-            ensure!(at_pause, "the run is held after its last event: it needs a resume");
+            ensure!(
+                at_pause,
+                "the run is held after its last event: it needs a resume, and a jog-back before it if it was jogged away"
+            );
             controls.resume();
         }
         let began = Instant::now();
@@ -258,6 +265,8 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
     }
     stats.counters = planner.counters();
+    stats.unplayed = operator.events.map(|event| event.time).collect();
+    stats.missed = operator.seeker.missed;
     stats.sought = operator.seeker.outcomes;
     if stats.least_ahead == usize::MAX {
         stats.least_ahead = 0;

@@ -192,6 +192,8 @@ pub struct Seeker {
     waiting: VecDeque<Seek>,
     /// What came of what was done, in words.
     pub outcomes: Vec<String>,
+    /// Whether one of them did not find what it sought.
+    pub missed: bool,
     /// Where the machine is, less what setpoints say, mm: coordinates are set by homing.
     pub shift: [f64; 9],
 }
@@ -242,6 +244,7 @@ impl Seeker {
     ) {
         if let Some(probed) = planner.probed() {
             let place = words(&probed.position, axes);
+            self.missed |= probed.outcome == Outcome::Missed;
             self.outcomes.push(match probed.outcome {
                 Outcome::Tripped => {
                     format!("probe: tripped at{place}, rests at{}", words(planner.end(), axes))
@@ -251,6 +254,7 @@ impl Seeker {
             });
         }
         if let Some(homed) = planner.homed() {
+            self.missed |= homed.is_err();
             self.outcomes.push(match homed {
                 Ok(()) => format!("home: stands at{}", words(planner.end(), axes)),
                 Err(failure) => format!("home: {failure}"),
