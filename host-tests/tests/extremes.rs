@@ -3,7 +3,9 @@
 
 mod common;
 
-use common::{judged, machine};
+use common::{config, judged, machine};
+use proptest::prelude::*;
+use splineway::machine::Quantity;
 use splineway_simulator::judge::violations;
 use splineway_simulator::machine::{Axis, Machine};
 use splineway_simulator::program::{Course, Move, Point, Program, Speed};
@@ -55,6 +57,37 @@ fn phases_may_vanish() {
         let machine = with(velocity, acceleration, jerk);
         let what = format!("V {velocity}, A {acceleration}, J {jerk}");
         check(&zigzag(3, 12, 3.0, 1.0e5, 0.0), &machine, &what);
+    }
+}
+
+/// A value of a quantity's range, by its share of the range's powers of ten.
+fn of_range(quantity: Quantity, share: f64) -> f64 {
+    let range = quantity.range();
+    (range.least.ln() * (1.0 - share) + range.greatest.ln() * share).exp()
+}
+
+proptest! {
+    #![proptest_config(config(60))]
+    /// Whatever limits are accepted, a program ends, in about the time that a leg takes by the one that binds, and within them.
+    #[test]
+    fn any_limits_do(shares in [0.0..1.0, 0.0..1.0, 0.0..1.0f64], time in 0.05..3.0f64) {
+        let quantities = [Quantity::Velocity, Quantity::Acceleration, Quantity::Jerk];
+        let [velocity, acceleration, jerk]: [f64; 3] =
+            std::array::from_fn(|k| of_range(quantities[k], shares[k]));
+        // From rest to rest, by each of them alone.
+        let size = (velocity * time).min(acceleration * time * time / 4.0).min(jerk * time.powi(3) / 32.0);
+        prop_assume!((0.02..1.0e4).contains(&size));
+        let mut machine = with(velocity, acceleration, jerk);
+        machine.tolerance = 0.01 * size;
+        let program = zigzag(3, 9, size, 1.0e6, 0.0);
+        let what = format!("V {velocity}, A {acceleration}, J {jerk}, {size} mm in {time} s");
+        for precision in [Precision::F64, Precision::F32] {
+            let (verdict, stats) = judged(&program, &machine, precision, &Events::default());
+            let broken = violations(&verdict);
+            prop_assert!(broken.is_empty(), "{what}, {precision:?}: {broken:?}");
+            prop_assert_eq!(stats.blocks, 9);
+            prop_assert!(verdict.time < 9.0 * 2.5 * time, "{} s: {}", verdict.time, what);
+        }
     }
 }
 

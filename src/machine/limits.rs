@@ -9,6 +9,9 @@ use crate::number::Scalar;
 
 /// No limit: more than any axis is allowed, in any direction in which it has a share worth counting.
 pub(crate) const UNLIMITED: f64 = 1.0e12;
+/// Least time scale of a machine, s: what it builds up sooner makes no difference in a servo cycle, and what is measured by less (first
+/// speeds, the end of a plan) would be too fast, or too fine, for everything else.
+const LEAST_SCALE: f64 = 1.0e-5;
 
 /// Limits of one axis, or of one motor (feature `kinematics`). Units: mm and s on a linear axis, degrees and s on a rotary one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -226,15 +229,16 @@ impl<S: Scalar, const N: usize> Limits<S, N> {
         [acceleration, jerk]
     }
 
-    /// Longest time any axis or motor needs to build up its full acceleration, s: the time scale on which
-    /// the machine's motion changes.
+    /// Longest time any axis or motor needs to build up as much acceleration as it can use, s: the time scale on which
+    /// the machine's motion changes. Where jerk is low, an axis is at its full speed before it is at its full acceleration.
     #[inline(never)]
     pub(crate) fn time_scale(&self) -> S {
         let mut scale = S::ZERO;
         for axis in self.axes.iter().chain(self.motors().map(|motor| &motor.limits)) {
-            scale = scale.greatest(axis.acceleration / axis.jerk);
+            let built_up = axis.acceleration / axis.jerk;
+            scale = scale.greatest(built_up.least((axis.velocity / axis.jerk).sqrt()));
         }
-        scale
+        scale.greatest(S::of(LEAST_SCALE))
     }
 
     /// The jerk, mm/s3, that every axis may have whatever the others have.
@@ -272,5 +276,10 @@ mod tests {
     fn the_slowest_axis_sets_the_time_scale() {
         let limits = Limits::new([axis(1.0, 2000.0, 5.0e4), axis(1.0, 10.0, 100.0)]).unwrap();
         assert!((limits.time_scale() - 0.1).abs() < 1.0e-12);
+        // Neither what cannot be reached counts, nor what is built up in no time.
+        let limits = Limits::new([axis(4.0, 1.0e8, 100.0)]).unwrap();
+        assert!((limits.time_scale() - 0.2).abs() < 1.0e-12);
+        let limits = Limits::new([axis(4.0, 1.0, 1.0e11)]).unwrap();
+        assert!((limits.time_scale() - LEAST_SCALE).abs() < 1.0e-20);
     }
 }

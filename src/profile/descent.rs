@@ -55,6 +55,8 @@ const ROUNDING_ERRORS: f64 = 8.0;
 /// a corner of the limits and stay there.
 const FIRST_MU: f64 = 7.5e-4;
 const FIRST_SHARE: f64 = 0.05;
+/// The same of the last: where cells take long beside the machine's time scale, a smaller mu is lost in the rounding of their time.
+const LAST_SHARE: f64 = 1.0e-5;
 /// Share of what is minimised that is hardly worth another step: a decrement squared below it, and all limits kept, is the end. (It is
 /// twice what the step before was to gain; the next one gains the square of that.)
 const NEARLY: f64 = 0.1;
@@ -377,8 +379,11 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
         let scale = self.limits.time_scale();
         let cells = S::from_u32(self.cells().len() as u32);
         let time = self.time().unwrap_or(S::ZERO);
-        let first = (scale * S::of(FIRST_MU)).greatest(time / cells * S::of(FIRST_SHARE));
-        MuRange { first, last: scale * S::of(schedule.last) }
+        let mean = time / cells;
+        MuRange {
+            first: (scale * S::of(FIRST_MU)).greatest(mean * S::of(FIRST_SHARE)),
+            last: (scale * S::of(schedule.last)).greatest(mean * S::of(LAST_SHARE)),
+        }
     }
 
     /// Longest share of the step that leaves every b at least a tenth of what it was.
