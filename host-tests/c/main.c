@@ -109,6 +109,47 @@ static int cycles_to_rest(bool quick)
     return cycle;
 }
 
+/* A tool that bears less: quick stops keep what it bears, or the limits of stops, not what the machine had at first. */
+static int stops_calmly(void)
+{
+    static splineway_core core;
+    static const int64_t start[SPLINEWAY_AXES] = {0};
+    static const int64_t far[SPLINEWAY_AXES] = {300000000};
+    const splineway_block options = {50.0f, 0.0f, -1.0f, false, 1};
+    splineway_axis axes[SPLINEWAY_AXES];
+    splineway_config config;
+    splineway_setpoint setpoint;
+    float before = 0.0f, most[2] = {0.0f, 0.0f};
+    int axis, cycle;
+
+    splineway_config_init(&config, 200.0f, 2000.0f, 50000.0f);
+    config.stop[0].acceleration = 400.0f;
+    for (axis = 0; axis < SPLINEWAY_AXES; ++axis) {
+        axes[axis].velocity = 100.0f;
+        axes[axis].acceleration = 200.0f;
+        axes[axis].jerk = 2000.0f;
+        axes[axis].rotary = false;
+    }
+    if (splineway_init(&core, sizeof core, &config, start) != SPLINEWAY_RESULT_OK
+        || splineway_set_limits(&core, axes) != SPLINEWAY_RESULT_OK
+        || splineway_push_line(&core, far, &options) != SPLINEWAY_RESULT_OK) {
+        return 1;
+    }
+    splineway_finish(&core);
+    for (cycle = 0; cycle < 3000; ++cycle) {
+        if (cycle == 1500) {
+            splineway_quick_hold(&core);
+        }
+        splineway_settle(&core);
+        splineway_tick(&core, &setpoint);
+        most[0] = fmaxf(most[0], fabsf(setpoint.acceleration[0]));
+        most[1] = fmaxf(most[1], fabsf(setpoint.acceleration[0] - before) / config.cycle);
+        before = setpoint.acceleration[0];
+    }
+    /* Of jerk nothing was said. */
+    return setpoint.activity != SPLINEWAY_ACTIVITY_IDLE || most[0] > 401.0f || most[1] > 2010.0f;
+}
+
 /* A surface 2 mm below is probed, and the axis then homed on it. */
 static int seeks(void)
 {
@@ -130,7 +171,9 @@ static int seeks(void)
     failures += splineway_init(&core, sizeof core, &config, start) != SPLINEWAY_RESULT_OK;
     failures += splineway_probe(&core, NULL, 10.0f, -1, true) != SPLINEWAY_RESULT_NULL;
     failures += splineway_probe(&core, down, 10.0f, -1, false) != SPLINEWAY_RESULT_INPUT;
-    failures += splineway_probe(&core, down, 10.0f, 9, true) != SPLINEWAY_RESULT_INPUT;
+    failures += splineway_probe(&core, down, 10.0f, SPLINEWAY_AXES, true) != SPLINEWAY_RESULT_INPUT;
+    failures += splineway_input(&core, SPLINEWAY_AXES, true, 0.0f) != SPLINEWAY_RESULT_INPUT;
+    failures += splineway_input(&core, -2, true, 0.0f) != SPLINEWAY_RESULT_INPUT;
     failures += splineway_probe(&core, down, 0.0f, -1, true) != SPLINEWAY_RESULT_OUT_OF_RANGE;
     splineway_hold(&core);
     failures += splineway_probe(&core, down, 10.0f, -1, true) != SPLINEWAY_RESULT_HELD;
@@ -263,6 +306,7 @@ static int wrong_calls(void)
     failures += calmer(&core);
     failures += seeks();
     failures += cycles_to_rest(false) < 150 || cycles_to_rest(true) > 40;
+    failures += stops_calmly();
     failures += splineway_push_event(&core, true, 2) != SPLINEWAY_RESULT_OK;
     /* After an abort nothing is taken until the caller says that it knows. */
     failures += splineway_acknowledge_abort(&core);

@@ -6,7 +6,7 @@ use super::types::{
 };
 use crate::block::{BlockError, Feed, PushError};
 use crate::jog::{JogError, ProbeError};
-use crate::machine::{AxisLimits, AxisTravel, Config, Limits, Travel};
+use crate::machine::{AxisLimits, AxisTravel, Config, Limits, Quantity, Travel};
 use crate::number::Coord;
 
 pub fn coord(nm: i64) -> Option<Coord> {
@@ -73,10 +73,13 @@ pub fn config(c: &splineway_config) -> Result<Config<f32, SPLINEWAY_AXES>, splin
     let mut config = Config::new(usual);
     let mut stop = c.axes;
     for (axis, stop) in stop.iter_mut().zip(c.stop) {
-        // No number is refused with the rest.
-        let more = |usual: f32, stop: f32| if stop <= usual { usual } else { stop };
-        axis.acceleration = more(axis.acceleration, stop.acceleration);
-        axis.jerk = more(axis.jerk, stop.jerk);
+        // The greater of these and of the axis's own, which may change, counts in a stop. No number is refused with the rest.
+        let said = |quantity: Quantity, stop: f32| {
+            let least = quantity.range().least as f32;
+            if stop <= least { least } else { stop }
+        };
+        axis.acceleration = said(Quantity::Acceleration, stop.acceleration);
+        axis.jerk = said(Quantity::Jerk, stop.jerk);
     }
     if c.stop.iter().any(|stop| stop.acceleration != 0.0 || stop.jerk != 0.0) {
         config.stop_limits = Some(limits(stop).ok_or(splineway_result::CONFIG)?);

@@ -8,7 +8,7 @@ use crate::block::{Offset, Output, Power, Switch, SwitchError, Trigger};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum splineway_trigger {
-    /// With the end of the block that was pushed last.
+    /// With the end of the block that was pushed last; behind a dwell or an event at rest, as `REST`, whether a motion follows or not.
     END = 0,
     /// With the start of the next motion.
     START = 1,

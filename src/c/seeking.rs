@@ -85,18 +85,16 @@ pub struct splineway_home_result {
 }
 
 /// An input by its number: an axis's home switch, or the probe.
-fn input(number: i32) -> Input {
-    // A number that is none of them is that of an axis that does not exist.
-    if number == -1 {
-        Input::Probe
-    } else {
-        Input::Home(usize::try_from(number).unwrap_or(usize::MAX))
+fn input(number: i32) -> Option<Input> {
+    match usize::try_from(number) {
+        Ok(axis) if axis < SPLINEWAY_AXES => Some(Input::Home(axis)),
+        _ => (number == -1).then_some(Input::Probe),
     }
 }
 
 /// Tells the level of an input, `fraction` of a servo cycle after the last `splineway_tick`: to be called from the interrupt of its
-/// edges, from any context, and once at the start. `number` is the index of an axis for its home switch, -1 for the probe.
-/// Where the fraction is read while a tick is due that has not come, it is one more; where one came after it was read, one less.
+/// edges, from any context, and once at the start. `number` is the index of an axis for its home switch, -1 for the probe; `INPUT`
+/// if it is neither. Where the fraction is read while a tick is due that has not come, it is one more; where one came after it was read, one less.
 ///
 /// Context: any.
 #[unsafe(no_mangle)]
@@ -107,7 +105,8 @@ pub unsafe extern "C" fn splineway_input(
     fraction: f32,
 ) -> splineway_result {
     let Some(inputs) = inputs(core) else { return splineway_result::NOT_READY };
-    inputs.tell(input(number), closed, fraction);
+    let Some(input) = input(number) else { return splineway_result::INPUT };
+    inputs.tell(input, closed, fraction);
     splineway_result::OK
 }
 
@@ -130,7 +129,8 @@ pub unsafe extern "C" fn splineway_probe(
     }
     // SAFETY: the caller gives one number per axis to read.
     let Some(to) = (unsafe { coords(to) }) else { return splineway_result::COORDINATE };
-    let probe = Probe { to, feed, input: input(number), closes };
+    let Some(input) = input(number) else { return splineway_result::INPUT };
+    let probe = Probe { to, feed, input, closes };
     planner.probe(&probe).map_or_else(|error| probe_refusal(&error), |()| splineway_result::OK)
 }
 

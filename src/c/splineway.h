@@ -147,7 +147,7 @@ typedef enum {
    */
   SPLINEWAY_RESULT_HELD = 17,
   /*
-   A probe: the input is already as it would be at the end, or there is no such input.
+   A probe: the input is already as it would be at the end; or there is no such input.
    */
   SPLINEWAY_RESULT_INPUT = 18,
 } splineway_result;
@@ -292,7 +292,7 @@ typedef enum {
  */
 typedef enum {
   /*
-   With the end of the block that was pushed last.
+   With the end of the block that was pushed last; behind a dwell or an event at rest, as `REST`, whether a motion follows or not.
    */
   SPLINEWAY_TRIGGER_END = 0,
   /*
@@ -358,7 +358,7 @@ typedef struct {
  */
 typedef struct {
   /*
-   mm/s2; less than that of the axis, as 0, says nothing.
+   mm/s2; less than that of the axis at the time, as 0, says nothing.
    */
   float acceleration;
   /*
@@ -1073,8 +1073,8 @@ splineway_result splineway_push_event(splineway_core *core,
 
 /*
  Tells the level of an input, `fraction` of a servo cycle after the last `splineway_tick`: to be called from the interrupt of its
- edges, from any context, and once at the start. `number` is the index of an axis for its home switch, -1 for the probe.
- Where the fraction is read while a tick is due that has not come, it is one more; where one came after it was read, one less.
+ edges, from any context, and once at the start. `number` is the index of an axis for its home switch, -1 for the probe; `INPUT`
+ if it is neither. Where the fraction is read while a tick is due that has not come, it is one more; where one came after it was read, one less.
 
  Context: any.
  */

@@ -97,7 +97,7 @@ pub enum splineway_result {
     NO_PROGRAM = 16,
     /// A probe or homing: a hold, a stop or an override of 0 is in force, or a pause waits for its resume.
     HELD = 17,
-    /// A probe: the input is already as it would be at the end, or there is no such input.
+    /// A probe: the input is already as it would be at the end; or there is no such input.
     INPUT = 18,
 }
 
@@ -122,7 +122,7 @@ impl splineway_result {
             (Self::RUNNING, c"a program runs: hold it before jogging"),
             (Self::NO_PROGRAM, c"no program is held that could be gone back to"),
             (Self::HELD, c"the machine is held: resume it first"),
-            (Self::INPUT, c"the input is already as it would be at the end"),
+            (Self::INPUT, c"the input is already as it would be at the end, or there is none of this number"),
             (Self::HEADER, c"header and library differ, or the configuration is not from splineway_config_init"),
         ];
         let known = all.into_iter().find(|(result, _)| *result as i32 == number);
@@ -148,7 +148,7 @@ pub struct splineway_axis {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct splineway_stop_limits {
-    /// mm/s2; less than that of the axis, as 0, says nothing.
+    /// mm/s2; less than that of the axis at the time, as 0, says nothing.
     pub acceleration: f32,
     /// mm/s3; the same.
     pub jerk: f32,

@@ -105,7 +105,7 @@ impl<const N: usize> Plan<N> {
             Aim::Place(to, feed) if resting => self.along_line::<S>(to, *feed, config),
             Aim::Stop if self.straight => self.stopped_on_line::<S>(config),
             #[cfg(feature = "kinematics")]
-            _ if config.limits.motors().next().is_some() => self.by_shares(aim, config),
+            _ if binds_motors(config) => self.by_shares(aim, config),
             _ => {
                 let caps = axis_caps(&config.limits, config.cycle);
                 let most = caps.map(|caps| Some(caps.velocity));
@@ -450,6 +450,13 @@ pub(super) fn stop_limits<S: Scalar, const N: usize>(config: &Config<S, N>) -> L
         Some(stop) => config.limits.with_more(stop),
         None => config.limits,
     }
+}
+
+/// Whether axes that keep their own limits, or those of stops, could be too much for a motor.
+#[cfg(feature = "kinematics")]
+#[inline(never)]
+fn binds_motors<S: Scalar, const N: usize>(config: &Config<S, N>) -> bool {
+    config.limits.motors().next().is_some() || stop_limits(config).motors().next().is_some()
 }
 
 /// The same of the axes in servo cycles.

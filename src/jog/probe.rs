@@ -113,7 +113,9 @@ impl fmt::Display for ProbeError {
             Self::Running => f.write_str("the machine moves, or has something left to run"),
             Self::Held => f.write_str("the machine is held; resume it first"),
             Self::Aborted => JogError::Aborted.fmt(f),
-            Self::Input => f.write_str("the input is already as it would be at the end"),
+            Self::Input => f.write_str(
+                "the input is already as it would be at the end, or there is none of this number",
+            ),
             Self::OutOfRange { quantity, error } => JogError::OutOfRange { quantity, error }.fmt(f),
             Self::Coordinate { axis, error } => JogError::Coordinate { axis, error }.fmt(f),
             Self::Travel { axis, error } => JogError::Travel { axis, error }.fmt(f),

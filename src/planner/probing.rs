@@ -109,7 +109,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         probe.check()?;
         let here = self.rests_free()?;
         self.check_probe(probe, &here)?;
-        if !self.side.lines().arm(probe.input, probe.closes) {
+        let exists = !matches!(probe.input, Input::Home(axis) if axis >= N);
+        if !(exists && self.side.lines().arm(probe.input, probe.closes)) {
             return Err(ProbeError::Input);
         }
         self.jogging.begin(On::Free, here, self.requests);

@@ -11,7 +11,7 @@ use crate::run::{Beyond, Seeker};
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Deserialize;
 use splineway::gcode::{OFFSETS, Place, Setup};
-use splineway::machine::defaults;
+use splineway::machine::{Quantity, defaults};
 use splineway::output::{Shape, Shaper, ShaperKind};
 use splineway::{
     AxisLimits, AxisTravel, Config, ConfigError, Coord, CornerMode, Limits, Scalar, Travel,
@@ -39,6 +39,14 @@ pub struct StopLimits {
     pub acceleration: f64,
     /// mm/s3.
     pub jerk: f64,
+}
+
+impl StopLimits {
+    /// The least that is accepted: where nothing is said, the limits in force are greater.
+    pub(crate) const UNSAID: Self = Self {
+        acceleration: Quantity::Acceleration.range().least,
+        jerk: Quantity::Jerk.range().least,
+    };
 }
 
 /// How an axis vibrates, and what is done about it.
@@ -235,8 +243,23 @@ impl Machine {
                 .set([Some((*shaping).into())], &config)
                 .map_err(|error| anyhow!("shaper.{key}: {error}"))?;
         }
+        let mut config = Config::<f64, 1>::new(Limits::new([AxisLimits::linear(1.0, 1.0, 1.0)])?);
+        self.settle(&mut config);
+        config.check()?;
         self.try_seeker()?;
         self.try_setup().map(|_| ())
+    }
+
+    /// The settings that are no axis's.
+    fn settle<S: Scalar, const N: usize>(&self, config: &mut Config<S, N>) {
+        config.tolerance = S::of(self.tolerance);
+        config.cycle = S::of(self.cycle);
+        config.lead = S::of(self.lead);
+        config.sweeps = self.sweeps;
+        config.corner = match self.mode {
+            Mode::Band => CornerMode::Band,
+            Mode::Paper => CornerMode::Paper { lambda: S::of(self.lambda) },
+        };
     }
 
     /// Its home switches and surfaces. (Those of a machine that has been parsed are all valid; of others, what is not is left out.)
@@ -345,14 +368,19 @@ impl Machine {
     /// # Errors
     /// As [`Machine::axis`].
     pub fn stop_axis(&self, index: usize) -> Result<Axis> {
-        let axis = self.axis(index)?;
-        let named = self.stop.iter().find(|(key, _)| axis_index(key) == Some(index));
-        let stop = named.map(|(_, stop)| stop).or_else(|| self.stop.get("default"));
-        Ok(stop.map_or(axis, |stop| Axis {
+        let (axis, stop) = (self.axis(index)?, self.said_of_stops(index));
+        Ok(Axis {
             acceleration: axis.acceleration.max(stop.acceleration),
             jerk: axis.jerk.max(stop.jerk),
             ..axis
-        }))
+        })
+    }
+
+    /// What is said of an axis's quick stops. (The core takes the greater of this and of the limits in force, which may change.)
+    fn said_of_stops(&self, index: usize) -> StopLimits {
+        let named = self.stop.iter().find(|(key, _)| axis_index(key) == Some(index));
+        let stop = named.map(|(_, stop)| stop).or_else(|| self.stop.get("default"));
+        stop.copied().unwrap_or(StopLimits::UNSAID)
     }
 
     /// The core's configuration for the first `N` of `axes`.
@@ -371,7 +399,9 @@ impl Machine {
                 rotary: is_rotary(index),
             };
             travel[n] = self.travel(index)?;
-            (limits[n], stops[n]) = (of(self.axis(index)?), of(self.stop_axis(index)?));
+            let (axis, StopLimits { acceleration, jerk }) =
+                (self.axis(index)?, self.said_of_stops(index));
+            (limits[n], stops[n]) = (of(axis), of(Axis { acceleration, jerk, ..axis }));
         }
         let mut config = Config::new(self.on_motors(Limits::new(limits)?, axes, false)?);
         let stops = self.on_motors(Limits::new(stops)?, axes, true)?;
@@ -379,14 +409,7 @@ impl Machine {
             !self.stop.is_empty() || self.motor.iter().any(|motor| motor.stop.is_some());
         config.stop_limits = stop_sooner.then_some(stops);
         config.travel = Travel::new(travel)?;
-        config.tolerance = S::of(self.tolerance);
-        config.cycle = S::of(self.cycle);
-        config.lead = S::of(self.lead);
-        config.sweeps = self.sweeps;
-        config.corner = match self.mode {
-            Mode::Band => CornerMode::Band,
-            Mode::Paper => CornerMode::Paper { lambda: S::of(self.lambda) },
-        };
+        self.settle(&mut config);
         if let Some(shaper) = self.shaper(axes, &config)? {
             config.follower = shaper.follower(&config);
             // Axes that the program does not have are not shaped, and never move.
@@ -517,6 +540,10 @@ mod tests {
             ("[travel]\nX = { most = 1 }\n", "most"),
             ("switches = [\"X>1\", \"Q>1\"]\n", "switches"),
             ("surfaces = [\"Z-1\"]\n", "surfaces"),
+            ("tolerance = -1\n", "tolerance is -1 mm"),
+            ("cycle = 5\n", "servo cycle is 5 s"),
+            ("lead = -1\n", "lead is -1 s"),
+            ("mode = \"paper\"\nlambda = 2\n", "lambda is 2"),
         ] {
             let error = format!("{:#}", Machine::parse(text).unwrap_err());
             assert!(error.contains(part), "{error}");

@@ -30,18 +30,20 @@ fn random<S: Scalar, const N: usize, const M: usize>(
     })
 }
 
-/// Motors that get from a fifth of what the axes would ask of them to a little more than that. As they are, if they make no sense.
+/// Motors that get from a fifth of what the axes would ask of them to a little more than that, or all a little more: then only stops by
+/// other limits ask too much. As they are, if they make no sense.
 fn bounded<S: Scalar, const N: usize, const M: usize>(
     limits: Limits<S, N>,
     factors: [[S; N]; M],
     between: &mut dyn FnMut(f64, f64) -> f64,
 ) -> Limits<S, N> {
     let Ok(motors) = Linear::new(factors) else { return limits };
+    let least = if between(0.0, 1.0) < 0.25 { 1.01 } else { 0.2 };
     let motor_limits = factors.map(|row| {
         let mut part = |of: fn(&AxisLimits<S>) -> S| {
             let sum: f64 =
                 (0..N).map(|i| row[i].to_f64().abs() * of(&limits.axes()[i]).to_f64()).sum();
-            S::of(sum * between(0.2, 1.1))
+            S::of(sum * between(least, 1.1))
         };
         AxisLimits::linear(
             part(|axis| axis.velocity),

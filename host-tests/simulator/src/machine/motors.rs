@@ -79,8 +79,13 @@ impl Machine {
         let motors: Vec<_> = rows
             .iter()
             .map(|row| {
-                let Axis { velocity, acceleration, jerk } =
-                    if stops { row.stop } else { row.limits };
+                let mut axis = row.limits;
+                if stops {
+                    let motor = self.motor.iter().find(|motor| motor.name == row.name);
+                    let said = motor.and_then(|motor| motor.stop).unwrap_or(StopLimits::UNSAID);
+                    (axis.acceleration, axis.jerk) = (said.acceleration, said.jerk);
+                }
+                let Axis { velocity, acceleration, jerk } = axis;
                 let mut factors = [S::ZERO; N];
                 for (slot, factor) in factors.iter_mut().zip(&row.factors) {
                     *slot = S::of(*factor);
