@@ -487,6 +487,37 @@ mod over_a_line {
         }
     }
 
+    /// Whoever calls while another is served is hung up on, and never obeyed; half a line goes with its sender.
+    #[test]
+    fn what_is_left_by_a_sender_that_has_gone_moves_nothing() {
+        let name = start(Line::network(0).unwrap(), Kept::new(3, None).unwrap());
+        let connect = || {
+            let port = TcpStream::connect(&name).unwrap();
+            port.set_read_timeout(Some(Duration::from_millis(50))).unwrap();
+            port
+        };
+        let rests_at = |port: &mut TcpStream, place: &str| {
+            std::thread::sleep(Duration::from_millis(300));
+            let report = expect(port, b"?", ">\r\n");
+            assert!(report.contains("<Idle") && report.contains(place), "{report}");
+        };
+        let mut first = connect();
+        expect(&mut first, b"G1 X1 F6000\n", "ok\r\n");
+        let mut second = connect();
+        second.write_all(b"G0 X9\n").unwrap();
+        second.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+        let end = second.read(&mut [0; 8]);
+        assert!(matches!(end, Ok(0) | Err(_)), "{end:?}");
+        drop(second);
+        rests_at(&mut first, "MPos:1.000,0.000,0.000");
+        first.write_all(b"G0 X5").unwrap();
+        drop(first);
+        let mut third = connect();
+        rests_at(&mut third, "MPos:1.000,0.000,0.000");
+        expect(&mut third, b"\r\n", "ok\r\n");
+        rests_at(&mut third, "MPos:1.000,0.000,0.000");
+    }
+
     #[test]
     fn a_network_and_one_sender_after_another() {
         let name = start(Line::network(0).unwrap(), Kept::new(3, None).unwrap());

@@ -83,6 +83,14 @@ impl Inbox {
         self.lines + self.lost as usize + usize::from(begun || self.within)
     }
 
+    /// Drops a line that has begun and not ended.
+    pub fn cut(&mut self) {
+        while self.bytes.back().is_some_and(|&last| last != b'\n') {
+            self.bytes.pop_back();
+        }
+        (self.within, self.returned) = (false, false);
+    }
+
     /// Drops everything.
     pub fn clear(&mut self) {
         *self = Self::default();
@@ -134,6 +142,23 @@ mod tests {
         assert_eq!(lines(&mut inbox), [lost.clone(), lost]);
         push(&mut inbox, b"good\n");
         assert_eq!(lines(&mut inbox), [Ok("good".into())]);
+    }
+
+    /// Half a line is none, and what comes next is not glued to it; whole lines stay, and lost ones are told.
+    #[test]
+    fn a_line_that_is_cut_off_is_dropped() {
+        let mut inbox = Inbox::default();
+        push(&mut inbox, b"kept\nG1X100.5");
+        inbox.cut();
+        push(&mut inbox, b"\nnext\n");
+        assert_eq!(lines(&mut inbox), ["kept", "", "next"].map(|line| Ok(line.into())));
+        push(&mut inbox, &[b'x'; RECEIVE + 1]);
+        inbox.cut();
+        assert_eq!((lines(&mut inbox), inbox.room()), (Vec::new(), RECEIVE));
+        push(&mut inbox, b"a\r");
+        inbox.cut();
+        push(&mut inbox, b"\nb\n");
+        assert_eq!(lines(&mut inbox), ["a", "", "b"].map(|line| Ok(line.into())));
     }
 
     #[test]

@@ -57,6 +57,18 @@ impl State {
         }
     }
 
+    /// Whether something is being done, or braked: what grbl locks the machine for if it is reset.
+    pub(super) const fn moves(self) -> bool {
+        matches!(
+            self,
+            Self::Run
+                | Self::Jog
+                | Self::Home
+                | Self::Hold { rests: false }
+                | Self::Door { rests: false, .. }
+        )
+    }
+
     /// Whether reports of it come often, so that offsets and overrides are told less often.
     const fn is_busy(self) -> bool {
         matches!(self, Self::Run | Self::Hold { .. } | Self::Jog | Self::Home | Self::Door { .. })

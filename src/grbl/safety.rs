@@ -79,6 +79,9 @@ impl<S: Scalar, const N: usize> Station<S, N> {
 
     /// Brakes within the limits, and drops everything.
     pub(super) fn reset(&mut self, controls: Controls<'_>) {
+        if self.abort != Some(Abort::Reset) {
+            self.cut = self.state().moves();
+        }
         controls.abort();
         if self.homes() && self.lock == Lock::Open {
             (self.lock, self.unsaid) = (Lock::Alarm, Some(Alarm::HomingReset));

@@ -126,6 +126,8 @@ pub struct Station<S: Scalar, const N: usize> {
     pub(super) startup: Option<usize>,
     /// The line under way is a startup line.
     pub(super) from_startup: bool,
+    /// The reset that is being obeyed came in motion.
+    pub(super) cut: bool,
     /// Lines that came before a jog was called off, and the line under way is one of them: they begin none.
     pub(super) cancelled: usize,
     pub(super) is_cancelled: bool,
@@ -212,6 +214,7 @@ impl<S: Scalar, const N: usize> Station<S, N> {
             doing: Doing::Nothing,
             startup: None,
             from_startup: false,
+            cut: false,
             cancelled: 0,
             is_cancelled: false,
             barred: 0,
@@ -269,6 +272,17 @@ impl<S: Scalar, const N: usize> Station<S, N> {
                 }
             }
         }
+    }
+
+    /// Whoever sent has gone, where that can be known (a network; a USB port that is closed): the line that has begun and not ended is
+    /// dropped, so that it does not become another with what the next one sends. Whole lines are run.
+    ///
+    /// Cost: that of a line.
+    pub fn hang_up(&mut self) {
+        self.inbox.cut();
+        self.letters = Letters::default();
+        let waiting = self.inbox.waiting();
+        (self.cancelled, self.barred) = (self.cancelled.min(waiting), self.barred.min(waiting));
     }
 
     /// Hands lines to the planner as long as it has room, lets it plan, and keeps the rules: call it in place of
@@ -338,12 +352,13 @@ impl<S: Scalar, const N: usize> Station<S, N> {
         self.greet();
     }
 
-    /// The banner; what runs at a start.
+    /// The banner; what runs at a start. Where a motion was cut off, that would begin another which nobody expects: as in grbl.
     pub(super) fn greet(&mut self) {
         self.outbox.end();
         self.outbox.line("Grbl 1.1h ['$' for help]");
+        let cut = core::mem::take(&mut self.cut);
         if self.lock == Lock::Open {
-            self.startup = Some(0);
+            self.startup = (!cut).then_some(0);
         } else {
             self.outbox.line("[MSG:'$H'|'$X' to unlock]");
         }

@@ -438,6 +438,46 @@ fn switches_lock_the_machine() {
     });
 }
 
+/// As in grbl: what runs at a start begins no motion where one was cut off. At rest, and in a hold that has come to rest, it runs.
+#[test]
+fn startup_lines_do_not_follow_a_motion_that_was_cut_off() {
+    for (before, meanwhile, runs) in [
+        (&b""[..], &b""[..], true),
+        (b"G1 X100 F1500\n", b"", false),
+        (b"G1 X100 F1500\n", b"!", false),
+        (b"$J=X100 F1500\n", b"", false),
+        (b"G4 P10\n", b"", false),
+        (b"G1 X1 F1500\n", b"", true),
+    ] {
+        with_rig(|rig: &mut Rig<'_, f32>| {
+            assert_eq!(rig.answer("$N0=G0 Y3"), "ok");
+            rig.send(before);
+            rig.rounds(400);
+            rig.send(meanwhile);
+            rig.rounds(5);
+            // Twice, as some senders do.
+            rig.send(b"\x18\x18");
+            rig.rounds(600);
+            rig.settle();
+            let y = rig.place()[1];
+            assert_eq!(y, if runs { 3 * MM } else { 0 }, "{before:?} {meanwhile:?}");
+            assert!(rig.station.state() == State::Idle);
+        });
+    }
+    with_rig(|rig: &mut Rig<'_, f32>| {
+        assert_eq!(rig.answer("$N0=G0 Y3"), "ok");
+        rig.send(b"G1 X100 F1500\n");
+        rig.rounds(400);
+        rig.send(b"!");
+        rig.rounds(600);
+        assert!(rig.status().starts_with("<Hold:0|"));
+        rig.send(b"\x18");
+        rig.rounds(600);
+        rig.settle();
+        assert_eq!(rig.place()[1], 3 * MM);
+    });
+}
+
 /// A sender may have lines under way when it is told to reset: they were part of what is dropped, and each is answered.
 #[test]
 fn lines_that_come_while_a_reset_brakes_begin_no_motion() {

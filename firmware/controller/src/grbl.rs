@@ -46,6 +46,10 @@ pub trait Port<S: Scalar, const N: usize> {
 
     /// The next byte that has come from the line; `None` if there is none now.
     fn read(&mut self) -> Option<u8>;
+    /// Whether whoever sent has gone, once, where that can be known: asked when there is no byte, before those of the next one.
+    fn hung_up(&mut self) -> bool {
+        false
+    }
     /// Takes a byte for the line; `false`: it has no room now, and the byte is offered again.
     fn write(&mut self, byte: u8) -> bool;
     /// The last setpoint, as a whole. It is asked for after planning, so that it is not older than what the planner knows.
@@ -110,8 +114,14 @@ impl<
     ///
     /// Cost: that of [`Station::poll`], and of [`Station::receive`] for every byte that has come.
     pub fn round(&mut self, port: &mut impl Port<S, N>) -> Progress {
-        while let Some(byte) = port.read() {
-            self.station.receive(byte, self.planner.controls());
+        loop {
+            while let Some(byte) = port.read() {
+                self.station.receive(byte, self.planner.controls());
+            }
+            if !port.hung_up() {
+                break;
+            }
+            self.station.hang_up();
         }
         let inputs = port.inputs();
         let progress = self.station.poll(self.planner, self.events, port.store(), inputs);

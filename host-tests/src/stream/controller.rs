@@ -1,6 +1,6 @@
 //! A controller without a machine: the background of the firmware ([`splineway_controller`]), on a line.
 
-use super::line::Line;
+use super::line::{Heard, Line};
 use super::pace::Pace;
 use anyhow::{Result, bail};
 use splineway::wire::{Event, Events, IN_TIME, State};
@@ -177,8 +177,11 @@ impl Controller {
         let (mut ran, mut leaves, mut burns) = (false, false, false);
         let mut state = State::Idle;
         loop {
-            pace.hear(&self.line, state == State::Idle, |chunk| {
-                outside.incoming.extend(faults.pass(chunk));
+            pace.hear(&self.line, state == State::Idle, |heard| {
+                // Half a frame is none, and its session outlasts a line.
+                if let Heard::Bytes(bytes) = heard {
+                    outside.incoming.extend(faults.pass(&bytes));
+                }
             });
             outside.now = pace.now();
             // The line is served whether a servo cycle is due or not.

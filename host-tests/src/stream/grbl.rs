@@ -1,7 +1,7 @@
 //! A controller without a machine that speaks the protocol of grbl: the background of the firmware
 //! ([`splineway_controller::grbl`]), on a line.
 
-use super::line::Line;
+use super::line::{Heard, Line};
 use super::pace::Pace;
 use anyhow::{Context, Result, bail};
 use splineway::grbl::{Accessories, Event, Events, Inputs, Settings, State, Store, words};
@@ -110,7 +110,8 @@ pub enum Doing {
 
 /// What the background sees.
 struct Outside<const N: usize> {
-    incoming: VecDeque<u8>,
+    /// `None`: whoever sent has gone.
+    incoming: VecDeque<Option<u8>>,
     outgoing: Vec<u8>,
     /// Whether the line takes nothing now.
     full: bool,
@@ -158,7 +159,13 @@ impl<const N: usize> Port<f32, N> for Outside<N> {
     type Store = Kept;
 
     fn read(&mut self) -> Option<u8> {
-        self.incoming.pop_front()
+        self.incoming.front().copied().flatten()?;
+        self.incoming.pop_front().flatten()
+    }
+
+    fn hung_up(&mut self) -> bool {
+        let gone = self.incoming.front() == Some(&None);
+        gone && self.incoming.pop_front().is_some()
     }
 
     fn write(&mut self, byte: u8) -> bool {
@@ -258,7 +265,10 @@ impl Grbl {
         let mut switched = Vec::new();
         let (mut pace, mut state) = (Pace::new(speed, machine.cycle), State::Idle);
         loop {
-            pace.hear(&self.line, state == State::Idle, |chunk| outside.incoming.extend(chunk));
+            pace.hear(&self.line, state == State::Idle, |heard| match heard {
+                Heard::Bytes(bytes) => outside.incoming.extend(bytes.into_iter().map(Some)),
+                Heard::HangUp => outside.incoming.push_back(None),
+            });
             outside.full = self.line.is_full();
             outside.look(inputs);
             // The line is served whether a servo cycle is due or not.

@@ -1,6 +1,6 @@
 //! The pace of a controller without a machine: so many servo cycles as the clock asks for, and a line that is served all the time.
 
-use super::line::Line;
+use super::line::{Heard, Line};
 use std::time::{Duration, Instant};
 
 /// Most servo cycles that are made up for in one go, and most time that takes.
@@ -32,14 +32,12 @@ impl Pace {
 
     /// Passes on what comes, and waits a little if nothing does: that stands for the time the processor has nothing to do. A byte ends
     /// it.
-    pub fn hear(&mut self, line: &Line, idle: bool, mut take: impl FnMut(&[u8])) {
+    pub fn hear(&mut self, line: &Line, idle: bool, mut take: impl FnMut(Heard)) {
         let wait = if idle && self.is_silent() { IDLE } else { BUSY };
-        let first = line.bytes().recv_timeout(wait).unwrap_or_default();
-        for chunk in std::iter::once(first).chain(line.bytes().try_iter()) {
-            if !chunk.is_empty() {
-                self.heard = Instant::now();
-            }
-            take(&chunk);
+        let first = line.heard().recv_timeout(wait).ok();
+        for heard in first.into_iter().chain(line.heard().try_iter()) {
+            self.heard = Instant::now();
+            take(heard);
         }
         self.now = self.began.elapsed();
     }
