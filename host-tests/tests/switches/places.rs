@@ -121,3 +121,48 @@ fn power_goes_with_the_speed_and_is_off_in_rapids_and_at_rest() {
         }
     }
 }
+
+/// The end of a dwell or an event is at rest: whether a motion follows or not, and times count from there.
+#[test]
+fn the_end_of_a_standstill_comes_without_a_motion_behind_it() {
+    let machine = machine(0.05, (1.0, 1.0), AXES);
+    let at = |x: f64| [x, 0.0, 0.0].map(|x| Coord::from_mm(x).unwrap());
+    for (event, follows) in [(false, false), (false, true), (true, false), (true, true)] {
+        let mut link = Box::new(Link::<f32, AXES, 16, 64>::new());
+        let (mut planner, mut interpolator) =
+            link.split(machine.config(&[0, 1, 2]).unwrap(), [Coord::ZERO; AXES]).unwrap();
+        planner.push(&Block::line(at(10.0), 100.0, 1)).unwrap();
+        planner.push(&if event { Block::event(2) } else { Block::dwell(0.05, 2) }).unwrap();
+        let end = |output: u8| Switch::digital(output, true).at(Trigger::End);
+        planner.push_switch(&end(0)).unwrap();
+        planner.push_switch(&end(1).behind_s(0.0205)).unwrap();
+        planner.push_switch(&end(2).behind_s(-0.5)).unwrap();
+        planner.push_switch(&end(3).behind_mm(-5.0)).unwrap();
+        if follows {
+            planner.push(&Block::line(at(20.0), 100.0, 3)).unwrap();
+        }
+        planner.finish();
+        let mut came = [None; 4];
+        let (mut dwelt, mut tag) = (0, 0);
+        for cycle in 0..2000 {
+            planner.settle();
+            let setpoint = interpolator.tick();
+            dwelt += u32::from(setpoint.activity == Activity::Dwelling);
+            let running = setpoint.activity == Activity::Running;
+            assert!(setpoint.tag >= tag);
+            tag = setpoint.tag;
+            interpolator.switch(&setpoint, |switched| {
+                let Output::Digital(output) = switched.output else { panic!() };
+                assert!(came[usize::from(output)].is_none());
+                came[usize::from(output)] =
+                    Some((f64::from(cycle) + f64::from(switched.fraction), running));
+            });
+        }
+        let came = came.map(Option::unwrap);
+        assert!(event || dwelt >= 49, "{dwelt}");
+        // At rest, behind it all; the one that waits may be overtaken by a motion.
+        assert!(!came[0].1 && !came[2].1 && !came[3].1, "{came:?}");
+        assert!((came[1].0 - came[0].0 - 20.5).abs() < 1.0e-3, "{came:?}");
+        assert!((came[2].0 - came[0].0).abs() < 1.0e-3, "{came:?}");
+    }
+}

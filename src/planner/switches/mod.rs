@@ -34,8 +34,10 @@ pub struct Switches<S> {
     to: (i64, ArcLength),
     /// End of the last standstill that was cut.
     floor: ArcLength,
-    /// End of the last standstill that was pushed.
+    /// End of the last standstill that was pushed, its tag, and whether it is an event.
     stand: Option<Milestone>,
+    stand_tag: u32,
+    stand_is_event: bool,
     timed: heapless::Vec<Timed<S>, TIMED>,
     /// Where the last plan that was offered branches off.
     branch: Option<Branch>,
@@ -55,6 +57,8 @@ impl<S: Scalar> Switches<S> {
         to: (0, ArcLength::ZERO),
         floor: ArcLength::ZERO,
         stand: None,
+        stand_tag: 0,
+        stand_is_event: false,
         timed: heapless::Vec::new(),
         branch: None,
         power: Power::OFF,
@@ -137,6 +141,17 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         };
         if switch.trigger == Trigger::Rest {
             item.order = self.push_rest(switch.tag)?;
+        } else if switch.trigger == Trigger::End && self.rests_there(switch.offset) {
+            // The end of a dwell or of an event: there need not be a motion behind it that could leave it.
+            item.passing = Passing::Event;
+            item.order = if self.switches.stand_is_event {
+                self.switches.events
+            } else {
+                self.push_rest(self.switches.stand_tag)?
+            };
+            if let Offset::Time(seconds) = switch.offset {
+                (item.wait, item.part) = self.cycles(seconds.greatest(S::ZERO));
+            }
         } else {
             self.set_milestone(&mut item, switch.offset);
         }
@@ -198,6 +213,20 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         Ok(self.switches.events)
     }
 
+    /// Whether what has an offset from the end of the block pushed last is to come at a rest: a dwell or an event. No lead reaches behind
+    /// one; a distance behind it is one of the motion that follows.
+    fn rests_there(&self, offset: Offset<S>) -> bool {
+        let follows = matches!(offset, Offset::Distance(mm) if mm > S::ZERO);
+        !follows && self.switches.stand == Some(self.builder.meter().taken())
+    }
+
+    /// A time in servo cycles: whole ones, and the part of one.
+    fn cycles(&self, seconds: S) -> (u32, S) {
+        let cycles = seconds / self.horizon.config.cycle;
+        let whole = cycles.to_i64().clamp(0, i64::from(MOST_WAIT / 2));
+        (whole as u32, cycles - S::from_i64(whole))
+    }
+
     /// Where, and how long before or behind it, an item is to be.
     fn set_milestone(&mut self, item: &mut Item<S, 1>, offset: Offset<S>) {
         let here = self.builder.meter().taken();
@@ -212,11 +241,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 (item.wait, item.part) = (LEAD, -seconds);
             }
             Offset::Time(seconds) => {
-                let cycles = seconds / self.horizon.config.cycle;
-                let whole = cycles.to_i64().clamp(0, i64::from(MOST_WAIT / 2));
+                let (whole, part) = self.cycles(seconds);
                 // A part of a cycle, and at least one: else it would be taken for a distance.
-                item.wait = whole as u32 + 1;
-                item.part = cycles - S::from_i64(whole);
+                (item.wait, item.part) = (whole + 1, part);
             }
         }
     }
@@ -237,8 +264,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             from = taken;
         }
         if from.stands != taken.stands {
-            self.switches.stand = Some(taken);
             let is_event = matches!(block.motion, Motion::Event { .. });
+            self.switches.stand = Some(taken);
+            (self.switches.stand_tag, self.switches.stand_is_event) = (block.tag, is_event);
             self.switches.events = self.switches.events.wrapping_add(u32::from(is_event));
         } else if self.builder.meter().from() != taken {
             let values = level(&self.switches.power, self.builder.asked());
