@@ -296,6 +296,54 @@ fn what_the_machine_is_given_keeps_limits_and_band() {
     assert!(most > 0.6, "{most}");
 }
 
+/// A dwell lasts as long as programmed, whatever stands before it: the machine settles once.
+#[test]
+fn a_dwell_behind_a_standstill_is_no_longer_than_programmed() {
+    let axis = AxisLimits::linear(200.0f32, 2000.0, 5.0e4);
+    for kind in [ShaperKind::Zv, ShaperKind::Mzv, ShaperKind::Ei, ShaperKind::Smooth] {
+        let shape = Shape { kind, frequency: 40.0, damping: 0.05 };
+        let mut config = Config::new(Limits::new([axis; AXES]).unwrap());
+        config.tolerance = 0.1;
+        let mut shaper = Box::new(Shaper::<f32, AXES, HISTORY>::new());
+        shaper.set([Some(shape); AXES], &config).unwrap();
+        config.follower = shaper.follower(&config);
+        let mut link = Box::new(Link::<f32, AXES, 16, 64>::new());
+        let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; AXES]).unwrap();
+        let line = |x: f64, tag| Block::line([at(x), at(0.0), at(0.0)], 100.0, tag);
+        let (dwell, ms) = (|tag| Block::dwell(0.005, tag), 5);
+        let blocks = [
+            line(10.0, 1),
+            Block::event(2),
+            dwell(3),
+            line(20.0, 4),
+            dwell(5),
+            dwell(6),
+            Block::event(7),
+            Block::event(8),
+            dwell(9),
+            line(30.0, 10),
+        ];
+        for block in &blocks {
+            planner.push(block).unwrap();
+        }
+        planner.finish();
+        let (mut dwelt, mut told) = ([0; 11], 0);
+        for _ in 0..2000 {
+            planner.settle();
+            let setpoint = interpolator.tick();
+            let shaped = shaper.shape(&setpoint);
+            dwelt[shaped.tag as usize] += u32::from(shaped.activity == Activity::Dwelling);
+            told += u32::from(shaped.activity == Activity::Event);
+            assert!(shaped.activity == Activity::Running || shaper.is_settled());
+        }
+        assert_eq!(told, 3, "{kind:?}");
+        // A servo cycle more or less that has begun.
+        for tag in [3, 5, 6, 9] {
+            assert!((ms - 1..=ms + 1).contains(&dwelt[tag]), "{kind:?}: {dwelt:?}");
+        }
+    }
+}
+
 /// Long lines at any angle, which are run by the axes' own limits but near their ends.
 fn random_legs<S: Scalar>(seed: u64) -> [f64; 2] {
     let mut draw = Draw(seed | 1);

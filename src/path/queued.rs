@@ -201,12 +201,12 @@ impl<S: Scalar, const N: usize> QueuedBlock<S, N> {
         let segment = match block.motion {
             Motion::Dwell { seconds } => {
                 in_range(Quantity::Dwell, seconds)?;
-                item.dwell = seconds + config.settle();
+                item.dwell = seconds;
                 item.stop_after = true;
                 return Ok((seconds > S::ZERO).then_some(item));
             }
             Motion::Event { pause } => {
-                item.dwell = config.cycle * S::of(EVENT_CYCLES) + config.settle();
+                item.dwell = config.cycle * S::of(EVENT_CYCLES);
                 item.event = Some(if pause { Event::Pause } else { Event::Pass });
                 item.stop_after = true;
                 return Ok(Some(item));

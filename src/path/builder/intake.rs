@@ -11,6 +11,8 @@ use crate::path::chords::Chords;
 #[cfg(feature = "outputs")]
 use crate::path::feed;
 use crate::path::joint::{goes_on_from, joint};
+#[cfg(feature = "shaping")]
+use crate::path::node::Event;
 use crate::path::queued::{Joint, QueuedBlock};
 use crate::path::segment::Segment;
 use crate::path::straight::{Mark, Sleeve};
@@ -114,6 +116,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                 item.dwell = config.settle();
             }
             self.after_alone = item.alone && item.segment.is_some();
+            // It counts from when everything rests: behind another standstill, from its beginning. In a pause the machine may be jogged.
+            let stands = item.segment.is_none();
+            if stands && !self.stands {
+                item.dwell = item.dwell + config.settle();
+            }
+            self.stands = stands && item.event != Some(Event::Pause);
         }
         #[cfg(feature = "limits")]
         {

@@ -121,6 +121,9 @@ pub struct Builder<S, const N: usize, const BLOCKS: usize> {
     /// Whether the last block was one that is run alone.
     #[cfg(feature = "shaping")]
     after_alone: bool,
+    /// Whether the last block was a standstill through which the machine rests.
+    #[cfg(feature = "shaping")]
+    stands: bool,
     /// Greatest speed at which the front segment is entered, mm/s.
     #[cfg(feature = "shaping")]
     entry: S,
@@ -160,6 +163,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         #[cfg(feature = "shaping")]
         after_alone: false,
         #[cfg(feature = "shaping")]
+        stands: false,
+        #[cfg(feature = "shaping")]
         entry: S::ZERO,
         rested: false,
         #[cfg(feature = "outputs")]
@@ -189,7 +194,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         self.rested = true;
         #[cfg(feature = "shaping")]
         {
-            self.after_alone = false;
+            (self.after_alone, self.stands) = (false, false);
             self.entry = S::ZERO;
         }
         #[cfg(feature = "outputs")]
