@@ -733,6 +733,18 @@ fn endings_and_kinds() {
     assert!(inspect_bytes(Path::new("a.doc"), b"G0 X1", ReadOptions::DEFAULT).is_err());
 }
 
+/// An arc is not told to go where only its centre lies.
+#[test]
+fn a_centre_out_of_range_is_named() {
+    for line in ["G2 X10 R1000001 F100", "G2 X10 R1000000000 F100", "G2 X10 J-1000001 F100"] {
+        let found = errors(line, MILL);
+        assert!(
+            found[0].contains("the arc's centre would lie beyond +-1000000 mm of Y"),
+            "{found:?}"
+        );
+    }
+}
+
 /// Whatever the bytes, it is read or refused; and what is read stays in range.
 #[test]
 fn any_order_of_words_gives_the_same() {

@@ -59,7 +59,7 @@ impl Reader {
         let limit = Coord::LIMIT_MM;
         for (axis, coord) in [(p, centre.0), (q, centre.1)] {
             if coord.to_mm().abs() > limit {
-                return refuse(column, Reason::Coordinate { axis, value: coord.to_mm() });
+                return refuse(column, Reason::Centre { axis });
             }
         }
         // Of printers some do not know P, others run so many circles more: there it is nobody's word.
@@ -78,7 +78,8 @@ impl Reader {
     ) -> Result<(Coord, Coord), Refusal> {
         let refuse = |reason| Refusal::new(column, reason);
         let plane @ (p, q) = self.modal.plane.axes();
-        let length = |axis, value| self.coordinate(axis, value).map_err(refuse);
+        let length =
+            |axis, value| self.coordinate(axis, value).map_err(|_| refuse(Reason::Centre { axis }));
         if self.modal.absolute_centre {
             let (Some(x), Some(y)) = offsets else {
                 let what = "both words of its centre under G90.1";

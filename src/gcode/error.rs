@@ -94,6 +94,11 @@ pub enum Reason {
         /// Where it would go, mm.
         value: f64,
     },
+    /// The centre of an arc lies beyond the range of coordinates.
+    Centre {
+        /// Index of the axis.
+        axis: usize,
+    },
     /// Too few or too many control points of a NURBS block.
     ControlPoints {
         /// How many there are, or would be.
@@ -189,6 +194,11 @@ impl fmt::Display for Reason {
                 let letter = LETTERS.get(axis).copied().unwrap_or('?');
                 let limit = Coord::LIMIT_MM;
                 write!(f, "{letter} would go to {value} mm; coordinates must be within +-{limit}")
+            }
+            Self::Centre { axis } => {
+                let letter = LETTERS.get(axis).copied().unwrap_or('?');
+                let limit = Coord::LIMIT_MM;
+                write!(f, "the arc's centre would lie beyond +-{limit} mm of {letter}")
             }
             Self::ControlPoints { found, least, greatest } => {
                 write!(

@@ -134,7 +134,9 @@ impl Error {
             | Reason::Exponent(_)
             | Reason::Huge(_)
             | Reason::Checksum { .. } => Self::Number,
-            Reason::Coordinate { .. } | Reason::ControlPoints { .. } => Self::Target,
+            Reason::Coordinate { .. } | Reason::Centre { .. } | Reason::ControlPoints { .. } => {
+                Self::Target
+            }
             Reason::Arc(error) => Self::of_block(&error),
             Reason::NoMotion => Self::AxesUnused,
             Reason::NoOffset(_) => Self::Offset,
