@@ -182,6 +182,35 @@ fn starvation_and_resume() {
     assert_eq!(tags.len(), 31);
 }
 
+/// A line that hardly goes on, or back, does not take over the tag of a long one before it that it becomes one with.
+#[test]
+fn a_long_line_keeps_its_tag_beside_a_short_one() {
+    for (dx, dy) in [(1, 0), (0, 1), (-1, 0), (-1000, 0), (-1000, 1000), (0, -2000)] {
+        let mut config = config();
+        config.tolerance = 0.01;
+        let mut link = Box::new(Link::<f64, 3, 16, 64>::new());
+        let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; 3]).unwrap();
+        let at = |x, y| [x, y, 0].map(|nm| Coord::from_nm(nm).unwrap());
+        let far = 10_000_000;
+        let blocks = [at(far, 0), at(far + dx, dy), at(far, far)];
+        for (tag, to) in (1..).zip(blocks) {
+            planner.push(&Block::line(to, 20.0, tag)).unwrap();
+        }
+        planner.finish();
+        let mut ticks = [0; 4];
+        for _ in 0..2000 {
+            planner.settle();
+            let setpoint = interpolator.tick();
+            if setpoint.activity == Activity::Running {
+                ticks[setpoint.tag as usize] += 1;
+            }
+        }
+        let [_, first, short, last] = ticks;
+        assert!(short < 20, "{dx} {dy}: {ticks:?}");
+        assert!(first > 480 && last > 480, "{dx} {dy}: {ticks:?}");
+    }
+}
+
 /// Lines in a row, of which the first has a tolerance of its own, become one but for that: what is shown is the block
 /// under way all the same, whatever the rounding of their ends.
 #[test]

@@ -5,6 +5,9 @@ use super::budget::Straightened;
 use crate::number::{Coord, Scalar};
 use core::array::from_fn;
 
+/// Shortest piece whose tag is shown, as a share of the length over which the feed is reached: every piece
+/// that is shown takes a node of the window.
+pub const SHOWN_SHARE: f64 = 1.0 / 32.0;
 /// Marks held per block of the look-ahead.
 const PER_BLOCK: usize = 2;
 

@@ -15,11 +15,8 @@ use crate::path::joint::{goes_on_from, joint};
 use crate::path::node::Event;
 use crate::path::queued::{Joint, QueuedBlock};
 use crate::path::segment::Segment;
-use crate::path::straight::{Mark, Sleeve};
+use crate::path::straight::{Mark, SHOWN_SHARE, Sleeve};
 
-/// Shortest piece whose tag is shown, as a share of the length over which the feed is reached: every piece
-/// that is shown takes a node of the window.
-const SHOWN_SHARE: f64 = 1.0 / 32.0;
 /// Rounding of the turn between two lines, in units of the scalar's.
 const TURN_ROUNDING: f64 = 16.0;
 

@@ -28,6 +28,7 @@ use self::span::SpanCurve;
 use super::cut::{Cut, Emitted};
 use super::leg::Leg;
 use super::node::Node;
+use super::straight::SHOWN_SHARE;
 use crate::machine::Ramp;
 use crate::number::optional::Optional;
 use crate::number::vector::zero;
@@ -213,9 +214,19 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         self.pieces.note(piece, tag);
     }
 
+    /// Takes a line to `at`. Of one that it becomes one with, what is long enough to be shown keeps its tag.
+    fn take(&mut self, at: [Coord; N], leg: Leg<S>) {
+        let Some((Interval { from, to }, tag)) = self.polyline.push(at, leg) else { return };
+        let from = self.pieces.end().map_or(from, |end| from.max(end));
+        let least = self.ramp.length(leg.programmed.feed) * S::of(SHOWN_SHARE);
+        if tag != leg.programmed.tag && (to - from).to_mm::<S>() > least {
+            self.pieces.note(Interval { from, to }, tag);
+        }
+    }
+
     /// Takes a line to `at`.
     pub fn push(&mut self, at: [Coord; N], leg: Leg<S>) {
-        self.polyline.push(at, leg);
+        self.take(at, leg);
         let first = self.start == Tie::Smooth && self.polyline.end() == VertexSerial::ZERO.next();
         if first {
             // The first line of a smooth start stays as it is.
@@ -239,7 +250,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             self.polyline.settle();
             self.look(true);
         }
-        self.polyline.push(at, leg);
+        self.take(at, leg);
         self.polyline.settle();
         self.look(true);
         self.end.set(Some(tie));

@@ -89,14 +89,16 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
     }
 
     /// Takes a line to `at`. It becomes one with the line before if that is alike and all vertices
-    /// between stay within a share of the tolerance.
-    pub fn push(&mut self, at: [Coord; N], leg: Leg<S>) {
+    /// between stay within a share of the tolerance. Then that is a piece of it, which is returned, with its tag.
+    pub fn push(&mut self, at: [Coord; N], leg: Leg<S>) -> Option<(Interval, u32)> {
         if let Some(last) = self.growing.as_ref().copied() {
             if let Some(longer) = self.longer(&last, at, &leg) {
                 self.keep_dropped(last.at, &leg);
                 self.brought = self.brought.greatest(leg.error);
                 self.growing.set(Some(longer));
-                return;
+                let from = self.vertices.back()?.s;
+                let piece = Interval { from, to: last.s.min(longer.s) };
+                return Some((piece, last.leg.programmed.tag));
             }
             self.settle();
         }
@@ -104,6 +106,7 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
             self.growing.set(Vertex::new(last, at, leg));
             self.brought = leg.error;
         }
+        None
     }
 
     /// The growing line taken on to `at`, if all it leaves out is near enough.
