@@ -98,6 +98,22 @@ impl Drilling {
         None
     }
 
+    /// A move to a corner of all that its holes take up, of four: where these are within limits of travel, so is every one of its moves.
+    #[cfg(feature = "grbl")]
+    pub fn corner(&self, number: usize, line: u32) -> Block<f64, AXES> {
+        let mut to = self.hole;
+        for Spacing { axis, distance } in self.spacing {
+            if let Some(slot) = to.get_mut(axis).filter(|_| number >= 2) {
+                let others = i64::from(self.times.saturating_sub(1));
+                *slot = sum(*slot, Coord::from_raw(distance.raw().saturating_mul(others)));
+            }
+        }
+        if let Some(slot) = to.get_mut(self.axis) {
+            *slot = if number.is_multiple_of(2) { self.bottom } else { self.clear };
+        }
+        Block::line(to, 1.0, line)
+    }
+
     /// The tool along its axis.
     fn along(&self, position: &Place, level: Coord) -> Motion<f64, AXES> {
         let mut to = *position;

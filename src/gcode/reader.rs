@@ -242,6 +242,13 @@ impl Reader {
         false
     }
 
+    /// Moves to the corners of a canned cycle that has not begun.
+    #[cfg(feature = "grbl")]
+    pub(crate) fn cycle_corners(&self) -> impl Iterator<Item = Block<f64, AXES>> + '_ {
+        let cycle = self.pending.drilling.as_ref();
+        cycle.into_iter().flat_map(|cycle| (0..4).map(|number| cycle.corner(number, self.line)))
+    }
+
     /// The next thing to do for the line read last; `None` when that is all. The cost is that of one move.
     pub fn action(&mut self) -> Option<Action> {
         if let Some(label) = self.pending.label.take() {

@@ -152,8 +152,8 @@ impl<S: Scalar, const N: usize> Station<S, N> {
             return Err(Error::Feed);
         }
         let mut from: [Coord; N] = own(self.before.position());
-        for block in self.reader.moves() {
-            let block = self.block(&Action::Move(*block)).ok_or(Error::Unsupported)?;
+        for block in self.reader.moves().copied().chain(self.reader.cycle_corners()) {
+            let block = self.block(&Action::Move(block)).ok_or(Error::Unsupported)?;
             planner.check(&block, &from).map_err(|error| Error::of_block(&error))?;
             if let Motion::Line { to } | Motion::Arc { to, .. } | Motion::Cubic { to, .. } =
                 &block.motion

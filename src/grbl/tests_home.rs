@@ -81,6 +81,43 @@ fn homing_on_the_other_side_is_the_other_end_of_the_travel() {
     });
 }
 
+/// A row of holes that leaves the travel behind the look-ahead is not begun.
+#[test]
+fn a_cycle_is_within_the_travel_as_a_whole() {
+    with_switches(|rig| {
+        for line in ["$25=3000", "$130=50", "$131=50", "$132=50"] {
+            rig.ask(line);
+        }
+        rig.send(b"$H\n");
+        assert_eq!(rig.wait(), ["ok"]);
+        assert_eq!(rig.answer("$20=1"), "ok");
+        let place = rig.place();
+        let x = (place[0] + 50 * MM) / (3 * MM);
+        for (line, fits) in [
+            (std::format!("G91 G81 X-3 Z-1 R0 L{x} F3000"), true),
+            (std::format!("G91 G81 X-3 Z-1 R0 L{} F3000", x + 1), false),
+            ("G91 G81 X-3 Z-51 R0 L2 F3000".into(), false),
+            ("G91 G83 X-3 Z-1 R-1 Q.1 L2 F3000".into(), true),
+        ] {
+            rig.send(std::format!("{line}\n").as_bytes());
+            rig.rounds(50);
+            rig.settle();
+            let said = rig.heard();
+            assert_eq!(said.contains(&"ok".into()), fits, "{line}: {said:?}");
+            assert_eq!(said.contains(&"error:15".into()), !fits, "{line}: {said:?}");
+            let moved = rig.place() != place;
+            assert_eq!(moved, fits, "{line}");
+            rig.ask("$X");
+            rig.ask("G90 G80");
+            for (axis, letter) in ["X", "Y", "Z"].iter().enumerate().rev() {
+                rig.ask(&std::format!("G53 G0 {letter}{}", place[axis] as f64 * 1e-6));
+            }
+            rig.settle();
+            assert_eq!(rig.place(), place);
+        }
+    });
+}
+
 #[test]
 fn a_machine_with_homing_is_locked_when_it_is_switched_on() {
     let mut kept = [Vec::new(), Vec::new()];
