@@ -39,6 +39,15 @@ impl<S> AxisLimits<S> {
     }
 }
 
+impl<S: Scalar> AxisLimits<S> {
+    /// Time in which as much acceleration is built up as can be used, s: where jerk is low, an axis is at its full speed before it is at
+    /// its full acceleration.
+    #[inline(never)]
+    fn time_scale(&self) -> S {
+        (self.acceleration / self.jerk).least((self.velocity / self.jerk).sqrt())
+    }
+}
+
 /// The checked limits of all axes: every value is finite, positive and within the range in which
 /// the core's arithmetic is sound.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -230,13 +239,12 @@ impl<S: Scalar, const N: usize> Limits<S, N> {
     }
 
     /// Longest time any axis or motor needs to build up as much acceleration as it can use, s: the time scale on which
-    /// the machine's motion changes. Where jerk is low, an axis is at its full speed before it is at its full acceleration.
+    /// the machine's motion changes.
     #[inline(never)]
     pub(crate) fn time_scale(&self) -> S {
         let mut scale = S::ZERO;
         for axis in self.axes.iter().chain(self.motors().map(|motor| &motor.limits)) {
-            let built_up = axis.acceleration / axis.jerk;
-            scale = scale.greatest(built_up.least((axis.velocity / axis.jerk).sqrt()));
+            scale = scale.greatest(axis.time_scale());
         }
         scale.greatest(S::of(LEAST_SCALE))
     }

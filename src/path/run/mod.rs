@@ -215,6 +215,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     }
 
     /// Takes a line to `at`. Of one that it becomes one with, what is long enough to be shown keeps its tag.
+    #[inline(never)]
     fn take(&mut self, at: [Coord; N], leg: Leg<S>) {
         let Some((Interval { from, to }, tag)) = self.polyline.push(at, leg) else { return };
         let from = self.pieces.end().map_or(from, |end| from.max(end));

@@ -42,6 +42,8 @@ impl<S: Scalar> Pieces<S> {
 
     /// Takes note of a piece and its tag. Where there is no room the tag of the next is shown for it: not that of its
     /// line, which may be one behind.
+    // Once in the image.
+    #[inline(never)]
     pub fn note(&mut self, Interval { from, to }: Interval, tag: u32) {
         let from = self.lost.take().map_or(from, |lost| lost.min(from));
         if self.list.push_back(TaggedPiece { to, length: (to - from).to_mm(), tag }).is_err() {
