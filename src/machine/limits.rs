@@ -40,11 +40,11 @@ impl<S> AxisLimits<S> {
 }
 
 impl<S: Scalar> AxisLimits<S> {
-    /// Time in which as much acceleration is built up as can be used, s: where jerk is low, an axis is at its full speed before it is at
-    /// its full acceleration.
+    /// As much acceleration as can be used, mm/s2: where jerk is low, an axis is at its full speed before it is at its full
+    /// acceleration.
     #[inline(never)]
-    fn time_scale(&self) -> S {
-        (self.acceleration / self.jerk).least((self.velocity / self.jerk).sqrt())
+    pub(crate) fn usable_acceleration(&self) -> S {
+        self.acceleration.least((self.velocity * self.jerk).sqrt())
     }
 }
 
@@ -244,7 +244,7 @@ impl<S: Scalar, const N: usize> Limits<S, N> {
     pub(crate) fn time_scale(&self) -> S {
         let mut scale = S::ZERO;
         for axis in self.axes.iter().chain(self.motors().map(|motor| &motor.limits)) {
-            scale = scale.greatest(axis.time_scale());
+            scale = scale.greatest(axis.usable_acceleration() / axis.jerk);
         }
         scale.greatest(S::of(LEAST_SCALE))
     }

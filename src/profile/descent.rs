@@ -375,6 +375,8 @@ impl<S: Scalar> Descent<S> {
 
 impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
     /// First and last mu of a schedule.
+    // Once in the image.
+    #[inline(never)]
     pub(super) fn mu_range(&self, schedule: &Schedule) -> MuRange<S> {
         let scale = self.limits.time_scale();
         let cells = S::from_u32(self.cells().len() as u32);

@@ -206,10 +206,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     pub fn mark(&mut self, piece: Interval, tag: u32) {
         if let Some((start, before)) = self.polyline.growing() {
             // The next line may become one with those before it, and show its last tag all over.
-            let start = self.pieces.end().map_or(start, |end| start.max(end));
-            if start < piece.from {
-                self.pieces.note(Interval { from: start, to: piece.from }, before);
-            }
+            self.pieces.note_rest(Interval { from: start, to: piece.from }, S::ZERO, before);
         }
         self.pieces.note(piece, tag);
     }
@@ -218,10 +215,9 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     #[inline(never)]
     fn take(&mut self, at: [Coord; N], leg: Leg<S>) {
         let Some((Interval { from, to }, tag)) = self.polyline.push(at, leg) else { return };
-        let from = self.pieces.end().map_or(from, |end| from.max(end));
-        let least = self.ramp.length(leg.programmed.feed) * S::of(SHOWN_SHARE);
-        if tag != leg.programmed.tag && (to - from).to_mm::<S>() > least {
-            self.pieces.note(Interval { from, to }, tag);
+        if tag != leg.programmed.tag {
+            let least = self.ramp.length(leg.programmed.feed) * S::of(SHOWN_SHARE);
+            self.pieces.note_rest(Interval { from, to }, least, tag);
         }
     }
 

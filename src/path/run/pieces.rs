@@ -51,9 +51,13 @@ impl<S: Scalar> Pieces<S> {
         }
     }
 
-    /// Where the last piece ends.
-    pub fn end(&self) -> Option<Length> {
-        self.list.back().map(|piece| piece.to)
+    /// The same of what is left of a piece behind the last one, if that is more than so many mm.
+    #[inline(never)]
+    pub fn note_rest(&mut self, Interval { from, to }: Interval, least: S, tag: u32) {
+        let from = self.list.back().map_or(from, |piece| from.max(piece.to));
+        if (to - from).to_mm::<S>() > least {
+            self.note(Interval { from, to }, tag);
+        }
     }
 
     /// The tag of what lies around an arc length, if it is not that of its line, which ends at `end` and shows the tag of

@@ -195,10 +195,10 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let limits = &self.config.limits;
         let mut time = S::ZERO;
         for axis in limits.axes() {
-            time = time.greatest(speed / axis.acceleration);
+            time = time.greatest(speed / axis.usable_acceleration());
         }
         for motor in limits.motors() {
-            time = time.greatest(speed * norm(&motor.factors) / motor.limits.acceleration);
+            time = time.greatest(speed * norm(&motor.factors) / motor.limits.usable_acceleration());
         }
         speed * (time + limits.time_scale()) * S::of(0.6)
     }
