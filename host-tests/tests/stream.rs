@@ -378,6 +378,27 @@ fn the_end_of_a_pipe_is_no_operator_who_is_gone_but_that_of_a_terminal_is() {
     let _ = std::fs::remove_dir_all(&folder);
 }
 
+/// Whoever writes commands without end keeps neither the line nor an interrupt waiting, and the program ends all the same.
+#[test]
+fn commands_without_end_hold_nothing_up() {
+    for interrupted in [false, true] {
+        let (port, happenings) = controller(3, 1.0, 0.0);
+        let program = if interrupted { "G1 X500 F3000\n" } else { "G1 X20 F3000\n" };
+        let mut sender = Process::new(&format!("endless-{interrupted}"), program, &port, &[]);
+        assert!(state(&happenings, TEN, State::Running).is_some());
+        let mut input = sender.input.take().unwrap();
+        thread::spawn(move || while input.write_all(b"resume\nresume\nresume\n").is_ok() {});
+        if interrupted {
+            thread::sleep(Duration::from_millis(300));
+            sender.signal("INT");
+        }
+        let began = Instant::now();
+        let (code, _, said) = sender.end();
+        assert!(began.elapsed() < Duration::from_secs(5), "{said}");
+        assert_eq!(code, Some(i32::from(interrupted)), "{said}");
+    }
+}
+
 #[test]
 fn one_sender_at_a_time() {
     let (port, happenings) = controller(3, 1.0, 0.0);

@@ -11,6 +11,8 @@ const PATIENCE: u64 = 100;
 /// controller allows.
 const IDLE: u64 = 50;
 const SIGNS: u64 = 5;
+/// So many times as long without a status it is asked for between what else is to be said.
+const LONG: u64 = 4;
 /// Commands that may wait for their acknowledgement.
 const COMMANDS: usize = 16;
 
@@ -53,6 +55,8 @@ pub struct Sender {
     /// progress, ms.
     sent: u64,
     spoke: u64,
+    /// When the status was last asked for, ms.
+    asked: u64,
     progress: u64,
 }
 
@@ -74,6 +78,7 @@ impl Sender {
             commanded: false,
             sent: 0,
             spoke: 0,
+            asked: 0,
             progress: 0,
         }
     }
@@ -146,7 +151,9 @@ impl Sender {
         let step = self.choose(now);
         if step != Step::Wait {
             self.spoke = now;
-            if !matches!(step, Step::Send(Request::Alive { .. })) {
+            if matches!(step, Step::Send(Request::Alive { .. })) {
+                self.asked = now;
+            } else {
                 self.sent = now;
             }
         }
@@ -175,16 +182,20 @@ impl Sender {
             self.commanded = true;
             return Step::Send(Request::Command { session, number: self.first, command });
         }
+        let idle = match self.opening.silence {
+            0 => IDLE,
+            silence => IDLE.min(u64::from(silence) / SIGNS),
+        };
+        // The end is known by the status, however much else is said.
+        if now.saturating_sub(self.asked) >= idle * LONG {
+            return Step::Send(Request::Alive { session });
+        }
         let limit = ItemSerial::from_raw(taken.limit);
         let room = limit.since(ItemSerial::from_raw(self.item)).is_some_and(|room| room > 0);
         if self.item < self.items && room && taken.refused.is_none() && !self.ended {
             self.item += 1;
             return Step::Item(self.item - 1);
         }
-        let idle = match self.opening.silence {
-            0 => IDLE,
-            silence => IDLE.min(u64::from(silence) / SIGNS),
-        };
         let quiet = now.saturating_sub(self.spoke) >= idle;
         if quiet { Step::Send(Request::Alive { session }) } else { Step::Wait }
     }

@@ -21,6 +21,7 @@ use std::io::{BufRead, IsTerminal, Write};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{Sender, channel};
+use std::time::Duration;
 
 const EXAMPLES: &str = "\
 While the program runs, lines on standard input are commands to the controller:
@@ -232,11 +233,16 @@ fn obey_signals(sender: Sender<Order>) -> Result<()> {
     Ok(())
 }
 
+/// Between two commands from standard input.
+const PACE: Duration = Duration::from_millis(5);
+
 /// Commands from standard input. Its end is the operator's only if it is a terminal.
 fn listen(sender: Sender<Order>) {
     std::thread::spawn(move || {
         let terminal = std::io::stdin().is_terminal();
         for line in std::io::stdin().lock().lines().map_while(Result::ok) {
+            // A program that writes without end must not keep the line, or an interrupt, from being served.
+            std::thread::sleep(PACE);
             if line.trim().is_empty() {
                 continue;
             }

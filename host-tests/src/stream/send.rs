@@ -14,6 +14,8 @@ use std::time::{Duration, Instant};
 const STOPS: Duration = Duration::from_secs(10);
 /// Time for the abort to get through when nobody waits for the machine.
 const HASTE: Duration = Duration::from_millis(200);
+/// And until one that answers begins a program.
+const OPENS: Duration = Duration::from_secs(10);
 
 /// How it is sent.
 #[derive(Clone, Copy, Debug)]
@@ -148,8 +150,16 @@ where
             return Ok(Some(reason));
         }
     };
+    let asked = Instant::now();
     let situation = loop {
         talk.turn()?;
+        // One that stops says so.
+        let silent = talk.sender.denied().is_none() && !talk.sender.is_open();
+        ensure!(
+            !silent || asked.elapsed() < OPENS,
+            "the controller answers, but does not begin a program within {} s",
+            OPENS.as_secs()
+        );
         if talk.is_open()?
             && let Some(situation) = talk.situation()
         {
@@ -199,7 +209,7 @@ where
 {
     let mut before = State::Idle;
     let mut paused = None;
-    let mut jog = None;
+    let (mut jog, mut over) = (None, false);
     // What was said before the first item was sent says nothing of the program.
     talk.forget();
     loop {
@@ -233,10 +243,13 @@ where
         match talk.sender.refused() {
             Some(Refusal::Aborted) if talk.is_stopped() => return Ok(End::Aborted),
             None | Some(Refusal::Aborted) => {}
+            // Where the machine has been jogged nothing is left to run; here nothing is left to send.
+            Some(Refusal::Jogged) if talk.is_taken() && !talk.is_at_stop() => {}
             Some(refusal) => refused_by(refusal, talk.situation())?,
         }
-        if talk.is_run() {
-            if !talk.is_at_stop() {
+        over |= talk.is_run() && !talk.is_at_stop();
+        if talk.is_run() && !talk.is_commanding() {
+            if over {
                 return Ok(End::Run);
             }
             let Some(situation) = talk.situation().cloned() else { continue };
@@ -250,6 +263,8 @@ where
             match order {
                 Order::Leave(reason) => return Ok(End::Leaves(reason)),
                 Order::Command(Command::Abort) => talk.sender.abort(),
+                // Whoever goes on to write commands does not keep a program from its end.
+                Order::Command(_) if over => {}
                 Order::Command(command) => {
                     if !talk.sender.command(command) {
                         watch(News::Notice("too many commands wait; the last one is not sent"));
@@ -325,6 +340,10 @@ fn notice(state: State, paused: Option<u32>) -> Option<String> {
     }
 }
 
+/// What is known where an abort was not answered.
+const UNKNOWN: &str = "the abort was not acknowledged; a controller that misses its sender stops the machine by itself, \
+                       unless --watchdog is 0";
+
 /// Aborts, and waits until the machine stands.
 fn stop(talk: &mut Talk<'_>, orders: &Receiver<Order>) -> Result<()> {
     let began = Instant::now();
@@ -333,10 +352,7 @@ fn stop(talk: &mut Talk<'_>, orders: &Receiver<Order>) -> Result<()> {
     talk.forget();
     talk.hope();
     loop {
-        talk.turn().and_then(|()| talk.is_open()).context(
-            "the abort was not acknowledged; a controller that misses its sender stops the machine by itself, \
-             unless --watchdog is 0",
-        )?;
+        talk.turn().and_then(|()| talk.is_open()).context(UNKNOWN)?;
         if talk.is_stopped() {
             return Ok(());
         }
@@ -346,6 +362,7 @@ fn stop(talk: &mut Talk<'_>, orders: &Receiver<Order>) -> Result<()> {
         if let Some(since) = hasty
             && (talk.is_told_to_stop() || since.elapsed() >= HASTE)
         {
+            ensure!(talk.is_told_to_stop(), UNKNOWN);
             bail!("the machine has been told to stop; nobody waits for it");
         }
         ensure!(

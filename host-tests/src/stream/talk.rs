@@ -274,14 +274,20 @@ impl<'a> Talk<'a> {
         None
     }
 
+    /// Whether every item has been taken, by the last word of the controller.
+    pub fn is_taken(&self) -> bool {
+        let all = self.items.len() as u32;
+        self.sender.taken() == all && self.status.as_ref().is_some_and(|(_, taken)| *taken == all)
+    }
+
     /// Whether every item has been run.
     pub fn is_run(&self) -> bool {
-        let all = self.items.len() as u32;
-        self.sender.is_done()
-            && self
-                .status
-                .as_ref()
-                .is_some_and(|(situation, taken)| situation.state == State::Idle && *taken == all)
+        self.is_taken() && self.situation().is_some_and(|situation| situation.state == State::Idle)
+    }
+
+    /// Whether commands are still on their way.
+    pub fn is_commanding(&self) -> bool {
+        !self.sender.is_done()
     }
 
     /// Whether the controller has an abort, or a reason to stop of its own.
