@@ -27,8 +27,8 @@ pub enum Output {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub enum Trigger {
-    /// With the end of the block that was pushed last: as soon as the motion gets there. Behind a standstill it is
-    /// at rest, as [`Trigger::Rest`], whether a motion follows or not.
+    /// With the end of the block that was pushed last: as soon as the motion gets there. The end of a standstill is when
+    /// the motion leaves it, or when it is over and nothing follows.
     End,
     /// With the start of the next motion (M62, M63, M67): as soon as the motion leaves from where the block that was pushed
     /// last ends. If it rests there, then not before it goes on.
@@ -67,8 +67,7 @@ impl<S: Scalar> Offset<S> {
 /// spline, the point of the spline that belongs to it. The place is one on the path: under an override, a hold, in single block
 /// mode an output keeps to it, and a part of the path that is not run switches nothing. A distance or a time
 /// before it never reaches behind a standstill that the program asks for (a dwell, an event): then the output switches
-/// when the motion leaves it. The end of a standstill itself, and a time before or behind it, is at rest, by an event: so it comes if
-/// no motion follows, too. A time behind it counts on whatever the motion does.
+/// when the motion leaves it. A time behind it counts on whatever the motion does.
 ///
 /// One that is due before it has been pushed, or before the motion to it has been planned, switches at once: as a
 /// rule that is a lead longer than the look-ahead. The switches of one output keep their order: none takes effect before

@@ -8,7 +8,7 @@ use crate::block::{Offset, Output, Power, Switch, SwitchError, Trigger};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum splineway_trigger {
-    /// With the end of the block that was pushed last; behind a dwell or an event at rest, as `REST`, whether a motion follows or not.
+    /// With the end of the block that was pushed last; of a dwell or an event as the motion leaves it, or at rest if nothing follows.
     END = 0,
     /// With the start of the next motion.
     START = 1,
@@ -122,7 +122,8 @@ fn power(c: &splineway_power) -> Power<f32> {
     Power { level: c.level, dynamic: c.dynamic, least: c.least, most: c.most }
 }
 
-/// The power of the blocks that are pushed from now on.
+/// The power of the blocks that are pushed from now on. One that is the same at every speed is on in dwells and events behind such a block
+/// too, if it is not taken back before they are pushed. `ABORTED` from an abort on until it is acknowledged.
 ///
 /// Context: background.
 #[unsafe(no_mangle)]

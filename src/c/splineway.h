@@ -292,7 +292,7 @@ typedef enum {
  */
 typedef enum {
   /*
-   With the end of the block that was pushed last; behind a dwell or an event at rest, as `REST`, whether a motion follows or not.
+   With the end of the block that was pushed last; of a dwell or an event as the motion leaves it, or at rest if nothing follows.
    */
   SPLINEWAY_TRIGGER_END = 0,
   /*
@@ -992,11 +992,13 @@ splineway_result splineway_push_switch(splineway_core *core,
                                        const splineway_switch *switch_);
 
 /*
- The power of the blocks that are pushed from now on.
+ The power of the blocks that are pushed from now on. One that is the same at every speed is on in dwells and events behind such a block
+ too, if it is not taken back before they are pushed. `ABORTED` from an abort on until it is acknowledged.
 
  Context: background.
  */
-splineway_result splineway_set_power(splineway_core *core, const splineway_power *wanted);
+splineway_result splineway_set_power(splineway_core *core,
+                                     const splineway_power *wanted);
 
 /*
  The same, and at rest, behind all that was pushed, before all that will be: one that is the same at every speed is on in

@@ -347,6 +347,8 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let has_draft = self.phase.offer().is_some() || self.making.is_some();
         debug_assert_eq!(has_draft, self.horizon.has_draft());
         debug_assert!(!is_idle || progress == Progress::Waiting, "something to do: {progress:?}");
+        #[cfg(feature = "outputs")]
+        self.end_standstills_at_rest();
         progress
     }
 

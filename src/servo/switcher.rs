@@ -87,9 +87,11 @@ impl<S: Scalar> Now<S> {
                 return seen.then_some(S::ONE);
             }
             Passing::Arriving => beyond >= 0 || (!runs && beyond >= -self.zone),
-            // Where it comes to rest it does not leave.
-            Passing::Leaving => {
-                runs && beyond > 0 && (beyond > self.zone || !(self.speed < self.before))
+            // Where it comes to rest it does not leave; from rest it does with the first of its speed, however short the way.
+            Passing::Leaving | Passing::Ending => {
+                let starts = self.before == S::ZERO && self.speed > S::ZERO;
+                let passed = beyond > self.zone || (beyond > 0 && !(self.speed < self.before));
+                runs && (passed || (starts && beyond >= 0))
             }
         };
         passed.then(|| self.fraction(beyond))

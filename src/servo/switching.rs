@@ -49,6 +49,8 @@ pub enum Passing {
     Arriving,
     /// At an event, wherever that is.
     Event,
+    /// When it leaves it, or when the planner says that it does not: the end of a standstill.
+    Ending,
 }
 
 impl From<Trigger> for Passing {
@@ -67,7 +69,8 @@ impl Passing {
         match raw & 3 {
             0 => Self::Leaving,
             1 => Self::Arriving,
-            _ => Self::Event,
+            2 => Self::Event,
+            _ => Self::Ending,
         }
     }
 }
@@ -186,6 +189,21 @@ impl<S: Scalar, const DEPTH: usize, const M: usize> Line<S, DEPTH, M> {
             part: entry.part.load(),
             values: entry.values.each_ref().map(Shared::load),
         })
+    }
+
+    /// What is ready, not carried out and to come at the end of a standstill comes now that it is over: where the motion has arrived.
+    pub fn end_standstills(&self, ready: EntrySerial) {
+        point();
+        let done = EntrySerial::from_raw(self.done.load(Acquire));
+        for serial in (0..ready.since(done).unwrap_or(0)).map(|k| done.plus(k)) {
+            let Some(entry) = self.entry(serial) else { return };
+            // Of an entry that is ready nobody else writes this.
+            let kind = entry.kind.load(Relaxed);
+            if Passing::from_raw(kind) == Passing::Ending {
+                point();
+                entry.kind.store(kind & !3 | Passing::Arriving as u32, Relaxed);
+            }
+        }
     }
 
     /// Sets the place of an entry in one plan: in one that the interrupt is not on, or of an entry that is not ready.

@@ -2,7 +2,9 @@
 
 use crate::common::machine;
 use crate::run::{AXES, there};
-use splineway::{Activity, Block, Coord, Link, Output, Power, Progress, Switch, Trigger};
+use splineway::{
+    Activity, Block, Coord, Link, Output, Power, Progress, Switch, SwitchError, Trigger,
+};
 
 /// The end of a block whose corner is rounded is in the middle of the rounding: on the line that halves the corner.
 #[test]
@@ -122,7 +124,7 @@ fn power_goes_with_the_speed_and_is_off_in_rapids_and_at_rest() {
     }
 }
 
-/// The end of a dwell or an event is at rest: whether a motion follows or not, and times count from there.
+/// The end of a dwell or an event is when the motion leaves it, or when nothing follows; times count from there, and no lead reaches behind it.
 #[test]
 fn the_end_of_a_standstill_comes_without_a_motion_behind_it() {
     let machine = machine(0.05, (1.0, 1.0), AXES);
@@ -143,11 +145,14 @@ fn the_end_of_a_standstill_comes_without_a_motion_behind_it() {
         }
         planner.finish();
         let mut came = [None; 4];
-        let (mut dwelt, mut tag) = (0, 0);
+        let (mut dwelt, mut tag, mut rests) = (0, 0, 0);
         for cycle in 0..2000 {
             planner.settle();
             let setpoint = interpolator.tick();
             dwelt += u32::from(setpoint.activity == Activity::Dwelling);
+            if tag < 2 {
+                rests = cycle;
+            }
             let running = setpoint.activity == Activity::Running;
             assert!(setpoint.tag >= tag);
             tag = setpoint.tag;
@@ -160,9 +165,79 @@ fn the_end_of_a_standstill_comes_without_a_motion_behind_it() {
         }
         let came = came.map(Option::unwrap);
         assert!(event || dwelt >= 49, "{dwelt}");
-        // At rest, behind it all; the one that waits may be overtaken by a motion.
-        assert!(!came[0].1 && !came[2].1 && !came[3].1, "{came:?}");
+        for now in [0, 2, 3] {
+            assert_eq!(came[now].1, follows, "{came:?}");
+            assert!(event || came[now].0 > f64::from(rests + dwelt), "{came:?}");
+        }
         assert!((came[1].0 - came[0].0 - 20.5).abs() < 1.0e-3, "{came:?}");
         assert!((came[2].0 - came[0].0).abs() < 1.0e-3, "{came:?}");
+    }
+}
+
+/// A power that has been taken back is off in what stands behind it: nothing at rest puts it on again.
+#[test]
+fn a_power_that_was_taken_back_stays_off_at_rest() {
+    let machine = machine(0.05, (1.0, 1.0), AXES);
+    let at = |x: f64| [x, 0.0, 0.0].map(|x| Coord::from_mm(x).unwrap());
+    for (event, later, dynamic) in
+        [(false, false, false), (false, true, false), (true, false, true), (false, true, true)]
+    {
+        let mut link = Box::new(Link::<f32, AXES, 16, 64>::new());
+        let (mut planner, mut interpolator) =
+            link.split(machine.config(&[0, 1, 2]).unwrap(), [Coord::ZERO; AXES]).unwrap();
+        planner.set_power(&Power::constant(500.0)).unwrap();
+        planner.push(&Block::line(at(10.0), 100.0, 1)).unwrap();
+        let mut most = [0.0f32; 3];
+        for cycle in 0..2000 {
+            if cycle == (if later { 1000 } else { 0 }) {
+                let less =
+                    if dynamic { Power::in_proportion(500.0, 50.0, 500.0) } else { Power::OFF };
+                planner.set_power(&less).unwrap();
+                planner.push(&if event { Block::event(2) } else { Block::dwell(0.1, 2) }).unwrap();
+            }
+            planner.finish();
+            planner.settle();
+            let setpoint = interpolator.tick();
+            let power = interpolator.switch(&setpoint, |_| {});
+            let stands = matches!(setpoint.activity, Activity::Dwelling | Activity::Event);
+            let kind = if stands { 2 } else { setpoint.tag as usize % 2 };
+            most[kind] = most[kind].max(power);
+        }
+        assert_eq!(most.map(f32::to_bits), [0.0, 500.0, 0.0].map(f32::to_bits), "{event} {later}");
+        // During an abort nothing is taken.
+        planner.controls().abort();
+        assert_eq!(planner.set_power(&Power::constant(1.0)), Err(SwitchError::Aborted));
+    }
+}
+
+/// What begins with the next motion does not lead beyond what stands before that.
+#[test]
+fn a_start_never_leads_beyond_a_standstill() {
+    let machine = machine(0.05, (1.0, 1.0), AXES);
+    let at = |x: f64| [x, 0.0, 0.0].map(|x| Coord::from_mm(x).unwrap());
+    for (before, event, time) in (0..8).map(|k| (k & 1 > 0, k & 2 > 0, k & 4 > 0)) {
+        let mut link = Box::new(Link::<f32, AXES, 16, 64>::new());
+        let (mut planner, mut interpolator) =
+            link.split(machine.config(&[0, 1, 2]).unwrap(), [Coord::ZERO; AXES]).unwrap();
+        planner.push(&Block::line(at(10.0), 50.0, 1)).unwrap();
+        let start = Switch::digital(0, true);
+        let start = if time { start.behind_s(-0.05) } else { start.behind_mm(-5.0) };
+        let stand = if event { Block::event(2) } else { Block::dwell(0.1, 2) };
+        if before {
+            planner.push_switch(&start).unwrap();
+        }
+        planner.push(&stand).unwrap();
+        if !before {
+            planner.push_switch(&start).unwrap();
+        }
+        planner.push(&Block::line(at(20.0), 100.0, 3)).unwrap();
+        planner.finish();
+        let mut came = Vec::new();
+        for _ in 0..2000 {
+            planner.settle();
+            let setpoint = interpolator.tick();
+            interpolator.switch(&setpoint, |_| came.push((setpoint.tag, setpoint.activity)));
+        }
+        assert_eq!(came, [(3, Activity::Running)], "{before} {event} {time}");
     }
 }

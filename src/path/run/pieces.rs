@@ -80,6 +80,21 @@ impl<S: Scalar> Pieces<S> {
 mod tests {
     use super::*;
 
+    /// What is left of a piece behind the last is noted if it is long enough.
+    #[test]
+    fn the_rest_of_a_piece_is_noted_if_it_is_long_enough() {
+        let at = |mm: f64| Length::from_mm(mm);
+        let mut pieces = Pieces::<f64>::new();
+        let whole = Interval { from: at(0.0), to: at(2.0) };
+        pieces.note_rest(whole, 2.5, 1);
+        assert_eq!(pieces.tag_at(at(1.0), at(3.0)), None);
+        pieces.note_rest(whole, 1.5, 1);
+        pieces.note_rest(whole, 0.0, 2);
+        pieces.note_rest(Interval { to: at(2.5), ..whole }, 0.4, 3);
+        let tags = [0.5, 1.9, 2.1].map(|s| pieces.tag_at(at(s), at(3.0)));
+        assert_eq!(tags, [Some(1), Some(1), Some(3)]);
+    }
+
     #[test]
     fn tags_are_found_where_their_pieces_lie() {
         let at = |mm: f64| Length::from_mm(mm);
@@ -87,7 +102,7 @@ mod tests {
         let mut pieces = Pieces::<f64>::new();
         pieces.note(piece(1.0, 2.0), 7);
         pieces.note(piece(2.0, 2.5), 8);
-        assert_eq!(pieces.end(), Some(at(2.5)));
+        assert_eq!(pieces.list.back().map(|piece| piece.to), Some(at(2.5)));
         let tags = [0.5, 1.0, 1.9, 2.0, 2.5].map(|s| pieces.tag_at(at(s), at(s)));
         assert_eq!(pieces.tag_at(at(0.5), at(1.5)), Some(7), "before the end of the line");
         assert_eq!(tags, [None, Some(7), Some(7), Some(8), None]);

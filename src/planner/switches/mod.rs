@@ -34,10 +34,10 @@ pub struct Switches<S> {
     to: (i64, ArcLength),
     /// End of the last standstill that was cut.
     floor: ArcLength,
-    /// End of the last standstill that was pushed, its tag, and whether it is an event.
+    /// End of the last standstill that was pushed.
     stand: Option<Milestone>,
-    stand_tag: u32,
-    stand_is_event: bool,
+    /// Whether something is to switch at the end of one.
+    rests: bool,
     timed: heapless::Vec<Timed<S>, TIMED>,
     /// Where the last plan that was offered branches off.
     branch: Option<Branch>,
@@ -57,8 +57,7 @@ impl<S: Scalar> Switches<S> {
         to: (0, ArcLength::ZERO),
         floor: ArcLength::ZERO,
         stand: None,
-        stand_tag: 0,
-        stand_is_event: false,
+        rests: false,
         timed: heapless::Vec::new(),
         branch: None,
         power: Power::OFF,
@@ -127,7 +126,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return Err(SwitchError::Output(switch.output));
         };
         let is_lead = matches!(switch.offset, Offset::Time(seconds) if seconds < S::ZERO);
-        let full = !queue.has_room(written.next) || (is_lead && !self.has_room_for_lead());
+        let full = !queue.has_room(written.next)
+            || (is_lead && !self.has_room_for_lead())
+            || (switch.trigger == Trigger::Rest && !self.has_room_for_power());
         if full || !self.is_open() {
             return Err(SwitchError::Full);
         }
@@ -141,17 +142,6 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         };
         if switch.trigger == Trigger::Rest {
             item.order = self.push_rest(switch.tag)?;
-        } else if switch.trigger == Trigger::End && self.rests_there(switch.offset) {
-            // The end of a dwell or of an event: there need not be a motion behind it that could leave it.
-            item.passing = Passing::Event;
-            item.order = if self.switches.stand_is_event {
-                self.switches.events
-            } else {
-                self.push_rest(self.switches.stand_tag)?
-            };
-            if let Offset::Time(seconds) = switch.offset {
-                (item.wait, item.part) = self.cycles(seconds.greatest(S::ZERO));
-            }
         } else {
             self.set_milestone(&mut item, switch.offset);
         }
@@ -165,10 +155,16 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// The power of the blocks that are pushed from now on (feature `outputs`): none at first, and after an abort. It
     /// changes where each of them starts.
     ///
+    /// In a dwell or an event directly behind such a block a power that is the same at every speed stays on; what has been off is put on
+    /// at rest by [`Planner::push_power`] only.
+    ///
     /// # Errors
-    /// [`SwitchError::Value`].
+    /// [`SwitchError::Value`], [`SwitchError::Aborted`].
     pub fn set_power(&mut self, power: &Power<S>) -> Result<(), SwitchError> {
         power.check()?;
+        if self.is_aborted() {
+            return Err(SwitchError::Aborted);
+        }
         self.switches.power = *power;
         Ok(())
     }
@@ -183,8 +179,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.is_aborted() {
             return Err(SwitchError::Aborted);
         }
-        let written = self.switches.powers;
-        if !self.side.board.powers.has_room(written.next) || !self.is_open() {
+        // One for the event, if a power has been taken back, and one at it.
+        let last = self.switches.powers.next.next();
+        if !self.side.board.powers.has_room(last) || !self.is_open() {
             return Err(SwitchError::Full);
         }
         let order = self.push_rest(tag)?;
@@ -213,27 +210,14 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         Ok(self.switches.events)
     }
 
-    /// Whether what has an offset from the end of the block pushed last is to come at a rest: a dwell or an event. No lead reaches behind
-    /// one; a distance behind it is one of the motion that follows.
-    fn rests_there(&self, offset: Offset<S>) -> bool {
-        let follows = matches!(offset, Offset::Distance(mm) if mm > S::ZERO);
-        !follows && self.switches.stand == Some(self.builder.meter().taken())
-    }
-
-    /// A time in servo cycles: whole ones, and the part of one.
-    fn cycles(&self, seconds: S) -> (u32, S) {
-        let cycles = seconds / self.horizon.config.cycle;
-        let whole = cycles.to_i64().clamp(0, i64::from(MOST_WAIT / 2));
-        (whole as u32, cycles - S::from_i64(whole))
-    }
-
     /// Where, and how long before or behind it, an item is to be.
     fn set_milestone(&mut self, item: &mut Item<S, 1>, offset: Offset<S>) {
         let here = self.builder.meter().taken();
         (item.place, item.order) = (here.length, here.stands);
-        if self.switches.stand == Some(here) {
+        if self.switches.stand == Some(here) && item.passing == Passing::Arriving {
             // What is behind a standstill is not before it.
-            item.passing = Passing::Leaving;
+            item.passing = Passing::Ending;
+            self.switches.rests = true;
         }
         match offset {
             Offset::Distance(mm) => item.part = mm,
@@ -241,9 +225,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 (item.wait, item.part) = (LEAD, -seconds);
             }
             Offset::Time(seconds) => {
-                let (whole, part) = self.cycles(seconds);
+                let cycles = seconds / self.horizon.config.cycle;
+                let whole = cycles.to_i64().clamp(0, i64::from(MOST_WAIT / 2));
                 // A part of a cycle, and at least one: else it would be taken for a distance.
-                (item.wait, item.part) = (whole + 1, part);
+                item.wait = whole as u32 + 1;
+                item.part = cycles - S::from_i64(whole);
             }
         }
     }
@@ -264,9 +250,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             from = taken;
         }
         if from.stands != taken.stands {
-            let is_event = matches!(block.motion, Motion::Event { .. });
+            self.put_behind(from, taken);
+            self.change_power_at_rest(from);
             self.switches.stand = Some(taken);
-            (self.switches.stand_tag, self.switches.stand_is_event) = (block.tag, is_event);
+            let is_event = matches!(block.motion, Motion::Event { .. });
             self.switches.events = self.switches.events.wrapping_add(u32::from(is_event));
         } else if self.builder.meter().from() != taken {
             let values = level(&self.switches.power, self.builder.asked());
@@ -275,6 +262,27 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 let passing = Passing::Leaving;
                 self.write_power(&Item { passing, place, order, wait: 0, part: S::ZERO, values });
             }
+        }
+    }
+
+    /// Where all that was pushed is over, so is a standstill at its end.
+    pub(super) fn end_standstills_at_rest(&mut self) {
+        if self.switches.rests && self.is_empty() && self.has_settled() {
+            self.end_standstills();
+        }
+    }
+
+    /// A standstill has been pushed, behind a place. One power that is the same at every speed may be on in it: not one that has been
+    /// taken back since. What is off is put on at rest by [`Planner::push_power`] only.
+    fn change_power_at_rest(&mut self, from: Milestone) {
+        let Switches { power, last, .. } = &self.switches;
+        let [full, slope, ..] = *last;
+        let level = if power.dynamic { S::ZERO } else { power.level };
+        if full > S::ZERO && slope == S::ZERO && level != full {
+            let (place, order) = (from.length, from.stands);
+            let values = [level, S::ZERO, S::ZERO, S::ZERO];
+            let passing = Passing::Arriving;
+            self.write_power(&Item { passing, place, order, wait: 0, part: S::ZERO, values });
         }
     }
 

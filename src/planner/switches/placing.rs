@@ -82,9 +82,14 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             (placed.wait, placed.part) = (item.wait - 1, item.part);
         } else {
             place = end.plus(item.part);
-            if item.part < S::ZERO && is_before(floor, end) {
-                placed.passing = Passing::Arriving;
-                place = not_before(floor, place, end);
+            if item.part < S::ZERO {
+                // At the end of a standstill none reaches behind it.
+                let follows = is_before(floor, end);
+                (placed.passing, place) = if follows {
+                    (Passing::Arriving, not_before(floor, place, end))
+                } else {
+                    (item.passing, end)
+                };
             }
         }
         queue.write(serial, &Item { place: place.raw(), ..placed });
@@ -109,6 +114,31 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             draw_back(queue, *written, end);
         }
         draw_back(&board.powers, self.switches.powers, end);
+    }
+
+    /// The machine rests behind all that was pushed: what was to switch at the end of a standstill, as soon as the motion leaves it or
+    /// there is no more, does so now.
+    pub(in crate::planner) fn end_standstills(&mut self) {
+        self.switches.rests = false;
+        for (queue, written) in self.side.board.lines.iter().zip(&self.switches.lines) {
+            queue.end_standstills(written.ready);
+        }
+    }
+
+    /// A standstill has been pushed, from a place to another: what was to switch before the next motion begins is not before this.
+    pub(in crate::planner) fn put_behind(&self, from: Milestone, to: Milestone) {
+        for (queue, written) in self.side.board.lines.iter().zip(&self.switches.lines) {
+            let count = written.next.since(written.ready).unwrap_or(0);
+            for serial in (0..count).map(|k| written.ready.plus(k)) {
+                if let Some(item) = queue.read(serial)
+                    && (item.place, item.order) == (from.length, from.stands)
+                    && item.passing == Passing::Leaving
+                    && (item.wait == LEAD || item.part < S::ZERO)
+                {
+                    queue.write(serial, &Item { place: to.length, order: to.stands, ..item });
+                }
+            }
+        }
     }
 
     /// Everything that has not been run is dropped: nothing of it switches, and the power is off.
