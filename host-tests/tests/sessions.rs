@@ -222,6 +222,27 @@ fn the_watchdog_can_be_off() {
     });
 }
 
+/// Of a sender without a watchdog nobody knows whether it is there: who asks for an abort stops what it runs.
+#[test]
+fn what_a_sender_without_a_watchdog_runs_can_be_stopped() {
+    with_rig::<f32, _>([Coord::ZERO; 3], |rig| {
+        begin(rig, 0);
+        rig.run(300);
+        assert_eq!(rig.open(opening(2, 0)), Err(Denial::Busy));
+        assert_eq!(rig.state(), State::Running);
+        let abort = Opening { abort: true, ..opening(2, 0) };
+        assert_eq!(rig.open(abort), Err(Denial::Stopping));
+        rig.run(STOP);
+        assert_eq!(rig.open(abort), Ok(()));
+        let place = rig.setpoint.position_nm(0);
+        assert!(rig.state() == State::Idle && place > 0 && place < 100_000_000, "{place}");
+        // It begins there, and the one before is told that it is over.
+        assert_eq!(rig.open(opening(1, 0)), Err(Denial::Busy));
+        rig.run(100);
+        assert_eq!(rig.setpoint.position_nm(0), place);
+    });
+}
+
 #[test]
 fn a_sender_that_leaves_too_early_is_lost_at_once() {
     with_rig::<f32, _>([Coord::ZERO; 3], |rig| {

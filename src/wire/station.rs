@@ -427,7 +427,9 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
                 // A second copy of the same request must not begin anew.
                 return self.owner(opening.session).map(|_| ()).ok_or(Denial::Over);
             }
-            if !owner.lapsed {
+            // Whether one without a watchdog is still there nobody knows: what it runs can be stopped.
+            let unknown = owner.silence == 0 && opening.abort;
+            if !(owner.lapsed || unknown) {
                 return Err(Denial::Busy);
             }
         }
