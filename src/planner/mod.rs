@@ -348,7 +348,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         debug_assert_eq!(has_draft, self.horizon.has_draft());
         debug_assert!(!is_idle || progress == Progress::Waiting, "something to do: {progress:?}");
         #[cfg(feature = "outputs")]
-        self.end_standstills_at_rest();
+        self.end_standstills();
         progress
     }
 

@@ -114,8 +114,6 @@ pub struct Station<S: Scalar, const N: usize, const QUEUE: usize> {
     lost: bool,
     /// Blocks are left that have not been run.
     left: bool,
-    /// Nothing is, whatever the last poll was busy with: a command, for one.
-    empty: bool,
     progress: Progress,
     starved: u32,
     /// Events of the session that have happened.
@@ -146,7 +144,6 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
             alarm: false,
             lost: false,
             left: false,
-            empty: true,
             progress: Progress::NeedsBlocks,
             starved: 0,
             happened: 0,
@@ -333,7 +330,6 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
         }
         let ahead = planner.blocks_waiting() > 0 || planner.nodes_ahead() > 0;
         self.left = ahead || !self.queue.is_empty();
-        self.empty = self.queue.is_empty() && planner.is_empty();
         self.starved = planner.counters().starved;
         let before = self.session.map_or(0, |owner| owner.events);
         self.happened = events.happened().wrapping_sub(before);
@@ -636,7 +632,6 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
             Progress::Held => State::Held,
             Progress::Aborted => State::Aborted,
             Progress::Done | Progress::NeedsBlocks if rests && !self.left => State::Idle,
-            _ if rests && self.empty => State::Idle,
             _ => State::Running,
         }
     }

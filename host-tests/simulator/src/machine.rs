@@ -41,6 +41,23 @@ pub struct StopLimits {
     pub jerk: f64,
 }
 
+impl Axis {
+    /// With what is said of its quick stops in the place of its acceleration and jerk.
+    fn with(self, StopLimits { acceleration, jerk }: StopLimits) -> Self {
+        Self { acceleration, jerk, ..self }
+    }
+
+    /// Its limits in quick stops: the greater of each.
+    fn in_stops(self, stop: StopLimits) -> Self {
+        let (acceleration, jerk) = (self.acceleration, self.jerk);
+        Self {
+            acceleration: acceleration.max(stop.acceleration),
+            jerk: jerk.max(stop.jerk),
+            ..self
+        }
+    }
+}
+
 impl StopLimits {
     /// The least that is accepted: where nothing is said, the limits in force are greater.
     pub(crate) const UNSAID: Self = Self {
@@ -231,27 +248,24 @@ impl Machine {
             }
             Travel::new([ends.limits(key)?]).map_err(|error| anyhow!("travel.{key}: {error}"))?;
         }
+        let mut config = Config::<f64, 1>::new(Limits::new([AxisLimits::linear(1.0, 1.0, 1.0)])?);
+        self.configure(&mut config);
+        config.check()?;
         for (key, shaping) in &self.shaper {
             if key != "default" && axis_index(key).is_none() {
                 bail!("shaper.{key}: no such axis; axes are X Y Z A B C U V W and default");
             }
-            let axis = AxisLimits::linear(1.0, 1.0, 1.0);
-            let mut config = Config::<f64, 1>::new(Limits::new([axis])?);
-            config.cycle = self.cycle;
             let mut shaper = Shaper::<f64, 1, HISTORY>::new();
             shaper
                 .set([Some((*shaping).into())], &config)
                 .map_err(|error| anyhow!("shaper.{key}: {error}"))?;
         }
-        let mut config = Config::<f64, 1>::new(Limits::new([AxisLimits::linear(1.0, 1.0, 1.0)])?);
-        self.settle(&mut config);
-        config.check()?;
         self.try_seeker()?;
         self.try_setup().map(|_| ())
     }
 
     /// The settings that are no axis's.
-    fn settle<S: Scalar, const N: usize>(&self, config: &mut Config<S, N>) {
+    fn configure<S: Scalar, const N: usize>(&self, config: &mut Config<S, N>) {
         config.tolerance = S::of(self.tolerance);
         config.cycle = S::of(self.cycle);
         config.lead = S::of(self.lead);
@@ -368,12 +382,7 @@ impl Machine {
     /// # Errors
     /// As [`Machine::axis`].
     pub fn stop_axis(&self, index: usize) -> Result<Axis> {
-        let (axis, stop) = (self.axis(index)?, self.said_of_stops(index));
-        Ok(Axis {
-            acceleration: axis.acceleration.max(stop.acceleration),
-            jerk: axis.jerk.max(stop.jerk),
-            ..axis
-        })
+        Ok(self.axis(index)?.in_stops(self.said_of_stops(index)))
     }
 
     /// What is said of an axis's quick stops. (The core takes the greater of this and of the limits in force, which may change.)
@@ -399,9 +408,8 @@ impl Machine {
                 rotary: is_rotary(index),
             };
             travel[n] = self.travel(index)?;
-            let (axis, StopLimits { acceleration, jerk }) =
-                (self.axis(index)?, self.said_of_stops(index));
-            (limits[n], stops[n]) = (of(axis), of(Axis { acceleration, jerk, ..axis }));
+            let axis = self.axis(index)?;
+            (limits[n], stops[n]) = (of(axis), of(axis.with(self.said_of_stops(index))));
         }
         let mut config = Config::new(self.on_motors(Limits::new(limits)?, axes, false)?);
         let stops = self.on_motors(Limits::new(stops)?, axes, true)?;
@@ -409,7 +417,7 @@ impl Machine {
             !self.stop.is_empty() || self.motor.iter().any(|motor| motor.stop.is_some());
         config.stop_limits = stop_sooner.then_some(stops);
         config.travel = Travel::new(travel)?;
-        self.settle(&mut config);
+        self.configure(&mut config);
         if let Some(shaper) = self.shaper(axes, &config)? {
             config.follower = shaper.follower(&config);
             // Axes that the program does not have are not shaped, and never move.

@@ -15,6 +15,10 @@ use std::time::{Duration, Instant};
 const ROOM: usize = 4096;
 /// Time after which a sender on a network that does not read is gone.
 const PATIENCE: Duration = Duration::from_secs(1);
+/// How long the next sender is kept waiting while the last one leaves.
+const LEAVING: Duration = Duration::from_millis(500);
+/// Between looks whether it has.
+const LOOK: Duration = Duration::from_millis(5);
 
 /// What is heard on a line.
 #[derive(Debug)]
@@ -24,11 +28,6 @@ pub enum Heard {
     /// Whoever sent has gone.
     HangUp,
 }
-
-/// How long the next sender is kept waiting while the last one leaves.
-const LEAVING: Duration = Duration::from_millis(500);
-/// Between looks whether it has.
-const LOOK: Duration = Duration::from_millis(5);
 
 /// A line that never makes the controller wait.
 #[derive(Debug)]

@@ -247,8 +247,9 @@ where
             Some(Refusal::Jogged) if talk.is_taken() && !talk.is_at_stop() => {}
             Some(refusal) => refused_by(refusal, talk.situation())?,
         }
-        over |= talk.is_run() && !talk.is_at_stop();
-        if talk.is_run() && !talk.is_commanding() {
+        let is_run = talk.is_run();
+        over |= is_run && !talk.is_at_stop();
+        if is_run && !talk.is_commanding() {
             if over {
                 return Ok(End::Run);
             }

@@ -61,8 +61,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         self.forget_done();
         let unplaced = self.switches.lines.iter().enumerate().map(|(i, written)| {
             let queue = self.side.board.lines.get(i);
-            let count = written.next.since(written.ready).unwrap_or(0);
-            let items = (0..count).filter_map(|k| queue?.read(written.ready.plus(k)));
+            let items = written.unplaced().filter_map(|serial| queue?.read(serial));
             items.filter(|item| item.wait == LEAD).count()
         });
         unplaced.sum::<usize>() + self.switches.timed.len() < TIMED

@@ -22,6 +22,23 @@ struct Written {
 
 impl Written {
     const NONE: Self = Self { next: EntrySerial::ZERO, ready: EntrySerial::ZERO };
+
+    /// How many entries have no place yet.
+    fn waiting(self) -> u32 {
+        self.next.since(self.ready).unwrap_or(0)
+    }
+
+    /// Those entries.
+    fn unplaced(self) -> impl Iterator<Item = EntrySerial> {
+        (0..self.waiting()).map(move |k| self.ready.plus(k))
+    }
+}
+
+impl<S, const M: usize> Item<S, M> {
+    /// Its place on the programmed path, as long as it has no other.
+    fn milestone(&self) -> Milestone {
+        Milestone { length: self.place, stands: self.order }
+    }
 }
 
 /// What has been asked for.
@@ -82,6 +99,12 @@ impl<S: Scalar> Switches<S> {
         let share = S::from_i64(part) / S::from_i64(whole);
         self.from.1.plus(mm * share_before(share.greatest(S::ZERO)))
     }
+}
+
+/// What a power asks for at rest.
+fn level_at_rest<S: Scalar>(power: &Power<S>) -> [S; 4] {
+    let level = if power.dynamic { S::ZERO } else { power.level };
+    [level, S::ZERO, S::ZERO, S::ZERO]
 }
 
 /// What a power asks for on a block of some feed, mm/s along the path; `None` of a rapid.
@@ -186,8 +209,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         let order = self.push_rest(tag)?;
         self.switches.power = *power;
-        let rest = Power { dynamic: false, ..*power };
-        let values = if power.dynamic { [S::ZERO; 4] } else { level(&rest, Some(S::ONE)) };
+        let values = level_at_rest(power);
         let passing = Passing::Event;
         self.write_power(&Item { passing, place: 0, order, wait: 0, part: S::ZERO, values });
         Ok(())
@@ -265,22 +287,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
     }
 
-    /// Where all that was pushed is over, so is a standstill at its end.
-    pub(super) fn end_standstills_at_rest(&mut self) {
-        if self.switches.rests && self.is_empty() && self.has_settled() {
-            self.end_standstills();
-        }
-    }
-
     /// A standstill has been pushed, behind a place. One power that is the same at every speed may be on in it: not one that has been
     /// taken back since. What is off is put on at rest by [`Planner::push_power`] only.
     fn change_power_at_rest(&mut self, from: Milestone) {
         let Switches { power, last, .. } = &self.switches;
-        let [full, slope, ..] = *last;
-        let level = if power.dynamic { S::ZERO } else { power.level };
-        if full > S::ZERO && slope == S::ZERO && level != full {
+        let ([full, slope, ..], values) = (*last, level_at_rest(power));
+        if full > S::ZERO && slope == S::ZERO && values != *last {
             let (place, order) = (from.length, from.stands);
-            let values = [level, S::ZERO, S::ZERO, S::ZERO];
             let passing = Passing::Arriving;
             self.write_power(&Item { passing, place, order, wait: 0, part: S::ZERO, values });
         }

@@ -83,13 +83,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         } else {
             place = end.plus(item.part);
             if item.part < S::ZERO {
-                // At the end of a standstill none reaches behind it.
-                let follows = is_before(floor, end);
-                (placed.passing, place) = if follows {
-                    (Passing::Arriving, not_before(floor, place, end))
-                } else {
-                    (item.passing, end)
-                };
+                place = not_before(floor, place, end);
+                if is_before(floor, end) {
+                    placed.passing = Passing::Arriving;
+                }
             }
         }
         queue.write(serial, &Item { place: place.raw(), ..placed });
@@ -111,14 +108,17 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     pub(in crate::planner) fn draw_back(&self, end: Milestone) {
         let board = self.side.board;
         for (queue, written) in board.lines.iter().zip(&self.switches.lines) {
-            draw_back(queue, *written, end);
+            put(queue, *written, end, |item| end.is_before(item.milestone()));
         }
-        draw_back(&board.powers, self.switches.powers, end);
+        put(&board.powers, self.switches.powers, end, |item| end.is_before(item.milestone()));
     }
 
-    /// The machine rests behind all that was pushed: what was to switch at the end of a standstill, as soon as the motion leaves it or
-    /// there is no more, does so now.
+    /// Where the machine rests behind all that was pushed, what was to switch at the end of a standstill, as soon as the motion leaves
+    /// it or there is no more, does so.
     pub(in crate::planner) fn end_standstills(&mut self) {
+        if !(self.switches.rests && self.is_empty() && self.has_settled()) {
+            return;
+        }
         self.switches.rests = false;
         for (queue, written) in self.side.board.lines.iter().zip(&self.switches.lines) {
             queue.end_standstills(written.ready);
@@ -128,16 +128,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// A standstill has been pushed, from a place to another: what was to switch before the next motion begins is not before this.
     pub(in crate::planner) fn put_behind(&self, from: Milestone, to: Milestone) {
         for (queue, written) in self.side.board.lines.iter().zip(&self.switches.lines) {
-            let count = written.next.since(written.ready).unwrap_or(0);
-            for serial in (0..count).map(|k| written.ready.plus(k)) {
-                if let Some(item) = queue.read(serial)
-                    && (item.place, item.order) == (from.length, from.stands)
+            put(queue, *written, to, |item| {
+                item.milestone() == from
                     && item.passing == Passing::Leaving
                     && (item.wait == LEAD || item.part < S::ZERO)
-                {
-                    queue.write(serial, &Item { place: to.length, order: to.stands, ..item });
-                }
-            }
+            });
         }
     }
 
@@ -146,12 +141,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let board = self.side.board;
         let mut count = 0;
         for (queue, written) in board.lines.iter().zip(&mut self.switches.lines) {
-            count += written.next.since(written.ready).unwrap_or(0);
+            count += written.waiting();
             written.ready = written.next;
             queue.set_void(written.next);
         }
         let written = &mut self.switches.powers;
-        count += written.next.since(written.ready).unwrap_or(0);
+        count += written.waiting();
         written.ready = written.next;
         board.powers.set_void(written.next);
         board.add_placed(count);
@@ -182,23 +177,22 @@ fn due<S: Scalar, const DEPTH: usize, const M: usize>(
         return None;
     }
     let item = queue.read(written.ready)?;
-    let end = Milestone { length: item.place, stands: item.order };
-    (item.passing == Passing::Event || !cut.is_before(end)).then_some(item)
+    (item.passing == Passing::Event || !cut.is_before(item.milestone())).then_some(item)
 }
 
-/// Entries without a place that lie behind the end of the programmed path lie there.
-fn draw_back<S: Scalar, const DEPTH: usize, const M: usize>(
+/// Puts those of the entries without a place somewhere else that are to be there; one at an event stays with it.
+fn put<S: Scalar, const DEPTH: usize, const M: usize>(
     queue: &Line<S, DEPTH, M>,
     written: Written,
-    end: Milestone,
+    to: Milestone,
+    is_meant: impl Fn(&Item<S, M>) -> bool,
 ) {
-    let count = written.next.since(written.ready).unwrap_or(0);
-    for serial in (0..count).map(|k| written.ready.plus(k)) {
+    for serial in written.unplaced() {
         if let Some(item) = queue.read(serial)
-            && end.is_before(Milestone { length: item.place, stands: item.order })
             && item.passing != Passing::Event
+            && is_meant(&item)
         {
-            queue.write(serial, &Item { place: end.length, order: end.stands, ..item });
+            queue.write(serial, &Item { place: to.length, order: to.stands, ..item });
         }
     }
 }

@@ -39,6 +39,18 @@ pub struct MotorRow {
     pub stop: Axis,
 }
 
+impl Motor {
+    /// Its limits, but for quick stops.
+    const fn limits(&self) -> Axis {
+        Axis { velocity: self.velocity, acceleration: self.acceleration, jerk: self.jerk }
+    }
+
+    /// What is said of its quick stops.
+    fn said_of_stops(&self) -> StopLimits {
+        self.stop.unwrap_or(StopLimits::UNSAID)
+    }
+}
+
 impl MotorRow {
     /// What it does where the axes do this.
     pub fn of(&self, axes: &[f64]) -> f64 {
@@ -47,25 +59,27 @@ impl MotorRow {
 }
 
 impl Machine {
-    /// The motors that move with some axes, in the machine's order.
-    pub fn motors_of(&self, axes: &[usize]) -> Vec<MotorRow> {
-        let row = |motor: &Motor| {
+    /// The motors that move with some axes, in the machine's order, and how far they go for one of each.
+    fn moving(&self, axes: &[usize]) -> impl Iterator<Item = (&Motor, Vec<f64>)> {
+        let factors = |motor: &Motor| -> Vec<f64> {
             let factor = |index: &usize| {
                 let named = motor.axes.iter().find(|(key, _)| axis_index(key) == Some(*index));
                 named.map_or(0.0, |(_, factor)| *factor)
             };
-            let Motor { velocity, acceleration, jerk, .. } = *motor;
-            let limits = Axis { velocity, acceleration, jerk };
-            let stop = motor.stop.map_or(limits, |stop| Axis {
-                acceleration: acceleration.max(stop.acceleration),
-                jerk: jerk.max(stop.jerk),
-                ..limits
-            });
-            let factors = axes.iter().map(factor).collect();
+            axes.iter().map(factor).collect()
+        };
+        let all = self.motor.iter().map(move |motor| (motor, factors(motor)));
+        all.filter(|(_, factors)| factors.iter().any(|factor| *factor != 0.0))
+    }
+
+    /// The same as rows.
+    pub fn motors_of(&self, axes: &[usize]) -> Vec<MotorRow> {
+        let row = |(motor, factors): (&Motor, _)| {
+            let limits = motor.limits();
+            let stop = limits.in_stops(motor.said_of_stops());
             MotorRow { name: motor.name.clone(), factors, limits, stop }
         };
-        let moves = |row: &MotorRow| row.factors.iter().any(|factor| *factor != 0.0);
-        self.motor.iter().map(row).filter(moves).collect()
+        self.moving(axes).map(row).collect()
     }
 
     /// Limits of axes with those of their motors; `stops`: for quick stops.
@@ -75,20 +89,16 @@ impl Machine {
         axes: &[usize],
         stops: bool,
     ) -> Result<Limits<S, N>, ConfigError> {
-        let rows = self.motors_of(axes);
-        let motors: Vec<_> = rows
-            .iter()
-            .map(|row| {
-                let mut axis = row.limits;
-                if stops {
-                    let motor = self.motor.iter().find(|motor| motor.name == row.name);
-                    let said = motor.and_then(|motor| motor.stop).unwrap_or(StopLimits::UNSAID);
-                    (axis.acceleration, axis.jerk) = (said.acceleration, said.jerk);
-                }
-                let Axis { velocity, acceleration, jerk } = axis;
+        let motors: Vec<_> = self
+            .moving(axes)
+            .map(|(motor, all)| {
+                let said = motor.said_of_stops();
+                let limits = motor.limits();
+                let Axis { velocity, acceleration, jerk } =
+                    if stops { limits.with(said) } else { limits };
                 let mut factors = [S::ZERO; N];
-                for (slot, factor) in factors.iter_mut().zip(&row.factors) {
-                    *slot = S::of(*factor);
+                for (slot, factor) in factors.iter_mut().zip(all) {
+                    *slot = S::of(factor);
                 }
                 let limits = AxisLimits::linear(S::of(velocity), S::of(acceleration), S::of(jerk));
                 splineway::Motor::new(factors, limits)
