@@ -242,8 +242,8 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         tie: Tie,
         (beside, behind): (S, Option<S>),
     ) {
-        if tie == Tie::Smooth {
-            // It stays as it is.
+        if tie == Tie::Smooth || self.polyline.returns(&at) {
+            // It stays as it is: or, back where the line before began, would be a part of one without a length, and not be reached.
             self.polyline.settle();
             self.look(true);
         }

@@ -182,6 +182,11 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
         self.clear_dropped();
     }
 
+    /// Whether a point is where the line starts that may become one with the next.
+    pub fn returns(&self, at: &[Coord; N]) -> bool {
+        self.vertices.back().is_some_and(|from| Segment::<S, N>::line(from.at, *at).is_none())
+    }
+
     /// Takes note of the tolerance behind the last line, which is no part of it, mm.
     pub fn end_before(&mut self, behind: Option<S>) {
         self.behind.set(behind);

@@ -75,6 +75,18 @@ fn run_through(
     (list, steps)
 }
 
+/// A run ends where its last line does: back within half a nanometre of where it started, too, and of where its last line did.
+#[test]
+fn a_run_ends_where_its_last_line_does() {
+    let back = [[0.0, 0.0], [1.7e-6, 0.0], [-4.0e-7, 0.0]];
+    let later = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.7e-6], [1.0, -4.0e-7]];
+    let twice = [[0.0, 0.0], [3.0e-6, 0.0], [-4.0e-7, 0.0], [3.0e-6, 0.0], [1.0e-7, 0.0]];
+    for points in [&back[..], &later, &twice] {
+        let end = points.last().unwrap().map(|x| Coord::from_mm(x).unwrap());
+        assert_eq!(cells(points, 8).last().map(|cut| cut.node.at), Some(end), "{points:?}");
+    }
+}
+
 fn distance(points: &[[f64; 2]], x: [f64; 2]) -> f64 {
     let one = |a: [f64; 2], b: [f64; 2]| {
         let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
