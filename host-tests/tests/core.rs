@@ -646,3 +646,54 @@ fn the_small_core_looks_far_ahead() {
     assert!(interpolator.tick().activity != Activity::Idle);
     assert!(taken > 128, "{taken} lines");
 }
+
+/// Right angles of lines of some mm, with a stop after so many servo cycles in motion: how far it comes from there.
+fn stop_after(cycles: usize, line: f64) -> f64 {
+    const LINES: usize = 12;
+    let mut config = config();
+    let axis = AxisLimits::linear(200.0, 3000.0, 200_000.0);
+    config.limits = Limits::new([axis; 3]).unwrap();
+    let mut link = Box::new(Link::<f64, 3, BLOCKS, 64>::new());
+    let (mut planner, mut interpolator) = link.split(config, at(0.0, 0.0, 0.0)).unwrap();
+    let controls = planner.controls();
+    let mut corner = [0.0; 3];
+    for k in 0..LINES {
+        corner[k % 2] += line;
+        planner.push(&Block::line(at(corner[0], corner[1], 0.0), 40.0, k as u32)).unwrap();
+    }
+    planner.finish();
+    let (mut before, mut way, mut moved) = ([0.0; 3], 0.0, 0);
+    for _ in 0..20_000 {
+        if moved == cycles {
+            controls.stop();
+        }
+        match planner.settle() {
+            Progress::Held | Progress::Done if moved > cycles => return way,
+            _ => {}
+        }
+        let here = place(&interpolator.tick());
+        let step = before.iter().zip(here).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+        if moved > 0 || step > 0.0 {
+            moved += 1;
+        }
+        if moved > cycles {
+            way += step;
+        }
+        before = here;
+    }
+    panic!("the stop after {cycles} cycles is not answered");
+}
+
+/// A stop rests at the end of the block under way, or of the next where that is too near to brake for: no whole block is run that
+/// could have been left out.
+#[test]
+fn a_stop_comes_at_the_end_of_the_block_under_way() {
+    // What braking from 40 mm/s takes, and getting round a corner.
+    const BRAKED: f64 = 1.0;
+    for (line, last, every) in [(15.0, 4300, 13), (3.0, 900, 3)] {
+        for cycles in (1..last).step_by(every) {
+            let way = stop_after(cycles, line);
+            assert!(way < line + BRAKED, "{way} mm of lines of {line} after {cycles} cycles");
+        }
+    }
+}

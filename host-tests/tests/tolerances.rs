@@ -274,3 +274,20 @@ fn the_band_behind_an_exact_stop_begins_with_its_line() {
     let found = run::<f64>(&steps, 1.0e-3);
     assert!(found.share <= 1.0, "{found:?}");
 }
+
+/// A knot lay half a nanometre before a vertex, and the next at that: the span between the two was crept through for seconds.
+#[test]
+fn a_vertex_just_behind_a_knot_is_not_crept_to() {
+    let points = [
+        [0.3289, -0.0368, -0.1086],
+        [0.3249, -0.0368, -0.1057],
+        [0.3275, -0.0368, -0.1015],
+        [0.3261, -0.0368, -0.0944],
+        [0.3233, -0.0368, -0.0802],
+    ];
+    let steps: Vec<Step> = (points.into_iter().zip([0.0, 0.01, 0.01, 0.3, 0.01]))
+        .map(|(to, tolerance)| Step { way: Way::Line, to, tolerance, feed: 43.0, exact: false })
+        .collect();
+    let found = run::<f64>(&steps, 1.0e-3);
+    assert!(found.share <= 1.0 && found.time < 0.15, "{found:?}");
+}

@@ -21,6 +21,9 @@ pub enum KnotState {
 const BRIEF_SHARE: f64 = 0.125;
 /// The last of so many parts of a span is what it ends on.
 const ENDS_ON: i64 = 64;
+/// A vertex this part of a span behind a knot is no place for the next: the span between the two would be crept through, for a cell takes
+/// its time however short it is.
+const BESIDE: i64 = 16;
 
 impl<S: Scalar, const N: usize> Run<S, N> {
     /// Lays the next knot, if enough is known and there is room.
@@ -97,8 +100,10 @@ impl<S: Scalar, const N: usize> Run<S, N> {
 
     /// Lays the knot that was asked for, or one nearer at which the band is kept. Returns where.
     fn lay_allowed(&mut self, here: Length, s: Length) -> Option<Length> {
-        let line = self.polyline.line_end(here);
-        let tries = [s, here + (s - here) / 2, line.min(s), here + (line.min(s) - here) / 4];
+        let span = s - here;
+        let line = (self.polyline.line_end(here) - here).min(span);
+        let line = if line < span / BESIDE { span / 4 } else { line };
+        let tries = [s, here + span / 2, here + line, here + line / 4];
         let before = self.spline.spans.len();
         let taken =
             tries.into_iter().find(|&w| w > here && self.spline.try_push(&self.polyline, w));

@@ -23,6 +23,9 @@ pub enum Ending<S> {
     Braking(Solving<S>),
     /// Ends of blocks from `next` on are tried.
     Trying { next: usize, tries: u8 },
+    /// A motion to one is being found where braking as hard as the limits allow leads to creeping, and that not to rest. `last`: of the
+    /// whole stretch.
+    Finding { solving: Solving<S>, last: usize, tries: u8 },
     /// One is found; the motion there is being improved.
     Improving(Solving<S>),
 }
@@ -32,6 +35,8 @@ pub enum Ending<S> {
 enum Tried {
     /// The motion comes to rest at the end of this stretch.
     Rests(Stretch),
+    /// A limit is broken, where the motion has braked and creeps.
+    Creeps(Stretch),
     /// A limit is broken; there may be another.
     Fails,
     /// There is no other.
@@ -88,9 +93,24 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
                         proposal.stretch = held;
                         Ending::Improving(self.begin_improving(held, Aim::Time))
                     }
+                    Tried::Creeps(held) => {
+                        proposal.stretch = held;
+                        let solving = self.begin_finding(held, held.first + 1);
+                        Ending::Finding { solving, last: stretch.last, tries: *tries }
+                    }
                     Tried::Fails => return Flow::Working,
                     Tried::Exhausted => return Flow::Nothing,
                 }
+            }
+            Ending::Finding { solving, last, tries } => {
+                if self.go_on(solving, room) {
+                    return Flow::Working;
+                }
+                if self.holds(stretch) {
+                    return Flow::Ready;
+                }
+                proposal.stretch = Stretch { last: *last, ..stretch };
+                Ending::Trying { next: stretch.last + 1, tries: *tries }
             }
             Ending::Improving(solving) => {
                 return if self.go_on(solving, room) { Flow::Working } else { Flow::Ready };
@@ -104,22 +124,29 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         if *next > stretch.last || *tries >= END_TRIES {
             return Tried::Exhausted;
         }
-        let held = self.rest_at_node(stretch, *next);
+        let tried = self.rest_at_node(stretch, *next);
         (*next, *tries) = (*next + 1, *tries + 1);
-        held.map_or(Tried::Fails, Tried::Rests)
+        tried
     }
 
-    /// The stretch up to a node, at rest there, if that keeps the limits; else nothing has changed.
-    fn rest_at_node(&mut self, stretch: Stretch, end: usize) -> Option<Stretch> {
+    /// The stretch up to a node, at rest there, if that keeps the limits; else nothing has changed, unless the motion creeps there.
+    fn rest_at_node(&mut self, stretch: Stretch, end: usize) -> Tried {
+        let speed_squared =
+            |i: usize| self.window.get(i).map_or(S::ZERO, |station| station.state.b);
+        // The barrier leaves a motion that has halted creeping: it goes no slower farther on.
+        let creeps = (stretch.first..end).any(|i| speed_squared(i) <= speed_squared(end));
         let state = self.window.get(end).map_or(PathState::REST, |station| station.state);
         self.window.set_state(end, PathState::REST);
         let held = Stretch { last: end, ..stretch };
         // With no node between there is nothing that could be improved.
-        let crawls = end == stretch.first + 1 && self.crawl_in(held).is_some();
-        if !crawls && self.holds(held) {
-            return Some(held);
+        let alone = end == stretch.first + 1;
+        if !(alone && self.crawl_in(held).is_some()) && self.holds(held) {
+            return Tried::Rests(held);
+        }
+        if creeps && !alone {
+            return Tried::Creeps(held);
         }
         self.window.set_state(end, state);
-        None
+        Tried::Fails
     }
 }

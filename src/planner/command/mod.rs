@@ -153,11 +153,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// In motion: rests at the end of a block, as a stop or single block mode asks for.
     fn obey_stop(&mut self, at: NodeSerial) -> Option<Progress> {
-        // A plan on offer that would leave the present one behind the rest that is asked for.
-        if let Some(offer) = self.phase.offer().filter(|offer| offer.taken.halt.is_none())
-            && let Some(rest) = self.horizon.agreed_block_end(at)
-            && !offer.first.is_before(rest)
-        {
+        // A plan on offer that would leave the present one behind the rest that is asked for; or one in which no rest has been looked for:
+        // the ends of blocks before it is taken up would be passed.
+        let rest = self.horizon.agreed_block_end(at);
+        let leaves = |offer: &Offer| match rest {
+            Some(rest) => !offer.first.is_before(rest),
+            None => offer.before.is_some_and(|before| !before.tried_block_end),
+        };
+        let goes_on = |offer: &Offer| offer.taken.halt.is_none() && leaves(offer);
+        if self.phase.offer().is_some_and(goes_on) {
             let asked = self.horizon.overrides();
             self.revoke(self.most_reaction());
             if !self.horizon.is_paced(asked) {
