@@ -81,6 +81,8 @@ pub enum Order {
     Hold,
     /// On from a hold.
     Resume,
+    /// Stop at the end of a block.
+    Stop,
     /// Stop, and drop the program.
     Abort,
     /// Feed override, per cent.
@@ -92,6 +94,7 @@ impl Order {
         match self {
             Self::Hold => controls.hold(),
             Self::Resume => controls.resume(),
+            Self::Stop => controls.stop(),
             Self::Abort => controls.abort(),
             Self::Feed(percent) => controls.feed_override(percent),
         }

@@ -31,3 +31,17 @@ pub fn shares(program: &Program, setup: &Setup, run: &Run) -> [f64; 2] {
     }
     [used, off / tolerance]
 }
+
+/// Where a run has come to along the programmed path at its end, mm, and how many of the path's vertices lie behind it, but for one that it rests at.
+pub fn end(program: &Program, setup: &Setup, run: &Run) -> (f64, usize) {
+    let (cycle, tolerance) = (f64::from(setup.cycle), f64::from(setup.tolerance));
+    let reach = f64::from(setup.limits[0]) * cycle * 4.0;
+    let mut follower = Follower::default();
+    let track = Track::new(&program.with_approach());
+    for sample in &run.samples {
+        let x = sample.position.map(|nm| f64::from(nm) * 1.0e-6);
+        follower.look(&track, &x, reach, tolerance);
+    }
+    let way = follower.way();
+    (way, track.passed(way - 2.0 * tolerance))
+}

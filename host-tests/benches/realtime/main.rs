@@ -8,7 +8,8 @@
 //!   used of the limits of the axes and of the tolerance at most, servo cycle by servo cycle;
 //! - with N > 0, for hold, abort, a feed override of 50 %, and 100 % again, at N places of each path: after how many ms
 //!   the speed differs from what it would have been, and, but for the last, how much later than it could
-//!   (`splineway_studies::stop`) the machine stands still or has the new speed: median / worst.
+//!   (`splineway_studies::stop`) the machine stands still or has the new speed: median / worst; and for a stop at the end of a block how far
+//!   beyond the place where a hold rests it goes, and past how many vertices of the path.
 //!
 //! With `--reshape` the motion is reshaped in idle time, with a planning window of 256 nodes instead of 64.
 //!
@@ -50,12 +51,14 @@ struct Bound {
     round: f64,
     /// Longest time until a hold shows, ms.
     hold: f64,
+    /// Vertices that a stop at the end of a block passes beyond where a hold rests.
+    passed: f64,
 }
 
 const BOUNDS: [Bound; 3] = [
-    Bound { path: "noisy.txt", ratio: 1.05, round: 1.6, hold: 20.0 },
-    Bound { path: "butterfly.json", ratio: 1.03, round: 1.6, hold: 60.0 },
-    Bound { path: "zigzag.txt", ratio: 1.01, round: 1.6, hold: 60.0 },
+    Bound { path: "noisy.txt", ratio: 1.05, round: 1.6, hold: 20.0, passed: 40.0 },
+    Bound { path: "butterfly.json", ratio: 1.03, round: 1.6, hold: 60.0, passed: 40.0 },
+    Bound { path: "zigzag.txt", ratio: 1.01, round: 1.6, hold: 60.0, passed: 1.0 },
 ];
 
 /// Settings of a bench run.
@@ -169,12 +172,15 @@ fn instants(run: &Run, count: usize, least: f32) -> Vec<usize> {
 }
 
 /// Median and worst of a list of times, s, in ms.
-fn spread(mut list: Vec<f64>) -> String {
+fn spread(list: Vec<f64>) -> String {
+    let [median, worst] = extremes(list);
+    format!("{:.0} / {:.0}", median * 1e3, worst * 1e3)
+}
+
+/// Median and greatest of a list; NaN where it is empty.
+fn extremes(mut list: Vec<f64>) -> [f64; 2] {
     list.sort_by(f64::total_cmp);
-    match (list.get(list.len() / 2), list.last()) {
-        (Some(median), Some(worst)) => format!("{:.0} / {:.0}", median * 1e3, worst * 1e3),
-        _ => "-".to_owned(),
-    }
+    [list.get(list.len() / 2), list.last()].map(|value| value.copied().unwrap_or(f64::NAN))
 }
 
 /// What the speed is compared with after a command.
@@ -182,6 +188,8 @@ fn spread(mut list: Vec<f64>) -> String {
 enum Goal {
     /// Standing still.
     Rest,
+    /// Standing still at the end of a block.
+    BlockEnd,
     /// A speed that is not to be exceeded any more, mm/s.
     Below(f32),
     /// Nothing but that it rises.
@@ -218,7 +226,11 @@ impl Trial {
         let at = at.map(|at| Due { cycle: at as u32, order: self.order });
         Setup {
             commands: before.into_iter().chain(at).collect(),
-            linger: if at.is_some() && matches!(self.goal, Goal::Rest) { 30 } else { 0 },
+            linger: if at.is_some() && matches!(self.goal, Goal::Rest | Goal::BlockEnd) {
+                30
+            } else {
+                0
+            },
             most_cycles: at.map_or(job.setup.most_cycles, |due| due.cycle + 2000),
             ..job.setup.clone()
         }
@@ -254,7 +266,7 @@ fn answer(job: &Job<'_>, trial: &Trial, base: &Run, at: usize) -> Result<Answer>
     let goal = match trial.goal {
         Goal::Rest => STILL,
         Goal::Below(speed) => speed * 1.01,
-        Goal::Rise => return Ok(Answer { reaction, over: None, round }),
+        Goal::BlockEnd | Goal::Rise => return Ok(Answer { reaction, over: None, round }),
     };
     let there = (at + 1..run.samples.len())
         .find(|&k| run.samples[k].idle || run.samples[k].speed <= goal)
@@ -288,6 +300,25 @@ fn answers(job: &Job<'_>, trial: &Trial, count: usize) -> Result<(Vec<f64>, Vec<
     Ok((reactions, overs, round))
 }
 
+/// How far a stop at the end of a block goes beyond where a hold rests, at some places of a path: mm, and vertices passed; and the longest round, ms.
+fn stops_at_ends(job: &Job<'_>, count: usize) -> Result<(Vec<f64>, Vec<f64>, f64)> {
+    let trial = |order, goal| Trial { name: "stop", before: None, order, goal };
+    let stop = trial(Order::Stop, Goal::BlockEnd);
+    let hold = trial(Order::Hold, Goal::Rest);
+    let base = job.real(&stop.setup(job, None))?;
+    let (mut ways, mut vertices, mut round) = (Vec::new(), Vec::new(), 0.0f64);
+    for at in instants(&base, count, stop.least()) {
+        let run = job.real(&stop.setup(job, Some(at)))?;
+        let held = job.real(&hold.setup(job, Some(at)))?;
+        let end = |run: &Run| judge::end(&job.program, &job.setup, run);
+        let ((way, passed), (least, before)) = (end(&run), end(&held));
+        ways.push(way - least);
+        vertices.push(passed as f64 - before as f64);
+        round = round.max(run.round());
+    }
+    Ok((ways, vertices, round))
+}
+
 /// What a path came to.
 struct Outcome {
     /// Real time over zero time.
@@ -296,6 +327,8 @@ struct Outcome {
     round: f64,
     /// Worst reaction to a hold, ms.
     hold: f64,
+    /// Vertices passed by a stop at the end of a block, beyond where a hold rests, at most.
+    passed: f64,
     /// Load of the processor.
     load: f64,
     /// What was used of the limits, and of the tolerance.
@@ -343,7 +376,17 @@ fn report(image: &Image, path: &Path, options: &Options) -> Result<Outcome> {
             );
         }
     }
-    Ok(Outcome { ratio, round: longest, hold, load, shares })
+    let mut passed: f64 = 0.0;
+    if options.instants > 0 {
+        let (ways, vertices, round) = stops_at_ends(&job, options.instants)?;
+        longest = longest.max(round);
+        let ([way, farthest], [median, most]) = (extremes(ways), extremes(vertices));
+        passed = most;
+        println!(
+            "    stop: rests {way:.2} / {farthest:.2} mm beyond a hold, past {median} / {most} vertices; longest round {round:.1} ms"
+        );
+    }
+    Ok(Outcome { ratio, round: longest, hold, passed, load, shares })
 }
 
 /// Paths that are always at hand.
@@ -356,10 +399,11 @@ fn check(image: &Image) -> Result<()> {
     let options = Options { instants: 3, check: true, ..Options::DEFAULT };
     for bound in &BOUNDS {
         let path = data(bound.path);
-        let Outcome { ratio, round, hold, .. } = report(image, &path, &options)?;
+        let Outcome { ratio, round, hold, passed, .. } = report(image, &path, &options)?;
         ensure!(ratio <= bound.ratio, "{}: {ratio:.3} of zero time", bound.path);
         ensure!(round <= bound.round, "{}: a round of {round:.1} ms", bound.path);
         ensure!(hold <= bound.hold, "{}: {hold:.0} ms until a hold shows", bound.path);
+        ensure!(passed <= bound.passed, "{}: a stop passes {passed} vertices", bound.path);
     }
     let options = Options { reshape: true, chip: Chip::M7, ..Options::DEFAULT };
     let image = options.image()?;

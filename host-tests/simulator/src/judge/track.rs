@@ -229,6 +229,11 @@ impl Track {
         self.way.iter().rev().take(3).take_while(|end| **end > way).count()
     }
 
+    /// How many vertices lie no farther along than an arc length, with those left behind.
+    pub fn passed(&self, way: f64) -> usize {
+        self.gone[0] + self.way.partition_point(|end| *end <= way)
+    }
+
     /// The last vertex.
     pub fn end(&self) -> &[f64] {
         self.point(self.len() - 1)
