@@ -647,8 +647,9 @@ fn the_small_core_looks_far_ahead() {
     assert!(taken > 128, "{taken} lines");
 }
 
-/// Right angles of lines of some mm, with a stop after so many servo cycles in motion: how far it comes from there.
-fn stop_after(cycles: usize, line: f64) -> f64 {
+/// Right angles of lines of some mm, with a stop after so many servo cycles in motion, and no more than so many slices of planning in each: how far it
+/// comes from there.
+fn stop_after(cycles: usize, line: f64, slices: usize) -> f64 {
     const LINES: usize = 12;
     let mut config = config();
     let axis = AxisLimits::linear(200.0, 3000.0, 200_000.0);
@@ -667,9 +668,12 @@ fn stop_after(cycles: usize, line: f64) -> f64 {
         if moved == cycles {
             controls.stop();
         }
-        match planner.settle() {
-            Progress::Held | Progress::Done if moved > cycles => return way,
-            _ => {}
+        for _ in 0..slices {
+            match planner.poll() {
+                Progress::Held | Progress::Done if moved > cycles => return way,
+                Progress::Planning => {}
+                _ => break,
+            }
         }
         let here = place(&interpolator.tick());
         let step = before.iter().zip(here).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
@@ -685,15 +689,22 @@ fn stop_after(cycles: usize, line: f64) -> f64 {
 }
 
 /// A stop rests at the end of the block under way, or of the next where that is too near to brake for: no whole block is run that
-/// could have been left out.
+/// could have been left out. Where planning takes time, hardly one more.
 #[test]
 fn a_stop_comes_at_the_end_of_the_block_under_way() {
     // What braking from 40 mm/s takes, and getting round a corner.
     const BRAKED: f64 = 1.0;
-    for (line, last, every) in [(15.0, 4300, 13), (3.0, 900, 3)] {
-        for cycles in (1..last).step_by(every) {
-            let way = stop_after(cycles, line);
-            assert!(way < line + BRAKED, "{way} mm of lines of {line} after {cycles} cycles");
+    for (slices, more) in [(10_000, [0.0; 2]), (2, [1.0; 2]), (1, [1.0, 2.0])] {
+        for ((line, last, every), more) in [(15.0, 4300, 13), (3.0, 900, 3)].into_iter().zip(more) {
+            let ways = (1..last).step_by(every).map(|cycles| stop_after(cycles, line, slices));
+            let (mut farther, mut all) = (0, 0);
+            for (way, cycles) in ways.zip((1..).step_by(every)) {
+                let most = line * (1.0 + more) + BRAKED;
+                assert!(way < most, "{way} mm of lines of {line} after {cycles} cycles");
+                farther += usize::from(way > line + BRAKED);
+                all += 1;
+            }
+            assert!(2 * farther < all, "{farther} of {all} stops, {slices} slices, {line} mm");
         }
     }
 }

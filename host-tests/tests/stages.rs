@@ -113,15 +113,17 @@ enum Press {
     Hold,
     Resume,
     Stop,
+    Single(bool),
     Feed(u16),
 }
 
 impl Press {
     fn any(draw: &mut Draw) -> Self {
-        match (draw.share() * 8.0) as u32 {
+        match (draw.share() * 10.0) as u32 {
             0 | 1 => Self::Hold,
             2 | 3 => Self::Resume,
-            4 => Self::Stop,
+            4 | 5 => Self::Stop,
+            6 => Self::Single(draw.share() < 0.5),
             _ => Self::Feed(draw.between(1.0, 200.0) as u16),
         }
     }
@@ -131,6 +133,7 @@ impl Press {
             Self::Hold => controls.hold(),
             Self::Resume => controls.resume(),
             Self::Stop => controls.stop(),
+            Self::Single(on) => controls.single_block(on),
             Self::Feed(percent) => controls.feed_override(percent),
         }
     }
@@ -146,6 +149,8 @@ enum Until {
     End,
     /// At the first rest after a servo cycle.
     Rest(u32),
+    /// When the planner says that it is held, after a servo cycle.
+    Held(u32),
 }
 
 /// The speed, mm/s, in every servo cycle.
@@ -205,6 +210,9 @@ fn run<S: Scalar>(path: &Path, presses: &[(u32, Press)], slices: u32, until: Unt
         speeds.push(at.path_speed.to_f64());
         let idle = at.activity == Activity::Idle;
         if matches!(until, Until::Rest(after) if idle && cycle > after + 1) {
+            return speeds;
+        }
+        if matches!(until, Until::Held(after) if progress == Progress::Held && cycle > after) {
             return speeds;
         }
         if idle && progress == Progress::Done {
@@ -295,6 +303,41 @@ fn holds<S: Scalar>(slices: u32, shows: usize, beyond: usize) {
     assert!(late * 100 <= beyond * count, "{slices} slices: {late} of {count} rest late");
 }
 
+/// How far a stop at the end of a block goes beyond where a hold rests, mm, on stretches of tool paths: median and worst of what is more than
+/// the longest line.
+fn stops_beyond_holds<S: Scalar>(slices: u32) -> [f64; 2] {
+    let paths = splineway_studies::paths::all().unwrap();
+    let mut beyond = Vec::new();
+    for seed in 1..=60 * u64::from(soak().unwrap_or(1)) {
+        let draw = &mut Draw::new(seed);
+        let of = &paths[(draw.share() * paths.len() as f64) as usize];
+        let path = Path::stretch(draw, of, CYCLE);
+        let base = run::<S>(&path, &[], slices, Until::End);
+        let at = (draw.share() * base.len() as f64) as usize;
+        let way = |press: Press, until: Until| {
+            run::<S>(&path, &[(at as u32, press)], slices, until).iter().sum::<f64>() * path.cycle
+        };
+        let [hold, stop] =
+            [(Press::Hold, Until::Rest(at as u32)), (Press::Stop, Until::Held(at as u32))]
+                .map(|(press, until)| way(press, until));
+        let length = |ends: &[Point]| f64::hypot(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]);
+        let longest = path.points.windows(2).map(length).fold(0.0, f64::max);
+        beyond.push(stop - hold - longest);
+    }
+    beyond.sort_by(f64::total_cmp);
+    [beyond[beyond.len() / 2], beyond[beyond.len() - 1]]
+}
+
+/// Whatever planning takes, a stop comes at an end of a block near where a hold would rest.
+#[test]
+fn a_stop_goes_hardly_farther_than_a_hold() {
+    for (slices, most) in [(ALL, 8.0), (4, 10.0), (1, 14.0)] {
+        let [median, worst] = stops_beyond_holds::<f32>(slices);
+        println!("{slices} slices: {median:.2} / {worst:.2} mm beyond a hold");
+        assert!(median < 1.0 && worst < most, "{slices} slices: {median} / {worst} mm");
+    }
+}
+
 /// Presses in random servo cycles, some right behind each other, and at last what lets every program come to its end.
 fn presses(draw: &mut Draw) -> Vec<(u32, Press)> {
     let mut when = 0;
@@ -305,7 +348,11 @@ fn presses(draw: &mut Draw) -> Vec<(u32, Press)> {
         })
         .collect();
     // A stop may only have come to the end of its line then.
-    presses.extend([(when + 200, Press::Feed(100)), (when + 201, Press::Resume)]);
+    presses.extend([
+        (when + 199, Press::Single(false)),
+        (when + 200, Press::Feed(100)),
+        (when + 201, Press::Resume),
+    ]);
     presses.push((when + 5000, Press::Resume));
     presses
 }

@@ -43,7 +43,9 @@ pub unsafe extern "C" fn splineway_resume(core: *mut splineway_core) -> splinewa
     command(core, Controls::resume)
 }
 
-/// Finish the block under way, then rest until resumed.
+/// Finish the block under way, then rest until resumed. If the motion is too fast to rest at its end, the first block is finished at whose end it
+/// can; where a corner is rounded, the end of a block is the middle of the rounding. Where no motion to such an end is found in time, the machine
+/// brakes as for a hold, and goes on from rest to the end of that block.
 ///
 /// Context: any.
 #[unsafe(no_mangle)]

@@ -886,7 +886,9 @@ splineway_result splineway_quick_hold(splineway_core *core);
 splineway_result splineway_resume(splineway_core *core);
 
 /*
- Finish the block under way, then rest until resumed.
+ Finish the block under way, then rest until resumed. If the motion is too fast to rest at its end, the first block is finished at whose end it
+ can; where a corner is rounded, the end of a block is the middle of the rounding. Where no motion to such an end is found in time, the machine
+ brakes as for a hold, and goes on from rest to the end of that block.
 
  Context: any.
  */

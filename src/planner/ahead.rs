@@ -133,7 +133,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 return Progress::Planning;
             }
         }
-        self.plan(self.horizon.end(), at, single)
+        self.plan(self.horizon.end(), at, single || self.pressing.short)
     }
 
     /// In motion: whether a plan must be begun now with what is known, before more is cut: the motion will soon show
@@ -259,7 +259,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// Whether nothing is asked for that has not been answered.
     #[inline]
     fn is_calm(&self, wish: &Wish) -> bool {
-        let asks = self.brakes(wish) || wish.stop || wish.single;
+        let asks = self.brakes(wish) || wish.stops_at_end();
         let answered = wish.resumes == self.answered.resumes && wish.quick == self.answered.quick;
         !asks && answered && self.horizon.is_paced(wish.overrides)
     }

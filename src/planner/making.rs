@@ -277,6 +277,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                     if matches!(purpose, Purpose::Easing(_) | Purpose::Falling(_)) {
                         self.ease_again();
                     }
+                    self.pressing.short |= purpose == Purpose::BlockEnd;
                     if purpose == Purpose::Hold {
                         self.pressing.attempts = self.pressing.attempts.wrapping_add(1);
                     }
@@ -344,7 +345,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return Progress::Planning;
         }
         let Some(making) = self.making.take() else { return Progress::Waiting };
-        let Making { purpose, began, at, proposal, slices, .. } = making;
+        let Making { purpose, began, at, mut proposal, slices, .. } = making;
+        proposal.halt = proposal.halt.map(|halt| self.horizon.halt_at(proposal.stretch.last, halt));
         #[cfg(feature = "reshape")]
         let ripe = making.ripe;
         let cycles = self.side.cycles().since(began).unwrap_or(0);
@@ -416,7 +418,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             Purpose::Hold | Purpose::Falling(_) => (stop, usize::from(slices)),
             Purpose::Easing(_) | Purpose::Reaction(_) if first.is_known() => (first, 1),
             Purpose::Easing(_) | Purpose::Reaction(_) => (plan, reaction::CELLS),
-            Purpose::Overrides | Purpose::BlockEnd => (plan, reaction::PLANS * cells),
+            Purpose::Overrides => (plan, reaction::PLANS * cells),
+            Purpose::BlockEnd => (plan, proposal.stretch.cells()),
             Purpose::Ahead => return false,
             #[cfg(feature = "reshape")]
             Purpose::Shape => return false,
@@ -449,7 +452,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// An answer has not been taken up, and may be begun again.
-    fn try_again(&mut self, purpose: Purpose) {
+    pub(super) fn try_again(&mut self, purpose: Purpose) {
         match (purpose, &mut self.phase) {
             (Purpose::Easing(_) | Purpose::Falling(_) | Purpose::Reaction(_), _) => {
                 (self.pressing.reacted, self.pressing.eased) = (None, None);
@@ -514,7 +517,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     #[cfg(feature = "reshape")]
     fn may_ripen(&mut self) -> bool {
         let wish = self.requests.read();
-        if wish.stop || wish.single {
+        if wish.stops_at_end() {
             return false;
         }
         // Where an answer to overrides is owed, the motion may be as slow as they were, and the place where the plan leaves it far off.
@@ -614,16 +617,18 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         // Until they can be answered, the motion goes on at those before.
         let paced = paced || self.pressing.refused == Some(wish.overrides);
         let serves = match making.purpose {
-            Purpose::Hold => brakes,
-            // A stop at the end of a block is for a start that has not been taken up, too.
-            Purpose::Ahead => paced && !brakes && !(wish.stop && at == self.horizon.end()),
+            Purpose::Hold => {
+                let short = making.proposal.halt == Some(Halt::Short);
+                brakes || (short && wish.stops_at_end())
+            }
+            Purpose::Ahead => paced && !brakes && !self.looks_for_block_end(wish, at),
             Purpose::Overrides => paced && !brakes,
             Purpose::Easing(overrides)
             | Purpose::Falling(overrides)
             | Purpose::Reaction(overrides) => !brakes && wish.overrides == overrides,
-            Purpose::BlockEnd => paced && !brakes && (wish.stop || wish.single),
+            Purpose::BlockEnd => paced && !brakes && wish.stops_at_end(),
             #[cfg(feature = "reshape")]
-            Purpose::Shape => paced && !brakes && !wish.stop && !wish.single,
+            Purpose::Shape => paced && !brakes && !wish.stops_at_end(),
         };
         let passed = match making.proposal.branch {
             Branch::Node(node) => node != self.horizon.end() && !at.is_before(node),
@@ -646,7 +651,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 Purpose::Easing(_) | Purpose::Reaction(_) => self.effort.first.learn(1, cycles),
                 Purpose::Hold | Purpose::Falling(_) => self.learn_stop(slices, cycles),
                 // It takes several plans: counted as one, soon it is given as much time as it takes.
-                Purpose::Overrides | Purpose::BlockEnd => self.effort.plan.learn(cells, cycles),
+                Purpose::Overrides => self.effort.plan.learn(cells, cycles),
+                Purpose::BlockEnd => self.pressing.short = true,
                 #[cfg(feature = "reshape")]
                 Purpose::Shape => {
                     self.effort.shape.learn(1, cycles);

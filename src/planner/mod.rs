@@ -395,7 +395,7 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 let progress = self.poll_moving(at);
                 #[cfg(feature = "reshape")]
                 if matches!(progress, Progress::Waiting | Progress::NeedsBlocks)
-                    && !(wish.stop || wish.single)
+                    && !wish.stops_at_end()
                     && self.reshaping(|planner, memory| planner.begin_reshaping(memory, at))
                         == Some(true)
                 {

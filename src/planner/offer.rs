@@ -62,6 +62,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             if offer.taken.halt != Some(Halt::Hold) {
                 (self.pressing.reacted, self.pressing.eased) = (None, None);
             }
+            if offer.taken.halt == Some(Halt::Block) {
+                self.pressing.short = true;
+            }
             self.late(offer.by_cycle);
         }
     }

@@ -42,14 +42,17 @@ pub enum Halt {
     Slowing,
     /// At the end of a block.
     Block,
+    /// As soon as the limits allow, and from there to the end of the block: one further on would be too far.
+    Short,
 }
 
 impl Halt {
     /// Whether it is still asked for.
     pub fn is_wanted(self, wish: &Wish) -> bool {
         match self {
-            Self::Hold | Self::Slowing => wish.holds(),
-            Self::Block => wish.stop || wish.single,
+            Self::Hold => wish.holds(),
+            Self::Slowing => wish.holds() || wish.stops_at_end(),
+            Self::Block | Self::Short => wish.stops_at_end(),
         }
     }
 }

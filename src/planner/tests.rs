@@ -324,7 +324,7 @@ fn a_draft_that_is_dropped_leaves_no_trace() {
                     let (stretch, _) = draft.prepare(moment?)?;
                     match which {
                         0 => {}
-                        1 => draft.improve(stretch, Aim::Halt),
+                        1 => draft.improve(stretch, Aim::Time),
                         2 => {
                             let solving = draft.begin_finding(stretch, stretch.first + 1);
                             draft.solve(solving);

@@ -25,15 +25,15 @@ const RELAXED_SHARE: f64 = 0.9995;
 /// it: the penalty is exact.
 const EXCESS_PENALTY: f64 = 1.5;
 
-/// What is minimised besides the barrier.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Objective<S> {
-    /// The time.
+/// What states are wanted for: what is minimised besides the barrier.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Aim {
+    /// The least time.
     Time,
-    /// The time, with a penalty on speed above the goal.
-    PenalisedTime,
-    /// `weight` times the integral of v^2 over the path, s per mm^3/s^2.
-    SpeedSquared { weight: S },
+    /// The least time, with a high penalty on speed above the goal of a cell
+    /// ([`Bounds::goal`](super::bounds::Bounds)): the motion slows down to it as fast as the limits
+    /// allow.
+    Slow,
 }
 
 /// A stretch of the window: stations strictly between the two are free.
@@ -59,7 +59,7 @@ pub struct Task<S> {
     pub stretch: Stretch,
     /// Station behind whose cells nothing changes: the end of the stretch, or one before it.
     pub until: usize,
-    pub objective: Objective<S>,
+    pub aim: Aim,
     pub relaxation: Relaxation<S>,
 }
 
@@ -174,7 +174,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
             view.share = view.share * share;
             view.bounds = view.bounds.share(share);
         }
-        if matches!(self.task.objective, Objective::PenalisedTime) {
+        if self.task.aim == Aim::Slow {
             view.penalty = S::of(EXCESS_PENALTY) * station.cell.length / station.bounds.goal;
         }
         view
@@ -215,39 +215,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
         }
     }
 
-    /// Whether the time of the cells counts.
-    #[inline]
-    fn is_timed(&self) -> bool {
-        !matches!(self.task.objective, Objective::SpeedSquared { .. })
-    }
-
-    /// What b costs by itself at the end of cell `i`, s per mm2/s2: its part in the integral of v^2, by the
-    /// trapezoidal rule.
-    #[inline]
-    fn cost_of_speed(&self, i: usize, station: &Station<S, N>, after: &Station<S, N>) -> S {
-        match self.task.objective {
-            Objective::SpeedSquared { weight } if self.frees(i + 1, after) => {
-                weight * ((station.cell.length + after.cell.length) * S::of(0.5))
-            }
-            _ => S::ZERO,
-        }
-    }
-
-    /// What the speeds cost by themselves.
-    pub(super) fn speed_squared(&self) -> S {
-        let mut sum = S::ZERO;
-        for i in self.cells() {
-            if let Some((station, after)) = self.window.pair(i) {
-                sum += self.cost_of_speed(i, station, after) * after.state.b;
-            }
-        }
-        sum
-    }
-
     /// What is minimised, over some cells of the stretch; `None` if a limit is broken that must not be.
     pub(super) fn value(&self, probe: Probe<S>, cells: Range<usize>) -> Option<S> {
         let Probe { mu, share, most } = probe;
-        let timed = self.is_timed();
         let mut time = S::ZERO;
         let mut slack = Slack::new(self.task.relaxation);
         let mut here = self.moved(cells.start, self.window.get(cells.start)?, share);
@@ -259,15 +229,12 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
                     return None;
                 }
                 let law = Law::new(station.cell.length, here, next)?;
-                if timed {
-                    time += law.time;
-                }
+                time += law.time;
                 rows(&self.view(i, station, after), &law, &mut slack);
                 if slack.is_broken() {
                     return None;
                 }
             }
-            time += self.cost_of_speed(i, station, after) * next.b;
             // What the cells to come add is not negative.
             let least = time + slack.penalty + mu * slack.least_barrier();
             if least > most {
@@ -336,7 +303,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
         let Range { start: first, end } = self.cells();
         let Assembly { next: start, time, slack, before } = assembly;
         let part = *start..end.min(*start + CELLS_AT_ONCE);
-        let timed = self.is_timed();
         let mut model =
             Model { mu, mu_curvature, sums: Sums::ZERO, slack: *slack, before: *before };
         // What the cell before has left in the rows of the station, and what the station before takes of them.
@@ -348,20 +314,16 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
         for i in part.clone() {
             let (station, after) = self.window.pair(i)?;
             let free = [self.frees(i, station), self.frees(i + 1, after)];
-            let cost = self.cost_of_speed(i, station, after);
-            *time += cost * after.state.b;
             let (length, from) = (station.cell.length, station.state);
             let to = if i + 1 == self.task.stretch.last { PathState::REST } else { after.state };
-            let mut next = Diagonal { gradient: [cost, S::ZERO], ..Diagonal::EMPTY };
+            let mut next = Diagonal::EMPTY;
             let mut coupling = [S::ZERO; 4];
             if length > S::ZERO {
                 let ends = CellEnds { length, from, to, free };
                 let law = Law::new(length, from, to)?;
                 model.sums = Sums::ZERO;
-                if timed {
-                    *time += law.time;
-                    model.sums.gradient = time_gradient(&law);
-                }
+                *time += law.time;
+                model.sums.gradient = time_gradient(&law);
                 rows(&self.view(i, station, after), &law, &mut model);
                 if model.slack.is_broken() {
                     return None;
@@ -370,16 +332,14 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
                 if damping > S::ZERO {
                     add_damping(&mut h, damping * law.time, &ends);
                 }
-                if timed {
-                    add_time_curvature(&mut h, &ends);
-                }
+                add_time_curvature(&mut h, &ends);
                 let ([bb, ba, aa], [b, a]) = (here.block, here.gradient);
                 here = Diagonal {
                     block: [bb + h[0], ba + h[1], aa + h[4]],
                     gradient: [b + g[0], a + g[1]],
                 };
                 coupling = [h[2], h[3], h[5], h[6]];
-                next = Diagonal { block: [h[7], h[8], h[9]], gradient: [cost + g[2], g[3]] };
+                next = Diagonal { block: [h[7], h[8], h[9]], gradient: [g[2], g[3]] };
             }
             taken = self.eliminate(i, free[0], here, coupling, taken);
             here = next;

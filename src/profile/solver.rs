@@ -7,27 +7,14 @@
 //! step is a [`Solving`](super::solving::Solving) meanwhile: it takes a workspace, the [`Rows`] of the Newton system, for which
 //! there is room where the plan will be written.
 
-pub use super::problem::Stretch;
-use super::problem::{Objective, Problem, Task};
+pub use super::problem::{Aim, Stretch};
+use super::problem::{Problem, Task};
 use super::relaxation::Relaxation;
 use super::tridiagonal::Rows;
 use super::window::Window;
 use crate::machine::LimitSets;
 use crate::number::Scalar;
 use crate::servo::link::Room;
-
-/// What states are wanted for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Aim {
-    /// The least time.
-    Time,
-    /// The least time, with a high penalty on speed above the goal of a cell
-    /// ([`Bounds::goal`](super::bounds::Bounds)): the motion slows down to it as fast as the limits
-    /// allow.
-    Slow,
-    /// The least speed everywhere: the motion brakes as hard as the limits allow, and creeps on.
-    Halt,
-}
 
 /// What has been put to the method, and where: whether a workspace is as it was left can be told by it.
 pub struct Solver {
@@ -50,12 +37,8 @@ impl Solver {
         stretch: Stretch,
     ) -> Problem<'a, S, N, NODES> {
         debug_assert!(stretch.first <= stretch.last && stretch.last < window.len());
-        let task = Task {
-            stretch,
-            until: stretch.last,
-            objective: Objective::Time,
-            relaxation: Relaxation::STRICT,
-        };
+        let task =
+            Task { stretch, until: stretch.last, aim: Aim::Time, relaxation: Relaxation::STRICT };
         self.problems = self.problems.wrapping_add(1);
         Problem { rows: Rows::NONE, window, limits, task }
     }

@@ -1,17 +1,13 @@
 //! A problem that is being solved: what is kept between two parts of a Newton step, so that it may be laid aside after any.
 
 use super::descent::{Descent, FIRST_DELTA, RELAXED, STRICT, Went};
-use super::problem::{Objective, Problem, Task};
+use super::problem::{Aim, Problem, Task};
 use super::relaxation::Relaxation;
-use super::solver::{Aim, Solver};
+use super::solver::Solver;
 use super::window::Window;
 use crate::machine::LimitSets;
 use crate::number::Scalar;
 use crate::servo::link::Room;
-
-/// mu at the end of a halt, as a share of the first: by then the creep that the barrier leaves is
-/// a few per cent of the speed at its start.
-const HALT_SHARE: f64 = 1.0e-3;
 
 /// A problem on the way to its solution. The states it has reached are in the window.
 #[derive(Clone, Copy, Debug)]
@@ -27,19 +23,8 @@ pub struct Solving<S> {
 impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
     /// To improve the states. If they keep all limits, they still do after every step; else they may or may not.
     pub fn improve(mut self, iterations: u16, aim: Aim) -> Solving<S> {
-        let mut range = self.mu_range(&STRICT);
-        match aim {
-            Aim::Time => {}
-            Aim::Slow => self.task.objective = Objective::PenalisedTime,
-            Aim::Halt => {
-                // A halt costs as much at first as it takes time.
-                let time = self.time().unwrap_or(S::ONE);
-                self.task.objective = Objective::SpeedSquared { weight: S::ONE };
-                let weight = time / self.speed_squared().greatest(S::of(1.0e-9));
-                self.task.objective = Objective::SpeedSquared { weight };
-                range.last = range.first * S::of(HALT_SHARE);
-            }
-        }
+        self.task.aim = aim;
+        let range = self.mu_range(&STRICT);
         // Answers to an operator are rare, and start farther from what is asked for.
         let more = if aim == Aim::Time { 0 } else { iterations / 2 };
         // In `f32` a cut may break a limit by its rounding: then no strict step could be taken.

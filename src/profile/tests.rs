@@ -2,7 +2,7 @@
 
 use super::bounds::Pace;
 use super::law::{Law, PathState};
-use super::problem::{Objective, Probe, Weights};
+use super::problem::{Probe, Weights};
 use super::relaxation::Relaxation;
 use super::seeding::Seeding;
 use super::solver::{Aim, Solver, Stretch};
@@ -196,27 +196,6 @@ fn an_improvement_keeps_the_limits_after_any_number_of_steps() {
     assert!(last >= least && last < 1.03 * least, "{last} {least}");
 }
 
-/// A halt brakes: what is left of the speed at the middle is a small part.
-#[test]
-fn a_halt_leaves_little_speed() {
-    let (limits, mut solver) = (limits(), Solver::new());
-    let (mut window, stretch) = uneven();
-    solver.on(&mut window, LimitSets::only(&limits), stretch).guess(1);
-    let solving = solver.on(&mut window, LimitSets::only(&limits), stretch).find(40);
-    solve(&mut solver, &mut window, solving);
-    assert!(solver.on(&mut window, LimitSets::only(&limits), stretch).holds());
-    // From where it is fastest on.
-    let speed = |window: &Window<f64, 2, NODES>, i: usize| window.get(i).unwrap().state.b.sqrt();
-    let first =
-        (0..stretch.last).max_by(|a, b| speed(&window, *a).total_cmp(&speed(&window, *b))).unwrap();
-    let rest = Stretch { first, ..stretch };
-    let before = speed(&window, stretch.last - 1);
-    let solving = solver.on(&mut window, LimitSets::only(&limits), rest).improve(40, Aim::Halt);
-    solve(&mut solver, &mut window, solving);
-    assert!(solver.on(&mut window, LimitSets::only(&limits), rest).holds());
-    assert!(speed(&window, stretch.last - 1) < before);
-}
-
 /// A problem may be laid aside within a step, and the solver put to another one: the step begins again, and the states
 /// come out the same, bit by bit. With more cells than are taken at once, a step has several parts.
 #[test]
@@ -261,16 +240,14 @@ fn a_problem_that_is_interrupted_comes_out_the_same() {
 #[test]
 fn the_model_has_the_slope_of_the_value() {
     let limits = limits();
-    for objective in
-        [Objective::Time, Objective::PenalisedTime, Objective::SpeedSquared { weight: 1.0e-6 }]
-    {
+    for aim in [Aim::Time, Aim::Slow] {
         let (mut window, stretch) = uneven();
         let mut solver = Solver::new();
         assert!(seed(&mut solver, &mut window, stretch));
         let slots = slots();
         let mut problem = solver.on(&mut window, LimitSets::only(&limits), stretch);
         problem.rows = Rows::new(&slots);
-        problem.task.objective = objective;
+        problem.task.aim = aim;
         let mu = 1.0e-5;
         let weights = Weights { mu, mu_curvature: mu, damping: 0.0 };
         let mut assembly = problem.begin_assembly(problem.task.relaxation);
@@ -300,7 +277,7 @@ fn the_model_has_the_slope_of_the_value() {
                 let scale = gradients[i][k].abs().max(1e-7);
                 assert!(
                     (slope - gradients[i][k]).abs() < 1e-3 * scale,
-                    "{objective:?} {i} {k}: {slope} {}",
+                    "{aim:?} {i} {k}: {slope} {}",
                     gradients[i][k]
                 );
             }

@@ -86,6 +86,11 @@ impl Wish {
     pub fn holds(&self) -> bool {
         self.hold || self.overrides.feed == 0 || self.overrides.rapid == 0
     }
+
+    /// Whether it is to rest at the end of a block: by a stop, or in single block mode.
+    pub fn stops_at_end(&self) -> bool {
+        self.stop || self.single
+    }
 }
 
 impl Overrides {
@@ -245,7 +250,8 @@ impl<'a> Controls<'a> {
 
     /// Finish the block under way, then rest until [`Controls::resume`]. If the motion is too fast
     /// to rest at its end, the first block is finished at whose end it can. Where a corner is
-    /// rounded, the end of a block is the middle of the rounding.
+    /// rounded, the end of a block is the middle of the rounding. Where no motion to such an end is found in time, the machine brakes as for a
+    /// hold, and goes on from rest to the end of that block.
     pub fn stop(self) {
         self.requests.pressed.fetch_or(STOP, Release);
     }

@@ -1,5 +1,7 @@
-//! Coming to rest at the end of a block, slice by slice: the motion is made to brake as hard as the limits allow, a rest is
-//! tried at the ends of blocks that lie ahead, and the motion to the first that can be is improved for time.
+//! Coming to rest at the end of a block, slice by slice: of the ends of blocks that lie ahead, the first that a stop could be short enough for is
+//! tried, and then those behind it. A try is a plan like any other, over the few cells up to there: a guess, and some Newton steps.
+//! If that comes to nothing, or too late, the motion is not let run on to another end: it brakes as for a hold, and goes from where it rests to
+//! the end of that block ([`Halt::Short`]).
 
 use super::Flow;
 use crate::number::Scalar;
@@ -9,48 +11,52 @@ use crate::planner::horizon::{Horizon, Moment, Proposal};
 use crate::planner::making::{Purpose, Stage};
 use crate::planner::phase::Halt;
 use crate::profile::law::PathState;
-use crate::profile::solver::{Aim, Stretch};
+use crate::profile::solver::Stretch;
 use crate::profile::solving::Solving;
 use crate::servo::link::Room;
 
-/// Nodes tried for a stop.
+/// Ends of blocks tried for a stop.
 const END_TRIES: u8 = 6;
+/// Share of the way that a stop on a straight takes, which no stop is much shorter than; and how much farther off the next end that is tried lies at
+/// least.
+const LEAST_WAY: f64 = 0.95;
+const FARTHER: f64 = 1.25;
+/// So many times as long a way is more than enough for a stop.
+const AMPLE: f64 = 1.5;
+/// Cells that a plan to the end of a block has more than there are, since they are cut finer.
+const MORE_CELLS: usize = 8;
 
 /// A rest at the end of a block that is being looked for.
 #[derive(Clone, Copy, Debug)]
 pub enum Ending<S> {
-    /// States that brake as hard as the limits allow are being found.
-    Braking(Solving<S>),
-    /// Ends of blocks from `next` on are tried.
-    Trying { next: usize, tries: u8 },
-    /// A motion to one is being found where braking as hard as the limits allow leads to creeping, and that not to rest. `last`: of the
-    /// whole stretch.
-    Finding { solving: Solving<S>, last: usize, tries: u8 },
-    /// One is found; the motion there is being improved.
-    Improving(Solving<S>),
-}
-
-/// What one try has come to.
-#[derive(Clone, Copy, Debug)]
-enum Tried {
-    /// The motion comes to rest at the end of this stretch.
-    Rests(Stretch),
-    /// A limit is broken, where the motion has braked and creeps.
-    Creeps(Stretch),
-    /// A limit is broken; there may be another.
-    Fails,
-    /// There is no other.
-    Exhausted,
+    /// The first one is to be tried that lies so far away, mm, and behind station `behind`.
+    Trying { way: S, behind: usize, tries: u8 },
+    /// A motion to one is being found. `last`: of the whole stretch.
+    Finding { solving: Solving<S>, way: S, last: usize, tries: u8 },
 }
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     Planner<'_, S, N, BLOCKS, NODES>
 {
     /// Begins to look for a rest at the end of the block under way, or of the first one that is possible. Whether
-    /// that is under way.
+    /// that is under way. If there is such an end and it is not: another rest comes first.
+    #[inline(never)]
     pub(super) fn rest_at_block_end(&mut self, at: NodeSerial) -> bool {
-        let moment = self.moment_of_answer(at);
-        let begun = moment.and_then(|moment| self.horizon.begin_ending(moment));
+        let from = self.horizon.window.clamped_index(at);
+        let (mut begins, mut cycles) = (from, S::ZERO);
+        // What it takes to plan to the end that can be reached at once, and then to the one that can be when that is planned.
+        for _ in 0..2 {
+            let Some(end) = self.horizon.end_in_reach(begins) else { return false };
+            cycles = self.effort.plan.usual(end - from + MORE_CELLS);
+            begins = self.horizon.station_after(from, cycles * self.horizon.config.cycle);
+        }
+        let Some(moment) = self.moment_after(cycles) else {
+            // The interrupt is changing over.
+            self.try_again(Purpose::BlockEnd);
+            return false;
+        };
+        let begun = self.horizon.begin_ending(moment);
+        self.pressing.short = begun.is_none();
         self.make((Purpose::BlockEnd, at), begun)
     }
 }
@@ -63,12 +69,66 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             if draft.is_stopping(stretch.first) {
                 return None;
             }
-            let ending = Ending::Braking(draft.begin_improving(stretch, Aim::Halt));
-            Some((Proposal { stretch, branch, halt: Some(Halt::Block) }, Stage::Ending(ending)))
+            draft.end_in_reach(stretch.first)?;
+            let way = draft.least_way(stretch.first);
+            let proposal = Proposal { stretch, branch, halt: Some(Halt::Block) };
+            Some((proposal, Stage::Ending(Ending::Trying { way, behind: stretch.first, tries: 0 })))
         })
     }
 
-    /// A slice of looking for a rest at the end of a block: a part of a Newton step, or one try.
+    /// The way, mm, that no stop from a station on is much shorter than.
+    #[inline(never)]
+    fn least_way(&self, first: usize) -> S {
+        let from = self.window.get(first).map_or(PathState::REST, |station| station.agreed);
+        let time = self.stop_time(first, from, &self.limits_over(first, false));
+        from.b.sqrt() * time * S::of(0.5 * LEAST_WAY)
+    }
+
+    /// The first end of a block that a stop from a station on could be short enough for.
+    fn end_in_reach(&self, first: usize) -> Option<usize> {
+        self.end_behind(first, self.least_way(first))
+    }
+
+    /// The first station, so far behind another, mm, at which a block ends.
+    #[inline(never)]
+    fn end_behind(&self, first: usize, way: S) -> Option<usize> {
+        let mut left = way;
+        for i in first..self.end_index() {
+            left -= self.window.get(i).map_or(S::ZERO, |station| station.cell.length);
+            if !(left > S::ZERO) && self.ends_block(i + 1) {
+                return Some(i + 1);
+            }
+        }
+        None
+    }
+
+    /// The station up to which the agreed motion can be kept, and come to rest at the end of a stretch.
+    #[inline(never)]
+    fn brakes_from(&self, stretch: Stretch) -> usize {
+        let mut left = S::ZERO;
+        for i in (stretch.first + 1..stretch.last).rev() {
+            left += self.window.get(i).map_or(S::ZERO, |station| station.cell.length);
+            if left > self.least_way(i) * S::of(AMPLE) {
+                return i;
+            }
+        }
+        stretch.first + 1
+    }
+
+    /// The station that the agreed motion comes to a time, s, after another; or the last.
+    #[inline(never)]
+    fn station_after(&self, first: usize, time: S) -> usize {
+        let mut left = time;
+        for i in first..self.end_index() {
+            if !(left > S::ZERO) {
+                return i;
+            }
+            left -= self.agreed_time(i);
+        }
+        self.end_index()
+    }
+
+    /// A slice of looking for a rest at the end of a block: a part of a Newton step, or what comes before and after a try.
     pub fn go_on_ending(
         &mut self,
         ending: &mut Ending<S>,
@@ -77,76 +137,29 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     ) -> Flow {
         let stretch = proposal.stretch;
         *ending = match ending {
-            Ending::Braking(solving) => {
+            Ending::Trying { way, behind, tries } => {
+                let end = self.end_behind(stretch.first, *way).map(|end| end.max(*behind + 1));
+                let end = end.and_then(|end| (end..=stretch.last).find(|&i| self.ends_block(i)));
+                let Some(end) = end.filter(|_| *tries < END_TRIES) else { return Flow::Nothing };
+                let (way, last, tries) = (*way, stretch.last, *tries + 1);
+                proposal.stretch = Stretch { last: end, ..stretch };
+                self.window.set_state(end, PathState::REST);
+                let new = self.brakes_from(proposal.stretch);
+                let solving = self.begin_finding(proposal.stretch, new);
+                Ending::Finding { solving, way, last, tries }
+            }
+            Ending::Finding { solving, way, last, tries } => {
                 if self.go_on(solving, room) {
                     return Flow::Working;
                 }
-                Ending::Trying { next: stretch.first + 1, tries: 0 }
-            }
-            Ending::Trying { next, tries } => {
-                let Some(end) = (*next..=stretch.last).find(|&i| self.ends_block(i)) else {
-                    return Flow::Nothing;
-                };
-                *next = end;
-                match self.try_rest_at(stretch, next, tries) {
-                    Tried::Rests(held) => {
-                        proposal.stretch = held;
-                        Ending::Improving(self.begin_improving(held, Aim::Time))
-                    }
-                    Tried::Creeps(held) => {
-                        proposal.stretch = held;
-                        let solving = self.begin_finding(held, held.first + 1);
-                        Ending::Finding { solving, last: stretch.last, tries: *tries }
-                    }
-                    Tried::Fails => return Flow::Working,
-                    Tried::Exhausted => return Flow::Nothing,
-                }
-            }
-            Ending::Finding { solving, last, tries } => {
-                if self.go_on(solving, room) {
-                    return Flow::Working;
-                }
-                if self.holds(stretch) {
+                if self.holds(stretch) && self.crawl_in(stretch).is_none() {
                     return Flow::Ready;
                 }
+                self.take_agreed(stretch.first..stretch.last + 1);
                 proposal.stretch = Stretch { last: *last, ..stretch };
-                Ending::Trying { next: stretch.last + 1, tries: *tries }
-            }
-            Ending::Improving(solving) => {
-                return if self.go_on(solving, room) { Flow::Working } else { Flow::Ready };
+                Ending::Trying { way: *way * S::of(FARTHER), behind: stretch.last, tries: *tries }
             }
         };
         Flow::Working
-    }
-
-    /// Tries a rest at the next node of a stretch, from `next` on.
-    fn try_rest_at(&mut self, stretch: Stretch, next: &mut usize, tries: &mut u8) -> Tried {
-        if *next > stretch.last || *tries >= END_TRIES {
-            return Tried::Exhausted;
-        }
-        let tried = self.rest_at_node(stretch, *next);
-        (*next, *tries) = (*next + 1, *tries + 1);
-        tried
-    }
-
-    /// The stretch up to a node, at rest there, if that keeps the limits; else nothing has changed, unless the motion creeps there.
-    fn rest_at_node(&mut self, stretch: Stretch, end: usize) -> Tried {
-        let speed_squared =
-            |i: usize| self.window.get(i).map_or(S::ZERO, |station| station.state.b);
-        // The barrier leaves a motion that has halted creeping: it goes no slower farther on.
-        let creeps = (stretch.first..end).any(|i| speed_squared(i) <= speed_squared(end));
-        let state = self.window.get(end).map_or(PathState::REST, |station| station.state);
-        self.window.set_state(end, PathState::REST);
-        let held = Stretch { last: end, ..stretch };
-        // With no node between there is nothing that could be improved.
-        let alone = end == stretch.first + 1;
-        if !(alone && self.crawl_in(held).is_some()) && self.holds(held) {
-            return Tried::Rests(held);
-        }
-        if creeps && !alone {
-            return Tried::Creeps(held);
-        }
-        self.window.set_state(end, state);
-        Tried::Fails
     }
 }

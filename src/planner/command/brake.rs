@@ -15,18 +15,19 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     Planner<'_, S, N, BLOCKS, NODES>
 {
     /// A plan that comes to rest as soon as the limits allow, or the stop limits. Whether there is one.
-    pub(super) fn brake(&mut self, at: NodeSerial, quick: bool) -> bool {
+    #[inline(never)]
+    pub(super) fn brake(&mut self, at: NodeSerial, quick: bool, halt: Halt) -> bool {
         let stands = self.horizon.stands(at);
         if stands {
             let moment = self.moment();
             let made = self.horizon.draft(|draft| {
                 let (stretch, branch) = draft.cut_dwell(moment?)?;
-                Some(Proposal { stretch, branch, halt: Some(Halt::Hold) })
+                Some(Proposal { stretch, branch, halt: Some(halt) })
             });
-            return self.propose(Purpose::Hold, made) || self.rest_next(Halt::Hold);
+            return self.propose(Purpose::Hold, made) || self.rest_next(halt);
         }
         if self.horizon.slows_to_rest(at) {
-            return self.rest_as_agreed();
+            return self.rest_as_agreed(halt);
         }
         let handover = self.horizon.handover(at);
         if self.horizon.is_slowed(at) && handover.is_none() {
@@ -37,7 +38,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if usize::from(self.pressing.attempts) >= ATTEMPTS {
             // As long as nothing is known that could change it, no more.
             if self.pressing.attempted == now {
-                return self.rest_next(Halt::Hold);
+                return self.rest_next(halt);
             }
             self.pressing.attempts = 0;
         }
@@ -46,8 +47,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         let (needed, staging) = self.stage_of_stop(handover, at);
         let start = self.start_of_stage(handover, needed);
-        let begun =
-            self.horizon.begin_slowing(start, (self.pressing.attempts, quick, None), staging);
+        let begun = self.horizon.begin_slowing(
+            start,
+            (self.pressing.attempts, quick),
+            (Some(halt), None),
+            staging,
+        );
         if !matches!(begun, Begun::Attempt(_)) && needed > S::from_u32(self.near()) {
             // What planning has taken leads beyond the end of the plan. Perhaps the background was late, and is in time again.
             self.effort.stop = Work::NONE;
@@ -55,8 +60,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         match begun {
             Begun::Attempt(begun) => self.make((Purpose::Hold, at), Some(begun)),
             // The rest that the plan comes to anyway may be nearer than any other.
-            Begun::Soon => self.rest_as_agreed(),
-            Begun::Nothing => self.rest_next(Halt::Hold),
+            Begun::Soon => self.rest_as_agreed(halt),
+            Begun::Nothing => self.rest_next(halt),
         }
     }
 
@@ -76,26 +81,27 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// Lets the motion stay at the next rest of the plan.
-    fn rest_as_agreed(&mut self) -> bool {
+    fn rest_as_agreed(&mut self, halt: Halt) -> bool {
         let at = self.side.progress();
         let window = &self.horizon.window;
         let last = self.horizon.stretch_from(window.clamped_index(at)).last;
         let rest = window.serial(last);
-        at != self.horizon.end() && self.rest_there(rest, Halt::Hold)
+        at != self.horizon.end() && self.rest_there(rest, halt)
     }
 
     /// Lets the motion stay at a node at which it rests; whether a plan was made for it.
     pub(super) fn rest_there(&mut self, node: NodeSerial, halt: Halt) -> bool {
+        let i = self.horizon.window.clamped_index(node);
+        let halt = self.horizon.halt_at(i, halt);
         if node == self.horizon.end() {
             if let Phase::Following(now) = &mut self.phase {
                 now.rest_at_end(halt);
             }
             return false;
         }
-        let i = self.horizon.window.clamped_index(node);
         let stretch = Stretch { first: i, last: i, open: false };
         let purpose = match halt {
-            Halt::Hold | Halt::Slowing => Purpose::Hold,
+            Halt::Hold | Halt::Slowing | Halt::Short => Purpose::Hold,
             Halt::Block => Purpose::BlockEnd,
         };
         let branch = Branch::Node(node);

@@ -35,7 +35,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return false;
         }
         let start = self.start_of_stage(handover, needed);
-        let begun = self.horizon.begin_slowing(start, (0, false, Some(asked)), staging);
+        let begun = self.horizon.begin_slowing(start, (0, false), (None, Some(asked)), staging);
         if let Begun::Attempt(begun) = begun {
             return self.make((Purpose::Falling(asked), at), Some(begun));
         }

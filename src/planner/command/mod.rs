@@ -11,7 +11,7 @@
 //! | a halt no longer wanted | - | the plan is taken further at once | - |
 //! | lower overrides | in effect at once | [`easing`], or [`falling`] in stages: the motion slows down as soon as the limits allow; then [`retune`] from where it has | as for a hold, but one from a servo cycle within a lead is waited for |
 //! | higher overrides | in effect at once | [`retune`]: a plan at the new pace from the next servo cycle on, or from a node that is near | the same |
-//! | stop, single block | held; in single block mode after every block, until a resume | [`block_end`]: a plan that rests at the end of a block, looked for once in every plan; none but a halt where the plan rests there anyway | withdrawn if the motion rests there before it, else waited for |
+//! | stop, single block | held; in single block mode after every block, until a resume | [`block_end`]: a plan that rests at the end of a block; none but a halt where the plan rests there anyway. If none is found, or too late: [`brake`], and from rest on to the end of the block | withdrawn if the motion rests there before it, or no rest has been looked for, else waited for |
 //! | resume | ends the rest at a pause or in single block mode; a hold or a stop it has ended at the source | - | - |
 //!
 //! # How an answer takes effect
@@ -68,6 +68,25 @@ pub enum Flow {
     Nothing,
 }
 
+/// What is to be done about what an operator asks for.
+#[derive(Clone, Copy, Debug)]
+enum Answer {
+    /// Nothing that would keep the planner from going on.
+    Nothing,
+    /// It is being done, or waits: nothing else is to be done in this call.
+    Says(Progress),
+    /// The motion is to come to rest as soon as it can, by the stop limits or not.
+    Brake { quick: bool, halt: Halt },
+    /// A rest at the end of a block is to be looked for.
+    BlockEnd,
+}
+
+impl From<Option<Progress>> for Answer {
+    fn from(progress: Option<Progress>) -> Self {
+        progress.map_or(Self::Nothing, Self::Says)
+    }
+}
+
 /// Numbers of the commands that have been answered.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Answered {
@@ -83,22 +102,43 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     Planner<'_, S, N, BLOCKS, NODES>
 {
     /// Does what is asked for, with the motion at node `at`. `Some` if there is nothing else to do in this call.
-    #[inline(never)]
     pub(super) fn obey(&mut self, wish: &Wish, at: NodeSerial) -> Option<Progress> {
+        match self.look(wish, at) {
+            Answer::Nothing => None,
+            Answer::Says(progress) => Some(progress),
+            Answer::BlockEnd => self.rest_at_block_end(at).then_some(Progress::Planning),
+            Answer::Brake { quick, halt } => {
+                let planned = self.brake(at, quick, halt);
+                // If it could not be done at once: the plan is not taken further, and ends at rest.
+                Some(if planned { Progress::Planning } else { Progress::Waiting })
+            }
+        }
+    }
+
+    /// What there is to be done, and all of it but that: what it needs of the stack is not added to what a stop needs.
+    #[inline(never)]
+    fn look(&mut self, wish: &Wish, at: NodeSerial) -> Answer {
         let resumed = wish.resumes != self.answered.resumes;
         self.answered.resumes = wish.resumes;
         let brakes = self.brakes(wish);
         let paced = self.horizon.is_paced(wish.overrides);
         let (rests, lead) = (at == self.horizon.end(), self.most_reaction());
-        if rests && (brakes || wish.stop || !paced) {
+        if brakes || !wish.stops_at_end() {
+            self.pressing.short = false;
+        }
+        let stays = wish.stop && !self.pressing.short;
+        if rests && (brakes || stays || !paced) {
             // A start that has not been taken up.
             self.revoke(lead);
         }
         if self.phase.offer().is_none() && at == self.horizon.end() {
-            return self.obey_at_rest(wish, resumed);
+            return self.obey_at_rest(wish, resumed).into();
         }
         if !brakes {
-            (self.pressing.attempts, self.answered.quick) = (0, wish.quick);
+            self.answered.quick = wish.quick;
+            if !self.pressing.short {
+                self.pressing.attempts = 0;
+            }
         }
         if paced {
             let Pressing { retunes, refused, falls, easings, .. } = &mut self.pressing;
@@ -112,12 +152,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if brakes {
             let slows = self.phase.halt() == Some(Halt::Slowing);
             if self.phase.halt() == Some(Halt::Hold) || (slows && self.phase.offer().is_some()) {
-                return Some(Progress::Waiting);
+                return Answer::Says(Progress::Waiting);
             }
             let quick = wish.quick != self.answered.quick;
-            let planned = self.revoke(SOON) && self.brake(at, quick);
-            // If it could not be done at once: the plan is not taken further, and ends at rest.
-            return Some(if planned { Progress::Planning } else { Progress::Waiting });
+            if !self.revoke(SOON) {
+                return Answer::Says(Progress::Waiting);
+            }
+            return Answer::Brake { quick, halt: Halt::Hold };
         }
         if let Phase::Following(now) = &mut self.phase
             && let Some(halt) = now.halt.filter(|halt| !halt.is_wanted(wish))
@@ -126,6 +167,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             if halt == Halt::Slowing {
                 self.horizon.owe_pace(at);
             }
+        }
+        let halts = matches!(self.phase.halt(), Some(Halt::Short | Halt::Slowing));
+        if wish.stops_at_end() && (halts || self.pressing.short) {
+            // Other overrides are for what comes behind the rest.
+            return self.obey_stop(at);
         }
         let paced = self.horizon.is_paced(wish.overrides);
         let stays = |offer: &Offer| offer.before.is_some() && offer.taken.halt == Some(Halt::Block);
@@ -141,9 +187,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             && self.revoke(lead)
             && self.retune(wish.overrides, at)
         {
-            return Some(Progress::Planning);
+            return Answer::Says(Progress::Planning);
         }
-        if wish.stop || wish.single { self.obey_stop(at) } else { None }
+        if wish.stops_at_end() { self.obey_stop(at) } else { Answer::Nothing }
     }
 
     /// Whether the motion is to come to rest as soon as it can: a hold, or an abort that has not been acknowledged.
@@ -151,8 +197,19 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         wish.holds() || wish.aborts != self.answered.aborts
     }
 
+    /// Whether a rest at the end of a block is to be looked for before anything is planned ahead. (Of a start that has not been taken up: for a stop
+    /// only.)
+    pub(super) fn looks_for_block_end(&self, wish: &Wish, at: NodeSerial) -> bool {
+        if at == self.horizon.end() {
+            return wish.stop && !self.pressing.short;
+        }
+        let Phase::Following(now) = self.phase else { return false };
+        let in_vain = now.halt.is_some() || now.tried_block_end || self.horizon.stands(at);
+        wish.stops_at_end() && !in_vain && self.horizon.agreed_block_end(at).is_none()
+    }
+
     /// In motion: rests at the end of a block, as a stop or single block mode asks for.
-    fn obey_stop(&mut self, at: NodeSerial) -> Option<Progress> {
+    fn obey_stop(&mut self, at: NodeSerial) -> Answer {
         // A plan on offer that would leave the present one behind the rest that is asked for; or one in which no rest has been looked for:
         // the ends of blocks before it is taken up would be passed.
         let rest = self.horizon.agreed_block_end(at);
@@ -169,31 +226,38 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 self.refuse(asked, at);
             }
         }
-        let Phase::Following(now) = &mut self.phase else { return None };
-        if now.halt == Some(Halt::Block) {
-            return Some(Progress::Waiting);
+        let Phase::Following(now) = &mut self.phase else { return Answer::Nothing };
+        if matches!(now.halt, Some(Halt::Block | Halt::Short)) {
+            return Answer::Says(Progress::Waiting);
         }
+        self.pressing.short |= now.halt == Some(Halt::Slowing);
         let planned = if self.horizon.stands(at) {
             self.rest_next(Halt::Block)
         } else if let Some(rest) = self.horizon.agreed_block_end(at) {
             let planned = self.rest_there(rest, Halt::Block);
             if self.phase.halt() == Some(Halt::Block) {
-                return Some(Progress::Waiting);
+                return Answer::Says(Progress::Waiting);
             }
             planned
+        } else if self.pressing.short {
+            return Answer::Brake { quick: false, halt: Halt::Short };
         } else if now.tried_block_end {
             false
         } else {
             now.tried_block_end = true;
-            self.rest_at_block_end(at)
+            return Answer::BlockEnd;
         };
-        planned.then_some(Progress::Planning)
+        planned.then_some(Progress::Planning).into()
     }
 
     /// At rest: whether to go on.
     fn obey_at_rest(&mut self, wish: &Wish, resumed: bool) -> Option<Progress> {
         self.answered.quick = wish.quick;
         let end = self.horizon.end_index();
+        // From no other rest the motion goes on to the end of a block.
+        if let Phase::Following(now) = &self.phase {
+            self.pressing.short &= now.halt == Some(Halt::Short);
+        }
         #[cfg(feature = "shaping")]
         if let Phase::Following(_) = self.phase {
             self.rested = self.side.cycles();
@@ -220,8 +284,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if !self.horizon.is_paced(wish.overrides) {
             self.horizon.set_overrides(wish.overrides);
         }
-        let end = self.horizon.window.get_mut(end);
-        let pauses = end.is_some_and(|end| core::mem::take(&mut end.pause));
+        let station = self.horizon.window.get_mut(end);
+        let pauses = station.is_some_and(|end| core::mem::take(&mut end.pause));
         if pauses || (wish.single && ended) {
             // A resume that was pressed before this was known was not meant for it.
             rest = Rest::AwaitsResume;
@@ -229,7 +293,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             rest = Rest::IDLE;
         }
         self.phase = Phase::Resting(rest);
-        let held = wish.holds() || wish.stop || rest == Rest::AwaitsResume;
+        let held =
+            wish.holds() || (wish.stop && !self.pressing.short) || rest == Rest::AwaitsResume;
         held.then(|| self.settled(Progress::Held))
     }
 
@@ -259,5 +324,6 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             memory.clear();
         }
         self.finished = false;
+        self.pressing.short = false;
     }
 }

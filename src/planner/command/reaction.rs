@@ -45,6 +45,9 @@ pub struct Pressing {
     pub attempts: u8,
     /// Servo cycle of the first of them.
     pub attempted: CycleSerial,
+    /// Whether a plan to the end of a block has come to nothing, or too late: for a stop that is still asked for the motion comes to rest as soon as it can,
+    /// and goes on to the end of the block from there.
+    pub short: bool,
     /// Tries to come to other overrides that have come to nothing.
     pub retunes: u8,
     /// Those overrides, when no more tries are made for now.
@@ -64,6 +67,7 @@ impl Pressing {
         falls: 0,
         attempts: 0,
         attempted: CycleSerial::ZERO,
+        short: false,
         retunes: 0,
         refused: None,
         retuned: CycleSerial::ZERO,
@@ -94,7 +98,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         Some(moment)
     }
 
-    /// The same for a plan at other overrides, or to the end of a block, with the motion at node `at`.
+    /// The same for a plan at other overrides, with the motion at node `at`.
     pub(super) fn moment_of_answer(&self, at: NodeSerial) -> Option<Moment<S>> {
         self.moment_after(self.effort.plan.usual(PLANS * self.cells_ahead(at)))
     }

@@ -183,7 +183,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     pub(super) fn begin_slowing(
         &mut self,
         start: Start<S>,
-        (attempt, quick, asked): (u8, bool, Option<Overrides>),
+        (attempt, quick): (u8, bool),
+        (halt, asked): (Option<Halt>, Option<Overrides>),
         mut staging: Staging<S>,
     ) -> Begun<S> {
         let mut soon = false;
@@ -207,7 +208,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             let step = step * S::of(longer);
             let share = S::of(share);
             let slowing = Slowing { place, step, share, quick, shorter: false, pieces: 0, staging };
-            let halt = asked.is_none().then_some(Halt::Hold);
             let proposal = Proposal { stretch, branch, halt };
             Some((proposal, Stage::Slowing(slowing)))
         });

@@ -6,6 +6,7 @@ use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::number::vector::norm;
 use crate::path::node::Cell;
+use crate::planner::phase::Halt;
 use crate::profile::bounds::Bounds;
 use crate::profile::law::{Law, PathState};
 use crate::profile::solver::Stretch;
@@ -121,6 +122,11 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         // A long dwell is many cells.
         let dwells = |cell: &Cell<S, N>| !(cell.length > S::ZERO) && cell.event.is_none();
         differs || (here.rest && (last || !(dwells(before) && dwells(after))))
+    }
+
+    /// What a halt is that rests at station `i`.
+    pub fn halt_at(&self, i: usize, halt: Halt) -> Halt {
+        if halt == Halt::Short && self.ends_block(i) { Halt::Block } else { halt }
     }
 
     /// Whether from station `first` on the plan does nothing but come to rest where it ends: even if it let
