@@ -12,11 +12,9 @@ const ROUNDING: f64 = 2.0 * f32::EPSILON as f64;
 /// differences of these, less rounding; and of the tolerance.
 pub fn shares(program: &Program, setup: &Setup, run: &Run) -> [f64; 2] {
     let [velocity, acceleration, jerk] = setup.limits.map(f64::from);
-    let (cycle, tolerance) = (f64::from(setup.cycle), f64::from(setup.tolerance));
+    let cycle = f64::from(setup.cycle);
     let rounding = ROUNDING * acceleration / (cycle * jerk);
-    let (mut used, mut off) = (0.0f64, 0.0f64);
-    let (mut before, mut follower) = (Sample::EMPTY, Follower::default());
-    let track = Track::new(&program.with_approach());
+    let (mut used, mut before) = (0.0f64, Sample::EMPTY);
     for sample in &run.samples {
         for axis in 0..AXES {
             let [v, a, last] =
@@ -25,23 +23,34 @@ pub fn shares(program: &Program, setup: &Setup, run: &Run) -> [f64; 2] {
             used = used.max(v.abs() / velocity).max(a.abs() / acceleration);
             used = used.max((a - last).abs() / (cycle * jerk) - rounding);
         }
-        let x = sample.position.map(|nm| f64::from(nm) * 1.0e-6);
-        off = off.max(follower.look(&track, &x, velocity * cycle * 4.0, tolerance).distance);
         before = *sample;
     }
-    [used, off / tolerance]
+    [used, follow(program, setup, run).off / f64::from(setup.tolerance)]
 }
 
 /// Where a run has come to along the programmed path at its end, mm, and how many of the path's vertices lie behind it, but for one that it rests at.
 pub fn end(program: &Program, setup: &Setup, run: &Run) -> (f64, usize) {
-    let (cycle, tolerance) = (f64::from(setup.cycle), f64::from(setup.tolerance));
-    let reach = f64::from(setup.limits[0]) * cycle * 4.0;
-    let mut follower = Follower::default();
+    let Followed { track, follower, .. } = follow(program, setup, run);
+    let way = follower.way();
+    (way, track.passed(way - 2.0 * f64::from(setup.tolerance)))
+}
+
+/// A run along its path.
+struct Followed {
+    track: Track,
+    /// Where it has come to.
+    follower: Follower,
+    /// Greatest distance from the path, mm.
+    off: f64,
+}
+
+fn follow(program: &Program, setup: &Setup, run: &Run) -> Followed {
+    let reach = f64::from(setup.limits[0]) * f64::from(setup.cycle) * 4.0;
+    let (mut follower, mut off) = (Follower::default(), 0.0f64);
     let track = Track::new(&program.with_approach());
     for sample in &run.samples {
         let x = sample.position.map(|nm| f64::from(nm) * 1.0e-6);
-        follower.look(&track, &x, reach, tolerance);
+        off = off.max(follower.look(&track, &x, reach, f64::from(setup.tolerance)).distance);
     }
-    let way = follower.way();
-    (way, track.passed(way - 2.0 * tolerance))
+    Followed { track, follower, off }
 }

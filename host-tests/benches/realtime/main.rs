@@ -191,8 +191,6 @@ fn extremes(mut list: Vec<f64>) -> [f64; 2] {
 enum Goal {
     /// Standing still.
     Rest,
-    /// Standing still at the end of a block.
-    BlockEnd,
     /// A speed that is not to be exceeded any more, mm/s.
     Below(f32),
     /// Nothing but that it rises.
@@ -229,11 +227,7 @@ impl Trial {
         let at = at.map(|at| Due { cycle: at as u32, order: self.order });
         Setup {
             commands: before.into_iter().chain(at).collect(),
-            linger: if at.is_some() && matches!(self.goal, Goal::Rest | Goal::BlockEnd) {
-                30
-            } else {
-                0
-            },
+            linger: if at.is_some() && matches!(self.goal, Goal::Rest) { 30 } else { 0 },
             most_cycles: at.map_or(job.setup.most_cycles, |due| due.cycle + 2000),
             ..job.setup.clone()
         }
@@ -269,7 +263,7 @@ fn answer(job: &Job<'_>, trial: &Trial, base: &Run, at: usize) -> Result<Answer>
     let goal = match trial.goal {
         Goal::Rest => STILL,
         Goal::Below(speed) => speed * 1.01,
-        Goal::BlockEnd | Goal::Rise => return Ok(Answer { reaction, over: None, round }),
+        Goal::Rise => return Ok(Answer { reaction, over: None, round }),
     };
     let there = (at + 1..run.samples.len())
         .find(|&k| run.samples[k].idle || run.samples[k].speed <= goal)
@@ -303,14 +297,13 @@ fn answers(job: &Job<'_>, trial: &Trial, count: usize) -> Result<(Vec<f64>, Vec<
     Ok((reactions, overs, round))
 }
 
-/// How far a stop at the end of a block goes beyond where a hold rests, at some places of a path: mm, and vertices passed; and the longest round, ms.
-fn stops_at_ends(job: &Job<'_>, count: usize) -> Result<(Vec<f64>, Vec<f64>, f64)> {
-    let trial = |order, goal| Trial { name: "stop", before: None, order, goal };
-    let stop = trial(Order::Stop, Goal::BlockEnd);
-    let hold = trial(Order::Hold, Goal::Rest);
-    let base = job.real(&stop.setup(job, None))?;
+/// How far a stop at the end of a block goes beyond where a hold rests, at some places of a path, `base` without a command: mm, and vertices passed;
+/// and the longest round, ms.
+fn stops_at_ends(job: &Job<'_>, base: &Run, count: usize) -> Result<(Vec<f64>, Vec<f64>, f64)> {
+    let trial = |order| Trial { name: "stop", before: None, order, goal: Goal::Rest };
+    let [stop, hold] = [Order::Stop, Order::Hold].map(trial);
     let (mut ways, mut vertices, mut round) = (Vec::new(), Vec::new(), 0.0f64);
-    for at in instants(&base, count, stop.least()) {
+    for at in instants(base, count, stop.least()) {
         let run = job.real(&stop.setup(job, Some(at)))?;
         let held = job.real(&hold.setup(job, Some(at)))?;
         let end = |run: &Run| judge::end(&job.program, &job.setup, run);
@@ -381,7 +374,7 @@ fn report(image: &Image, path: &Path, options: &Options) -> Result<Outcome> {
     }
     let mut stop: f64 = 0.0;
     if options.instants > 0 {
-        let (ways, vertices, round) = stops_at_ends(&job, options.instants)?;
+        let (ways, vertices, round) = stops_at_ends(&job, &real, options.instants)?;
         longest = longest.max(round);
         let ([way, farthest], [median, most]) = (extremes(ways), extremes(vertices));
         stop = farthest;

@@ -69,8 +69,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             if draft.is_stopping(stretch.first) {
                 return None;
             }
-            draft.end_in_reach(stretch.first)?;
             let way = draft.least_way(stretch.first);
+            draft.end_behind(stretch.first, way)?;
             let proposal = Proposal { stretch, branch, halt: Some(Halt::Block) };
             Some((proposal, Stage::Ending(Ending::Trying { way, behind: stretch.first, tries: 0 })))
         })
