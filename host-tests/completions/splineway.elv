@@ -43,7 +43,7 @@ set edit:completion:arg-completer[splineway] = {|@words|
         &'splineway;simulate'= {
             cand --machine 'Machine description (TOML) [default: a small milling machine, which `splineway machine` prints]'
             cand --feed 'Feed of all moves but rapids, mm/s, in place of what the file says [default: the file''s; 50 where it says nothing]'
-            cand --dialect 'Whose G-code it is [default: told by the header where that is plain, else linuxcnc]'
+            cand --dialect 'Whose G-code it is [default: told by comments and codes of the first 1000 lines where that is plain, else linuxcnc]'
             cand --tolerance 'Greatest distance from the programmed path, mm, in place of the machine''s, and of those that the program names (G64 P) [default: those]'
             cand --cycle 'Servo cycle, s [default: the machine''s]'
             cand --lookahead 'Look-ahead depth, blocks: 16, 64 or 256 [default: the machine''s]'
@@ -69,7 +69,7 @@ set edit:completion:arg-completer[splineway] = {|@words|
         &'splineway;check'= {
             cand --machine 'Machine description (TOML) [default: a small milling machine, which `splineway machine` prints]'
             cand --feed 'Feed of all moves but rapids, mm/s, in place of what the file says [default: the file''s; 50 where it says nothing]'
-            cand --dialect 'Whose G-code it is [default: told by the header where that is plain, else linuxcnc]'
+            cand --dialect 'Whose G-code it is [default: told by comments and codes of the first 1000 lines where that is plain, else linuxcnc]'
             cand --tolerance 'Greatest distance from the programmed path, mm, in place of the machine''s, and of those that the program names (G64 P) [default: those]'
             cand --places 'How many slow places are shown'
             cand --lenient 'Leave out codes that cannot change where the tool goes, where they would be refused'
@@ -87,7 +87,7 @@ set edit:completion:arg-completer[splineway] = {|@words|
             cand --laser 'S and M3 to M5 are those of a laser with this greatest power [default: none]'
             cand --machine 'Machine description (TOML) [default: a small milling machine, which `splineway machine` prints]'
             cand --feed 'Feed of all moves but rapids, mm/s, in place of what the file says [default: the file''s; 50 where it says nothing]'
-            cand --dialect 'Whose G-code it is [default: told by the header where that is plain, else linuxcnc]'
+            cand --dialect 'Whose G-code it is [default: told by comments and codes of the first 1000 lines where that is plain, else linuxcnc]'
             cand --approach 'Move straight to the first point of a path that does not begin where the machine stands'
             cand --abort 'Abort what a program before has left whose sender is gone'
             cand --outputs 'Switch outputs in time with the path by M62 to M68; without it M62 to M65 are events'
@@ -165,7 +165,7 @@ set edit:completion:arg-completer[splineway] = {|@words|
         &'splineway;limit'= {
             cand --machine 'Machine description (TOML) [default: a small milling machine, which `splineway machine` prints]'
             cand --feed 'Feed of all moves but rapids, mm/s, in place of what the file says [default: the file''s; 50 where it says nothing]'
-            cand --dialect 'Whose G-code it is [default: told by the header where that is plain, else linuxcnc]'
+            cand --dialect 'Whose G-code it is [default: told by comments and codes of the first 1000 lines where that is plain, else linuxcnc]'
             cand --tolerance 'Greatest distance from the programmed path, mm, in place of the machine''s, and of those that the program names (G64 P) [default: those]'
             cand --step 'Time between the knots of the motion, ms'
             cand --rounds 'Most rounds'
@@ -180,7 +180,7 @@ set edit:completion:arg-completer[splineway] = {|@words|
         &'splineway;reshape'= {
             cand --machine 'Machine description (TOML) [default: a small milling machine, which `splineway machine` prints]'
             cand --feed 'Feed of all moves but rapids, mm/s, in place of what the file says [default: the file''s; 50 where it says nothing]'
-            cand --dialect 'Whose G-code it is [default: told by the header where that is plain, else linuxcnc]'
+            cand --dialect 'Whose G-code it is [default: told by comments and codes of the first 1000 lines where that is plain, else linuxcnc]'
             cand --tolerance 'Greatest distance from the programmed path, mm, in place of the machine''s, and of those that the program names (G64 P) [default: those]'
             cand --precision 'Scalar of the windows; the planned motion is of double precision'
             cand --setpoints 'Writes the setpoints of the improved motion (CSV; one file only) [default: not written]'

@@ -45,7 +45,7 @@ complete -c splineway -n "__fish_splineway_needs_command" -f -a "completions" -d
 complete -c splineway -n "__fish_splineway_needs_command" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'
 complete -c splineway -n "__fish_splineway_using_subcommand simulate" -l machine -d 'Machine description (TOML) [default: a small milling machine, which `splineway machine` prints]' -r -F
 complete -c splineway -n "__fish_splineway_using_subcommand simulate" -l feed -d 'Feed of all moves but rapids, mm/s, in place of what the file says [default: the file\'s; 50 where it says nothing]' -r
-complete -c splineway -n "__fish_splineway_using_subcommand simulate" -l dialect -d 'Whose G-code it is [default: told by the header where that is plain, else linuxcnc]' -r -f -a "linuxcnc\t'RS274/NGC, most milling machines: G4 P in seconds'
+complete -c splineway -n "__fish_splineway_using_subcommand simulate" -l dialect -d 'Whose G-code it is [default: told by comments and codes of the first 1000 lines where that is plain, else linuxcnc]' -r -f -a "linuxcnc\t'RS274/NGC, most milling machines: G4 P in seconds'
 grbl\t'The same, with G0 in force at the beginning'
 marlin\t'Printers: G4 P in milliseconds, E words, M codes with text'"
 complete -c splineway -n "__fish_splineway_using_subcommand simulate" -l tolerance -d 'Greatest distance from the programmed path, mm, in place of the machine\'s, and of those that the program names (G64 P) [default: those]' -r
@@ -72,7 +72,7 @@ complete -c splineway -n "__fish_splineway_using_subcommand simulate" -l quiet -
 complete -c splineway -n "__fish_splineway_using_subcommand simulate" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c splineway -n "__fish_splineway_using_subcommand check" -l machine -d 'Machine description (TOML) [default: a small milling machine, which `splineway machine` prints]' -r -F
 complete -c splineway -n "__fish_splineway_using_subcommand check" -l feed -d 'Feed of all moves but rapids, mm/s, in place of what the file says [default: the file\'s; 50 where it says nothing]' -r
-complete -c splineway -n "__fish_splineway_using_subcommand check" -l dialect -d 'Whose G-code it is [default: told by the header where that is plain, else linuxcnc]' -r -f -a "linuxcnc\t'RS274/NGC, most milling machines: G4 P in seconds'
+complete -c splineway -n "__fish_splineway_using_subcommand check" -l dialect -d 'Whose G-code it is [default: told by comments and codes of the first 1000 lines where that is plain, else linuxcnc]' -r -f -a "linuxcnc\t'RS274/NGC, most milling machines: G4 P in seconds'
 grbl\t'The same, with G0 in force at the beginning'
 marlin\t'Printers: G4 P in milliseconds, E words, M codes with text'"
 complete -c splineway -n "__fish_splineway_using_subcommand check" -l tolerance -d 'Greatest distance from the programmed path, mm, in place of the machine\'s, and of those that the program names (G64 P) [default: those]' -r
@@ -89,7 +89,7 @@ complete -c splineway -n "__fish_splineway_using_subcommand stream" -l home -d '
 complete -c splineway -n "__fish_splineway_using_subcommand stream" -l laser -d 'S and M3 to M5 are those of a laser with this greatest power [default: none]' -r
 complete -c splineway -n "__fish_splineway_using_subcommand stream" -l machine -d 'Machine description (TOML) [default: a small milling machine, which `splineway machine` prints]' -r -F
 complete -c splineway -n "__fish_splineway_using_subcommand stream" -l feed -d 'Feed of all moves but rapids, mm/s, in place of what the file says [default: the file\'s; 50 where it says nothing]' -r
-complete -c splineway -n "__fish_splineway_using_subcommand stream" -l dialect -d 'Whose G-code it is [default: told by the header where that is plain, else linuxcnc]' -r -f -a "linuxcnc\t'RS274/NGC, most milling machines: G4 P in seconds'
+complete -c splineway -n "__fish_splineway_using_subcommand stream" -l dialect -d 'Whose G-code it is [default: told by comments and codes of the first 1000 lines where that is plain, else linuxcnc]' -r -f -a "linuxcnc\t'RS274/NGC, most milling machines: G4 P in seconds'
 grbl\t'The same, with G0 in force at the beginning'
 marlin\t'Printers: G4 P in milliseconds, E words, M codes with text'"
 complete -c splineway -n "__fish_splineway_using_subcommand stream" -l approach -d 'Move straight to the first point of a path that does not begin where the machine stands'
@@ -151,7 +151,7 @@ complete -c splineway -n "__fish_splineway_using_subcommand soak" -l quiet -d 'P
 complete -c splineway -n "__fish_splineway_using_subcommand soak" -s h -l help -d 'Print help'
 complete -c splineway -n "__fish_splineway_using_subcommand limit" -l machine -d 'Machine description (TOML) [default: a small milling machine, which `splineway machine` prints]' -r -F
 complete -c splineway -n "__fish_splineway_using_subcommand limit" -l feed -d 'Feed of all moves but rapids, mm/s, in place of what the file says [default: the file\'s; 50 where it says nothing]' -r
-complete -c splineway -n "__fish_splineway_using_subcommand limit" -l dialect -d 'Whose G-code it is [default: told by the header where that is plain, else linuxcnc]' -r -f -a "linuxcnc\t'RS274/NGC, most milling machines: G4 P in seconds'
+complete -c splineway -n "__fish_splineway_using_subcommand limit" -l dialect -d 'Whose G-code it is [default: told by comments and codes of the first 1000 lines where that is plain, else linuxcnc]' -r -f -a "linuxcnc\t'RS274/NGC, most milling machines: G4 P in seconds'
 grbl\t'The same, with G0 in force at the beginning'
 marlin\t'Printers: G4 P in milliseconds, E words, M codes with text'"
 complete -c splineway -n "__fish_splineway_using_subcommand limit" -l tolerance -d 'Greatest distance from the programmed path, mm, in place of the machine\'s, and of those that the program names (G64 P) [default: those]' -r
@@ -165,7 +165,7 @@ complete -c splineway -n "__fish_splineway_using_subcommand limit" -l json -d 'P
 complete -c splineway -n "__fish_splineway_using_subcommand limit" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c splineway -n "__fish_splineway_using_subcommand reshape" -l machine -d 'Machine description (TOML) [default: a small milling machine, which `splineway machine` prints]' -r -F
 complete -c splineway -n "__fish_splineway_using_subcommand reshape" -l feed -d 'Feed of all moves but rapids, mm/s, in place of what the file says [default: the file\'s; 50 where it says nothing]' -r
-complete -c splineway -n "__fish_splineway_using_subcommand reshape" -l dialect -d 'Whose G-code it is [default: told by the header where that is plain, else linuxcnc]' -r -f -a "linuxcnc\t'RS274/NGC, most milling machines: G4 P in seconds'
+complete -c splineway -n "__fish_splineway_using_subcommand reshape" -l dialect -d 'Whose G-code it is [default: told by comments and codes of the first 1000 lines where that is plain, else linuxcnc]' -r -f -a "linuxcnc\t'RS274/NGC, most milling machines: G4 P in seconds'
 grbl\t'The same, with G0 in force at the beginning'
 marlin\t'Printers: G4 P in milliseconds, E words, M codes with text'"
 complete -c splineway -n "__fish_splineway_using_subcommand reshape" -l tolerance -d 'Greatest distance from the programmed path, mm, in place of the machine\'s, and of those that the program names (G64 P) [default: those]' -r

@@ -47,7 +47,7 @@ Register-ArgumentCompleter -Native -CommandName 'splineway' -ScriptBlock {
         'splineway;simulate' {
             [CompletionResult]::new('--machine', '--machine', [CompletionResultType]::ParameterName, 'Machine description (TOML) [default: a small milling machine, which `splineway machine` prints]')
             [CompletionResult]::new('--feed', '--feed', [CompletionResultType]::ParameterName, 'Feed of all moves but rapids, mm/s, in place of what the file says [default: the file''s; 50 where it says nothing]')
-            [CompletionResult]::new('--dialect', '--dialect', [CompletionResultType]::ParameterName, 'Whose G-code it is [default: told by the header where that is plain, else linuxcnc]')
+            [CompletionResult]::new('--dialect', '--dialect', [CompletionResultType]::ParameterName, 'Whose G-code it is [default: told by comments and codes of the first 1000 lines where that is plain, else linuxcnc]')
             [CompletionResult]::new('--tolerance', '--tolerance', [CompletionResultType]::ParameterName, 'Greatest distance from the programmed path, mm, in place of the machine''s, and of those that the program names (G64 P) [default: those]')
             [CompletionResult]::new('--cycle', '--cycle', [CompletionResultType]::ParameterName, 'Servo cycle, s [default: the machine''s]')
             [CompletionResult]::new('--lookahead', '--lookahead', [CompletionResultType]::ParameterName, 'Look-ahead depth, blocks: 16, 64 or 256 [default: the machine''s]')
@@ -74,7 +74,7 @@ Register-ArgumentCompleter -Native -CommandName 'splineway' -ScriptBlock {
         'splineway;check' {
             [CompletionResult]::new('--machine', '--machine', [CompletionResultType]::ParameterName, 'Machine description (TOML) [default: a small milling machine, which `splineway machine` prints]')
             [CompletionResult]::new('--feed', '--feed', [CompletionResultType]::ParameterName, 'Feed of all moves but rapids, mm/s, in place of what the file says [default: the file''s; 50 where it says nothing]')
-            [CompletionResult]::new('--dialect', '--dialect', [CompletionResultType]::ParameterName, 'Whose G-code it is [default: told by the header where that is plain, else linuxcnc]')
+            [CompletionResult]::new('--dialect', '--dialect', [CompletionResultType]::ParameterName, 'Whose G-code it is [default: told by comments and codes of the first 1000 lines where that is plain, else linuxcnc]')
             [CompletionResult]::new('--tolerance', '--tolerance', [CompletionResultType]::ParameterName, 'Greatest distance from the programmed path, mm, in place of the machine''s, and of those that the program names (G64 P) [default: those]')
             [CompletionResult]::new('--places', '--places', [CompletionResultType]::ParameterName, 'How many slow places are shown')
             [CompletionResult]::new('--lenient', '--lenient', [CompletionResultType]::ParameterName, 'Leave out codes that cannot change where the tool goes, where they would be refused')
@@ -93,7 +93,7 @@ Register-ArgumentCompleter -Native -CommandName 'splineway' -ScriptBlock {
             [CompletionResult]::new('--laser', '--laser', [CompletionResultType]::ParameterName, 'S and M3 to M5 are those of a laser with this greatest power [default: none]')
             [CompletionResult]::new('--machine', '--machine', [CompletionResultType]::ParameterName, 'Machine description (TOML) [default: a small milling machine, which `splineway machine` prints]')
             [CompletionResult]::new('--feed', '--feed', [CompletionResultType]::ParameterName, 'Feed of all moves but rapids, mm/s, in place of what the file says [default: the file''s; 50 where it says nothing]')
-            [CompletionResult]::new('--dialect', '--dialect', [CompletionResultType]::ParameterName, 'Whose G-code it is [default: told by the header where that is plain, else linuxcnc]')
+            [CompletionResult]::new('--dialect', '--dialect', [CompletionResultType]::ParameterName, 'Whose G-code it is [default: told by comments and codes of the first 1000 lines where that is plain, else linuxcnc]')
             [CompletionResult]::new('--approach', '--approach', [CompletionResultType]::ParameterName, 'Move straight to the first point of a path that does not begin where the machine stands')
             [CompletionResult]::new('--abort', '--abort', [CompletionResultType]::ParameterName, 'Abort what a program before has left whose sender is gone')
             [CompletionResult]::new('--outputs', '--outputs', [CompletionResultType]::ParameterName, 'Switch outputs in time with the path by M62 to M68; without it M62 to M65 are events')
@@ -179,7 +179,7 @@ Register-ArgumentCompleter -Native -CommandName 'splineway' -ScriptBlock {
         'splineway;limit' {
             [CompletionResult]::new('--machine', '--machine', [CompletionResultType]::ParameterName, 'Machine description (TOML) [default: a small milling machine, which `splineway machine` prints]')
             [CompletionResult]::new('--feed', '--feed', [CompletionResultType]::ParameterName, 'Feed of all moves but rapids, mm/s, in place of what the file says [default: the file''s; 50 where it says nothing]')
-            [CompletionResult]::new('--dialect', '--dialect', [CompletionResultType]::ParameterName, 'Whose G-code it is [default: told by the header where that is plain, else linuxcnc]')
+            [CompletionResult]::new('--dialect', '--dialect', [CompletionResultType]::ParameterName, 'Whose G-code it is [default: told by comments and codes of the first 1000 lines where that is plain, else linuxcnc]')
             [CompletionResult]::new('--tolerance', '--tolerance', [CompletionResultType]::ParameterName, 'Greatest distance from the programmed path, mm, in place of the machine''s, and of those that the program names (G64 P) [default: those]')
             [CompletionResult]::new('--step', '--step', [CompletionResultType]::ParameterName, 'Time between the knots of the motion, ms')
             [CompletionResult]::new('--rounds', '--rounds', [CompletionResultType]::ParameterName, 'Most rounds')
@@ -195,7 +195,7 @@ Register-ArgumentCompleter -Native -CommandName 'splineway' -ScriptBlock {
         'splineway;reshape' {
             [CompletionResult]::new('--machine', '--machine', [CompletionResultType]::ParameterName, 'Machine description (TOML) [default: a small milling machine, which `splineway machine` prints]')
             [CompletionResult]::new('--feed', '--feed', [CompletionResultType]::ParameterName, 'Feed of all moves but rapids, mm/s, in place of what the file says [default: the file''s; 50 where it says nothing]')
-            [CompletionResult]::new('--dialect', '--dialect', [CompletionResultType]::ParameterName, 'Whose G-code it is [default: told by the header where that is plain, else linuxcnc]')
+            [CompletionResult]::new('--dialect', '--dialect', [CompletionResultType]::ParameterName, 'Whose G-code it is [default: told by comments and codes of the first 1000 lines where that is plain, else linuxcnc]')
             [CompletionResult]::new('--tolerance', '--tolerance', [CompletionResultType]::ParameterName, 'Greatest distance from the programmed path, mm, in place of the machine''s, and of those that the program names (G64 P) [default: those]')
             [CompletionResult]::new('--precision', '--precision', [CompletionResultType]::ParameterName, 'Scalar of the windows; the planned motion is of double precision')
             [CompletionResult]::new('--setpoints', '--setpoints', [CompletionResultType]::ParameterName, 'Writes the setpoints of the improved motion (CSV; one file only) [default: not written]')

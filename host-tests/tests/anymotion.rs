@@ -72,6 +72,21 @@ fn a_rest_parts_a_program() {
     assert!((dwelling - apart - 0.25).abs() < 2.0e-3, "{dwelling} {apart}");
 }
 
+/// A motion that stays near the first half of a line out and back is within the band of both at every place, and has not been at its end.
+#[test]
+fn it_goes_to_the_far_end_of_a_line_out_and_back() {
+    let there = |x| line([x, 0.0, 0.0]);
+    let once = found(&program(2, vec![there(10.0)]), 0.05).least;
+    let thrice = found(&program(2, vec![there(10.0), there(0.0), there(10.0)]), 0.05);
+    assert!((thrice.least - 3.0 * once).abs() < 4.0e-3, "{} {once}", thrice.least);
+    let far = thrice.setpoints.iter().map(|at| at[0]).fold(0.0, f64::max);
+    assert!((far - 10.0).abs() < 1.0e-6, "{far}");
+    // Folds that lie in the band of what is around them are none.
+    let jitter = vec![there(5.0), there(4.999), there(10.0), there(9.99999), there(10.0)];
+    let smooth = found(&program(2, jitter), 0.05).least;
+    assert!((smooth - once).abs() < 4.0e-3, "{smooth} {once}");
+}
+
 #[test]
 fn what_leaves_no_choice_or_takes_too_long_is_refused() {
     let machine = |tolerance| Machine { tolerance, ..Machine::default() };

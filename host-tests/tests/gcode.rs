@@ -772,5 +772,17 @@ fn a_feed_that_is_refused_is_told_once() {
     }
     let (_, findings) = examine("G1 X5\nX6\nF60\nX7", options(MILL));
     assert_eq!(findings.len(), 1, "{findings:?}");
-    assert!(findings[0].to_string().contains("no F word yet"), "{findings:?}");
+    assert!(findings[0].to_string().contains("no F word in force"), "{findings:?}");
+}
+
+/// The share of the feed that a printer's program asks for is the controller's business; nobody is to take it for done.
+#[test]
+fn a_share_of_the_feed_is_handed_on_and_said_to_be() {
+    for (text, said) in [("M220 S50\nG1 X5 F600", 1), ("M220 S100\nG1 X5 F600", 0)] {
+        let (program, findings) = examine(text, options(Dialect::Marlin));
+        let notes: Vec<String> = findings.iter().map(ToString::to_string).collect();
+        assert_eq!(notes.len(), said, "{notes:?}");
+        assert!(notes.iter().all(|note| note.contains("M220 S50 is handed on")), "{notes:?}");
+        assert!(story(&program).contains("M220"), "{text}");
+    }
 }

@@ -235,6 +235,8 @@ impl core::error::Error for Refusal {}
 pub enum Note {
     /// A code of printers that was left out with its words.
     Skipped(Code),
+    /// M220 of printers with another share than 100 %: it is handed on, and feeds are read as they are written.
+    FeedShare(f64),
     /// E words are left out: there is no extruder.
     Extruder,
     /// A move at the feed of the settings, for want of an F word.
@@ -251,8 +253,11 @@ impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::Skipped(code) => write!(f, "{code} is of a printer and is left out"),
+            Self::FeedShare(percent) => {
+                write!(f, "M220 S{percent} is handed on; feeds are read as they are written")
+            }
             Self::Extruder => f.write_str("E words (extruder) are left out"),
-            Self::NoFeed(feed) => write!(f, "no F word yet; moves run at {feed} mm/s"),
+            Self::NoFeed(feed) => write!(f, "no F word in force; moves run at {feed} mm/s"),
             Self::Optional => {
                 f.write_str("lines with \"/\" are run (--block-delete leaves them out)")
             }

@@ -101,6 +101,9 @@ impl Reader {
         }
         let word = words.list().iter().find(|word| word.letter == b'S');
         let value = word.and_then(|word| word.value);
+        if let Some(percent) = value.filter(|percent| code == Code::m(220) && *percent != 100.0) {
+            self.note(Note::FeedShare(percent));
+        }
         // One event in an empty list.
         let pushed = self.push_event(code, value, what == Use::PassAndWait, 1);
         debug_assert!(pushed.is_ok(), "an event that is never reported");

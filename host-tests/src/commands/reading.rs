@@ -43,7 +43,7 @@ pub struct Reading {
     /// Feed of all moves but rapids, mm/s, in place of what the file says [default: the file's; 50 where it says nothing]
     #[arg(long, value_name = "MM_PER_S")]
     pub feed: Option<f64>,
-    /// Whose G-code it is [default: told by the header where that is plain, else linuxcnc]
+    /// Whose G-code it is [default: told by comments and codes of the first 1000 lines where that is plain, else linuxcnc]
     #[arg(long, value_enum)]
     pub dialect: Option<DialectName>,
     /// Leave out codes that cannot change where the tool goes, where they would be refused

@@ -2,7 +2,7 @@
 
 use crate::anymotion::motion::State as Values;
 use crate::anymotion::tube::Segment;
-use crate::anymotion::{parts, segments, show};
+use crate::anymotion::{parts, show};
 use anyhow::{Result, ensure};
 use splineway::reshape::{Agreed, Bounds, Line, Onward, Places, State, Window};
 use splineway::{Activity, AxisLimits, Scalar};
@@ -79,17 +79,18 @@ fn over<S: Scalar, const N: usize>(program: &Program, machine: &Machine) -> Resu
         AxisLimits::linear(of(axis.velocity), of(axis.acceleration), of(axis.jerk))
     });
     let mut time = 0.0;
-    for part in parts(program) {
-        let path = segments(&part.program, machine, &axes, 1.0)?;
+    for part in parts(program, machine, &axes, 1.0)? {
+        let path = &part.path;
         if path.is_empty() {
             improved.planned += part.dwell;
             time += part.dwell;
             continue;
         }
         let motion = Planned::<N>::of(&part.program, machine, jerks.clone())?;
-        improved.planned += motion.duration() + part.dwell;
+        // In whole servo cycles, as what comes of it.
+        improved.planned += (motion.duration() / machine.cycle).ceil() * machine.cycle + part.dwell;
         let mut found = Found::new(machine.cycle);
-        reshape::<S, N>(&path, &motion, &limits, &mut found, &mut improved);
+        reshape::<S, N>(path, &motion, &limits, &mut found, &mut improved);
         let skip = usize::from(!improved.setpoints.is_empty());
         for (k, (state, piece)) in found.states.iter().enumerate().skip(skip) {
             show(&mut judge, time + k as f64 * machine.cycle, state, *piece)?;

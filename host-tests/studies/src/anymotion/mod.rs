@@ -5,6 +5,9 @@
 //! bounds a place of it is looked for anew in each (`tube`). At last the durations are kept and a motion is found that
 //! satisfies everything, a little slower if it must be, and the judge has its word on the setpoints.
 //!
+//! Where a path turns back, farther than the band is wide, it rests, as the core does: the far end of a line out and back is a place
+//! that distance alone does not ask for. Between rests, what is asked is that every place is in the band of a line, and lines come in order.
+//!
 //! The results are local optima: they can be reached, and are no proof that nothing is faster. Where a path folds back on itself by
 //! less than the band is wide, a round may leave the fold out; then no motion is found in the end, or the judge says so. It is slow, and meant as a
 //! yardstick for what is planned.
@@ -16,11 +19,13 @@ pub(crate) mod tube;
 use anyhow::{Context, Result, bail, ensure};
 use cone::{Better, Bounds, round};
 use motion::{Motion, State};
-use splineway::Activity;
+use splineway::{Activity, CornerMode};
 use splineway_simulator::judge::{Judge, Track, Verdict};
 use splineway_simulator::machine::{Machine, is_rotary};
 use splineway_simulator::program::{Course, Point, Program, Speed};
 use splineway_simulator::run::{Observer, Pace, Precision, Sample, run};
+use std::collections::BTreeSet;
+use std::ops::Range;
 use tube::{Band, Plan, Segment};
 
 /// Share of the band that is used at the places that are looked at: between them there is a little more.
@@ -75,6 +80,8 @@ pub struct Found {
 /// A part of a program from rest to rest.
 pub(crate) struct Part {
     pub(crate) program: Program,
+    /// Its path as lines over the axes in use.
+    pub(crate) path: Vec<Segment>,
     /// s; then nothing moves.
     pub(crate) dwell: f64,
 }
@@ -103,8 +110,8 @@ pub fn least_time(
         setpoints: Vec::new(),
     };
     let mut show = Show { judge: &mut judge, cycle: machine.cycle, time: 0.0 };
-    for (n, part) in parts(program).into_iter().enumerate() {
-        let path = segments(&part.program, machine, &axes, BAND)?;
+    for (n, part) in parts(program, machine, &axes, BAND)?.into_iter().enumerate() {
+        let path = &part.path;
         found.planned += part.dwell;
         if path.is_empty() {
             show.time += part.dwell;
@@ -112,8 +119,8 @@ pub fn least_time(
         }
         let planned = Planned::of(&part.program, machine, options)?;
         found.planned += planned.duration();
-        let feeding = feeding(&axes, &path);
-        let bounds = Bounds { path: &path, limits: &limits, feeding: &feeding };
+        let feeding = feeding(&axes, path);
+        let bounds = Bounds { path, limits: &limits, feeding: &feeding };
         let motion = improve(bounds, planned, options, |round, time, outside| {
             found.rounds += 1;
             progress(n, round, time, outside);
@@ -198,18 +205,37 @@ fn settle(bounds: Bounds<'_>, motion: &Motion, band: &Band) -> Result<Motion> {
     )
 }
 
-/// A program from rest to rest.
-pub(crate) fn parts(program: &Program) -> Vec<Part> {
-    let mut parts = Vec::new();
+/// A program from rest to rest: parts end at exact stops, at dwells, and where the path turns back, as the core stops there
+/// ([`CornerMode::STOP_COSINE`]): a motion that is near enough to the lines before and behind such a turn need not have been there.
+/// `share`: of the band.
+pub(crate) fn parts(
+    program: &Program,
+    machine: &Machine,
+    axes: &[usize],
+    share: f64,
+) -> Result<Vec<Part>> {
+    let mut here = program.start;
+    let mut lines = Vec::new();
+    for (n, step) in program.moves.iter().enumerate() {
+        lines.push(segments(program, n, here, (machine, axes, share))?);
+        here = step.path.end().copied().unwrap_or(here);
+    }
+    let turns = turns(program, &lines);
     let begin = |start: Point| Part {
-        program: Program { start, moves: Vec::new(), exact: Vec::new(), ..program.clone() },
+        program: Program { start, uses: program.uses, ..Program::default() },
+        path: Vec::new(),
         dwell: 0.0,
     };
-    let mut here = program.start;
+    let mut parts = Vec::new();
+    here = program.start;
     let mut part = begin(here);
-    for (n, step) in program.moves.iter().enumerate() {
+    for ((n, step), lines) in program.moves.iter().enumerate().zip(lines) {
         if let Some(to) = step.path.end() {
+            if turns.contains(&n) {
+                parts.push(std::mem::replace(&mut part, begin(here)));
+            }
             here = *to;
+            part.path.extend(lines);
             part.program.moves.push(step.clone());
             if let Some(exact) = program.exact.get(n) {
                 part.program.exact.push(exact.clone());
@@ -224,50 +250,83 @@ pub(crate) fn parts(program: &Program) -> Vec<Part> {
         parts.push(std::mem::replace(&mut part, begin(here)));
     }
     parts.push(part);
-    parts
+    Ok(parts)
 }
 
-/// The path of a part as lines over the axes in use, with a share of the band.
-pub(crate) fn segments(
-    program: &Program,
-    machine: &Machine,
-    axes: &[usize],
-    share: f64,
-) -> Result<Vec<Segment>> {
-    let mut path = Vec::new();
-    let mut here = program.start;
+/// Moves before which the path turns back, and is farther than the band is wide from there before it turned back the last time, and will be
+/// before it does the next time: no place is in the band of all.
+fn turns(program: &Program, lines: &[Vec<Segment>]) -> BTreeSet<usize> {
+    // From rests or turns on to the next, and whether from a turn.
+    let mut stretches = Vec::new();
+    let (mut begin, mut from_turn) = (0, false);
+    let mut before: Option<&Segment> = None;
     for (n, step) in program.moves.iter().enumerate() {
-        let Some(to) = step.path.end() else { continue };
-        let tolerance = step.tolerance.unwrap_or(machine.tolerance);
-        ensure!(tolerance > 0.0, "line {}: a tolerance of 0 leaves no choice", step.line);
-        let straight = matches!(step.path, Course::Line { .. }) && program.exact.is_empty();
-        let points = if straight {
-            let over = |point: &Point| axes.iter().map(|&axis| point[axis]).collect();
-            vec![over(&here), over(to)]
-        } else {
-            let exact = program.exact.get(n).cloned().into_iter().collect();
-            let moves = vec![step.clone()];
-            let alone = Program { start: here, moves, exact, ..program.clone() };
-            chords(&Track::new(&alone), tolerance * CHORDS)
-        };
-        let band = tolerance * share - if straight { 0.0 } else { tolerance * CHORDS };
-        let length: f64 = points.windows(2).map(|pair| apart(&pair[0], &pair[1])).sum();
-        for pair in points.windows(2) {
-            let size = apart(&pair[0], &pair[1]);
-            if size < 1.0e-9 {
-                continue;
+        if let (Some(a), Some(b)) = (before, lines[n].first()) {
+            let cosine: f64 = a.direction.iter().zip(&b.direction).map(|(a, b)| a * b).sum();
+            if cosine < CornerMode::<f64>::STOP_COSINE {
+                stretches.push((begin..n, from_turn));
+                (begin, from_turn) = (n, true);
             }
-            let direction = pair[1].iter().zip(&pair[0]).map(|(b, a)| (b - a) / size).collect();
-            let feed = match step.speed {
-                Speed::PerSecond(feed) => feed,
-                Speed::Duration(seconds) => length / seconds,
-                Speed::Rapid => f64::INFINITY,
-            };
-            path.push(Segment { from: pair[0].clone(), direction, length: size, band, feed });
         }
-        here = *to;
+        before = lines[n].last().or(before);
+        if step.path.end().is_none() || step.exact_stop {
+            stretches.push((begin..n + 1, from_turn));
+            (begin, from_turn, before) = (n + 1, false, None);
+        }
     }
-    Ok(path)
+    stretches.push((begin..lines.len(), from_turn));
+    let leaves = |moves: &Range<usize>, turn: &Segment| {
+        lines[moves.clone()].iter().flatten().any(|line| {
+            let ends = line.from.iter().zip(&line.direction).map(|(x, d)| x + d * line.length);
+            apart(&ends.collect::<Vec<_>>(), &turn.from).max(apart(&line.from, &turn.from))
+                > 2.0 * turn.band
+        })
+    };
+    let is_turn = |pair: &[(Range<usize>, bool)]| {
+        let (moves, from_turn) = &pair[1];
+        let turn = lines[moves.clone()].iter().flatten().next()?;
+        let folds = *from_turn && leaves(&pair[0].0, turn) && leaves(moves, turn);
+        folds.then_some(moves.start)
+    };
+    stretches.windows(2).filter_map(is_turn).collect()
+}
+
+/// Move `n` of a program, which begins `here`, as lines over the axes in use, with a share of the band.
+fn segments(
+    program: &Program,
+    n: usize,
+    here: Point,
+    (machine, axes, share): (&Machine, &[usize], f64),
+) -> Result<Vec<Segment>> {
+    let step = &program.moves[n];
+    let Some(to) = step.path.end() else { return Ok(Vec::new()) };
+    let tolerance = step.tolerance.unwrap_or(machine.tolerance);
+    ensure!(tolerance > 0.0, "line {}: a tolerance of 0 leaves no choice", step.line);
+    let straight = matches!(step.path, Course::Line { .. }) && program.exact.is_empty();
+    let points = if straight {
+        let over = |point: &Point| axes.iter().map(|&axis| point[axis]).collect();
+        vec![over(&here), over(to)]
+    } else {
+        let exact = program.exact.get(n).cloned().into_iter().collect();
+        let moves = vec![step.clone()];
+        let uses = program.uses;
+        let alone = Program { start: here, uses, moves, exact, ..Program::default() };
+        chords(&Track::new(&alone), tolerance * CHORDS)
+    };
+    let band = tolerance * share - if straight { 0.0 } else { tolerance * CHORDS };
+    let length: f64 = points.windows(2).map(|pair| apart(&pair[0], &pair[1])).sum();
+    let feed = match step.speed {
+        Speed::PerSecond(feed) => feed,
+        Speed::Duration(seconds) => length / seconds,
+        Speed::Rapid => f64::INFINITY,
+    };
+    let lines = points.windows(2).filter_map(|pair| {
+        let size = apart(&pair[0], &pair[1]);
+        let direction = pair[1].iter().zip(&pair[0]).map(|(b, a)| (b - a) / size).collect();
+        let from = pair[0].clone();
+        (size >= 1.0e-9).then_some(Segment { from, direction, length: size, band, feed })
+    });
+    Ok(lines.collect())
 }
 
 fn apart(a: &[f64], b: &[f64]) -> f64 {

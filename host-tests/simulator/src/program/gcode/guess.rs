@@ -14,7 +14,7 @@ pub struct Guess {
 /// So many lines are looked at.
 const HEAD: usize = 1000;
 
-/// Names in comments, in small letters. Files of printers have comments behind ";" alone: what stands in brackets may name a fish.
+/// Names in comments that have a line to themselves, in small letters: what stands behind a code is about that. Files of printers have comments behind ";" alone: what stands in brackets may name a fish.
 const NAMES: [(&str, Dialect); 17] = [
     ("prusaslicer", Dialect::Marlin),
     ("slic3r", Dialect::Marlin),
@@ -38,7 +38,7 @@ const NAMES: [(&str, Dialect); 17] = [
 /// M codes that only printers have: extruder, heaters, fans.
 const PRINTERS: [&str; 8] = ["M82", "M83", "M104", "M109", "M140", "M190", "M106", "M107"];
 
-/// The dialect of a file by its head: a name in a comment, unless that names several, or a code that only printers have.
+/// The dialect of a file by its head: a name in a line of comment, unless that names several, or a code that only printers have.
 pub fn guess<'a>(lines: impl Iterator<Item = &'a [u8]>) -> Option<Guess> {
     let mut by_code = None;
     for line in lines.take(HEAD) {
@@ -48,8 +48,9 @@ pub fn guess<'a>(lines: impl Iterator<Item = &'a [u8]>) -> Option<Guess> {
             None => (&*text, ""),
         };
         let comment = comment.to_lowercase();
+        let alone = code.trim().is_empty();
         let mut names = NAMES.iter().filter(|(name, dialect)| {
-            comment.contains(name) && (*dialect != Dialect::Marlin || comment.starts_with(';'))
+            alone && comment.contains(name) && (*dialect != Dialect::Marlin || comment.starts_with(';'))
         });
         if let Some((name, dialect)) = names.next()
             && names.all(|(_, other)| other == dialect)
@@ -94,6 +95,7 @@ mod tests {
             ("(Post: grbl)\nG21", Some(Dialect::Grbl)),
             ("(LinuxCNC, mill)\nG1 X1 F1", Some(Dialect::LinuxCnc)),
             ("(Marlin fish sign)\nG1 X1 F1", None),
+            ("G21\nG1 X1 F1 ; as slic3r has it", None),
             ("; for LinuxCNC, Marlin or grbl\nG1 X1 F1", None),
             ("(for LinuxCNC or grbl)\n(Post: grbl)\nG1 X1 F1", Some(Dialect::Grbl)),
             ("G21 G90\nG1 X1e-05 F100\nM3 S1000", None),
