@@ -161,6 +161,9 @@ fn events_are_played() {
     assert!(played > plain + 0.3, "{played} and {plain}");
     let abort = file("abort.csv", "0.3, abort\n").display().to_string();
     assert!(seconds(&["simulate", &path, "--events", &abort]) < plain);
+    // What an operator does when the program is over takes its time, and is not the program's.
+    let afterwards = file("afterwards.csv", "9, jog-to, X5 at 20\n12, jog-step, Y1 at 20\n");
+    assert!(seconds(&["simulate", &path, "--events", &afterwards.display().to_string()]) > 12.0);
     // Figures are of what was run: 120 mm would be more than the feed allows.
     let output = splineway(&["simulate", &path, "--events", &abort, "--json"]);
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();

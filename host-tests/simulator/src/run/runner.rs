@@ -238,7 +238,13 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let from = before.replace(setpoint).unwrap_or(setpoint);
         operator.seeker.sense(planner.inputs(), &axes, (&from, &setpoint), machine.cycle);
         view.take(&setpoint, setpoint.origin != origin, &operator.seeker.shift);
-        view.pace = operator.pace(waiting || setpoint.activity == Activity::Jogging);
+        let waits = match setpoint.activity {
+            Activity::Jogging => true,
+            // The program is over, and something else is to come.
+            Activity::Idle => waiting || progress == Progress::Done,
+            _ => waiting,
+        };
+        view.pace = operator.pace(waits);
         origin = setpoint.origin;
         operator.quick &= setpoint.activity != Activity::Idle;
         view.show(cycle as f64 * machine.cycle, observers)?;
