@@ -244,6 +244,8 @@ fn the_papers_lambda_counts_in_its_mode() {
     let path = path.display().to_string();
     let error = error_of(&["simulate", &path, "--lambda", "0.3"], 1);
     assert!(error.contains("--mode paper"), "{error}");
+    let error = error_of(&["simulate", &path, "--mode", "paper", "--reshape"], 1);
+    assert!(error.contains("in paper mode"), "{error}");
     let error = error_of(&["simulate", &path, "--mode", "paper", "--lambda", "1"], 1);
     assert!(error.contains("lambda"), "{error}");
     let deviation = |lambda: &str| -> f64 {

@@ -7,7 +7,7 @@ use super::reading::{Reading, check_setting};
 use super::recorded::{self, Places, Recorded, is_page};
 use crate::view::page::Overlay;
 use crate::view::{Busy, Curve, Progress, Scene, plot, plot_speeds};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use splineway::machine::Quantity;
 use splineway_simulator::judge::{Judge, Track, violations};
 use splineway_simulator::machine::{Axis, Machine, Mode};
@@ -129,6 +129,10 @@ impl Simulate {
             machine.sweeps = sweeps;
         }
         machine.reshape |= self.reshape;
+        ensure!(
+            !(machine.reshape && machine.mode == Mode::Paper),
+            "reshape: in paper mode the corners are those of the paper, and stay so"
+        );
         Ok(machine)
     }
 

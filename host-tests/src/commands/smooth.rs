@@ -133,9 +133,9 @@ impl Smooth {
         let busy = Busy::new("smoothing", false);
         file.closed |= self.closed;
         let name = self.file.display();
-        if !file.other.is_empty() {
-            let other: Vec<&str> = file.other.keys().map(String::as_str).collect();
-            eprintln!("warning: {name}: not used: {}", other.join(", "));
+        let unused = file.unused();
+        if !unused.is_empty() {
+            eprintln!("warning: {name}: not used: {}", unused.join(", "));
         }
         let given = file.path().with_context(|| name.to_string())?;
         let Some(radius) = self.tolerance.or(file.tolerance) else {

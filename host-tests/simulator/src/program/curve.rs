@@ -5,14 +5,7 @@ use crate::spline::{Nurbs, SplineFile};
 use anyhow::{Result, bail, ensure};
 use splineway::spline::nurbs::ERROR;
 
-/// Reads a NURBS curve, as cubic blocks; as chords of equal parameter steps if the options ask for them.
-///
-/// # Errors
-/// Names the place in the file, or the member and what is wrong with it.
-pub fn parse_nurbs(text: &str, options: ReadOptions<'_>) -> Result<Program> {
-    of_nurbs(&Nurbs::read(text)?, options)
-}
-
+/// A NURBS curve as cubic blocks; as chords of equal parameter steps if the options ask for them.
 fn of_nurbs(curve: &Nurbs, options: ReadOptions<'_>) -> Result<Program> {
     if let Some(segments) = options.segments {
         return chords(curve, segments, options.feed);
@@ -104,8 +97,17 @@ fn from_line(point: &Point, from: &Point, to: &Point) -> f64 {
 /// # Errors
 /// Names what is wrong with the spline.
 pub fn parse_spline(file: &SplineFile, options: ReadOptions<'_>) -> Result<Program> {
+    let mut program = of_spline(file, options)?;
+    let unused = file.unused();
+    if !unused.is_empty() {
+        program.warnings.push(format!("not used: {}", unused.join(", ")));
+    }
+    Ok(program)
+}
+
+fn of_spline(file: &SplineFile, options: ReadOptions<'_>) -> Result<Program> {
     let feed = file.feed.unwrap_or(options.feed);
-    if let Some(curve) = file.nurbs()? {
+    if let Some(curve) = file.by_all_knots()? {
         return of_nurbs(&curve, ReadOptions { feed, ..options });
     }
     options.check_no_chords()?;
@@ -120,17 +122,12 @@ pub fn parse_spline(file: &SplineFile, options: ReadOptions<'_>) -> Result<Progr
     Ok(program)
 }
 
-/// JSON with a degree is a NURBS curve; without one it is a spline file.
+/// A spline file in JSON.
 ///
 /// # Errors
 /// Names the place in the text and what is wrong there.
 pub fn parse_json(text: &str, options: ReadOptions<'_>) -> Result<Program> {
-    match serde_json::from_str::<serde_json::Value>(text) {
-        Ok(value) if value.get("control_points").is_some() && value.get("degree").is_none() => {
-            parse_spline(&SplineFile::parse(text, "json")?, options)
-        }
-        _ => parse_nurbs(text, options),
-    }
+    parse_spline(&SplineFile::parse(text, "json")?, options)
 }
 
 #[cfg(test)]
@@ -144,7 +141,7 @@ mod tests {
     /// The quarter circle as a rational quadratic: every point of every block at its distance.
     #[test]
     fn a_curve_becomes_cubics_that_stay_on_it() {
-        let program = parse_nurbs(QUARTER, OPTIONS).unwrap();
+        let program = parse_json(QUARTER, OPTIONS).unwrap();
         assert!(program.moves.len() < 100 && program.moves.len() == program.exact.len());
         let mut here = program.start;
         for step in &program.moves {
@@ -161,7 +158,7 @@ mod tests {
     /// Chords if they are asked for, and how far they are off.
     #[test]
     fn chords_say_how_far_they_lie_off() {
-        let program = parse_nurbs(QUARTER, ReadOptions { segments: Some(8), ..OPTIONS }).unwrap();
+        let program = parse_json(QUARTER, ReadOptions { segments: Some(8), ..OPTIONS }).unwrap();
         assert_eq!((program.moves.len(), program.exact.len()), (8, 0));
         let sagitta = 100.0 * (1.0 - (std::f64::consts::PI / 32.0).cos());
         let said = &program.warnings[0];
@@ -176,12 +173,12 @@ mod tests {
     #[test]
     fn straight_pieces_are_lines_and_kinks_are_kept() {
         let text = r#"{"degree": 1, "control_points": [[0, 0], [10, 0], [10, 10]], "knots": [0, 0, 1, 2, 2]}"#;
-        let program = parse_nurbs(text, OPTIONS).unwrap();
+        let program = parse_json(text, OPTIONS).unwrap();
         assert!(program.moves.iter().all(|step| matches!(step.path, Course::Line { .. })));
         assert_eq!(program.moves.len(), 2);
         let text = r#"{"degree": 2, "control_points": [[0, 0], [5, 5], [10, 0], [15, 5], [20, 0]],
             "knots": [0, 0, 0, 1, 1, 2, 2, 2]}"#;
-        let program = parse_nurbs(text, OPTIONS).unwrap();
+        let program = parse_json(text, OPTIONS).unwrap();
         assert_eq!(program.moves.len(), 2, "parabolas are cubics");
         for degree in 1..=9usize {
             let points: Vec<String> =
@@ -193,8 +190,9 @@ mod tests {
                 r#"{{"degree": {degree}, "control_points": [{}], "knots": {knots:?}}}"#,
                 points.join(",")
             );
-            let curve = Nurbs::read(&text).unwrap();
-            let program = parse_nurbs(&text, OPTIONS).unwrap();
+            let file = SplineFile::parse(&text, "json").unwrap();
+            let curve = file.by_all_knots().unwrap().unwrap();
+            let program = parse_json(&text, OPTIONS).unwrap();
             let Some(Course::Cubic { to, .. } | Course::Line { to }) =
                 program.moves.last().map(|step| step.path.clone())
             else {
@@ -205,11 +203,41 @@ mod tests {
         }
     }
 
+    /// What a curve of any degree says of itself counts, and what it says in vain is told.
+    #[test]
+    fn the_members_of_a_curve_count() {
+        for degree in ["", r#""degree": 3,"#, r#""degree": 3, "weights": [1, 1, 1, 1],"#] {
+            let text = format!(
+                r#"{{{degree} "control_points": [[0, 0], [1, 0], [2, 1], [3, 3]],
+                    "knots": [0, 0, 0, 0, 1, 1, 1, 1], "units": "mm", "source": "here""#
+            );
+            let read = |more: &str| parse_json(&format!("{text}{more}}}"), OPTIONS);
+            let program = read(r#", "feed": 5, "speed": 7"#).unwrap();
+            assert!(
+                program.moves.iter().all(|step| step.speed == Speed::PerSecond(5.0)),
+                "{degree}"
+            );
+            assert_eq!(program.warnings, ["not used: speed"], "{degree}");
+            for (more, part) in [
+                (r#", "feed": -5"#, "feed is -5"),
+                (r#", "tolerance": 0"#, "tolerance is 0"),
+                (r#", "feed": 5, "feed": 6"#, "duplicate field"),
+            ] {
+                let error = format!("{:#}", read(more).unwrap_err());
+                assert!(error.contains(part), "{error}");
+            }
+            let inches = format!("{text}}}").replace("mm", "inch");
+            let error = format!("{:#}", parse_json(&inches, OPTIONS).unwrap_err());
+            assert!(error.contains("units are \"inch\""), "{error}");
+        }
+    }
+
     #[test]
     fn wrong_curves_are_explained() {
         for (text, part) in [
-            ("{", "not a NURBS curve"),
-            (r#"{"degree": 3, "control_points": [[0, 0]], "knots": []}"#, "too few"),
+            ("{", "not a spline"),
+            (r#"{"degree": 2, "control_points": [[0, 0]], "knots": []}"#, "too few"),
+            (r#"{"degree": 3, "control_points": [[0, 0]], "knots": [0, 0, 1, 1, 1]}"#, "too few"),
             (
                 r#"{"degree": 1, "control_points": [[0], [1]], "knots": [0, 0, 1]}"#,
                 "4 are expected",
@@ -223,7 +251,7 @@ mod tests {
                 "no length",
             ),
         ] {
-            let error = format!("{:#}", parse_nurbs(text, OPTIONS).unwrap_err());
+            let error = format!("{:#}", parse_json(text, OPTIONS).unwrap_err());
             assert!(error.contains(part), "{error}");
         }
     }

@@ -104,12 +104,46 @@ impl SplineFile {
     /// # Errors
     /// Names the place in the text and what is wrong there.
     pub fn parse(text: &str, ending: &str) -> Result<Self> {
-        match ending {
-            "json" => serde_json::from_str(text).context("not a spline"),
-            "toml" => toml::from_str(text).context("not a spline"),
-            "txt" => parse_text(text),
+        let file: Self = match ending {
+            "json" => serde_json::from_str(text).context("not a spline")?,
+            "toml" => toml::from_str(text).context("not a spline")?,
+            "txt" => parse_text(text)?,
             _ => bail!("a spline file is .json, .toml or .txt"),
+        };
+        file.check()?;
+        Ok(file)
+    }
+
+    /// What is wrong whatever the file is for.
+    fn check(&self) -> Result<()> {
+        for (what, value) in [("tolerance", self.tolerance), ("feed", self.feed)] {
+            if let Some(x) = value {
+                ensure!(x > 0.0 && x.is_finite(), "{what} is {x}; it must be greater than 0");
+            }
         }
+        if let Some(units) = self.other.get("units") {
+            ensure!(units == "mm", "units are {units}; coordinates must be in mm");
+        }
+        Ok(())
+    }
+
+    /// Members that are there and stand for nothing here, but for words about the file.
+    pub fn unused(&self) -> Vec<&str> {
+        let names = self.other.keys().map(String::as_str);
+        names.filter(|name| !["comment", "description", "source", "units"].contains(name)).collect()
+    }
+
+    /// The curve by all its knots, which may be there more than once: of another degree, rational, or a cubic that is written so.
+    ///
+    /// # Errors
+    /// As [`SplineFile::nurbs`].
+    pub fn by_all_knots(&self) -> Result<Option<Nurbs>> {
+        let all = self.knots.len() == self.control_points.len() + 4;
+        if self.degree == Some(3) && self.weights.is_none() && all && !self.closed {
+            let (points, knots) = (self.control_points.clone(), self.knots.clone());
+            return Ok(Some(Nurbs::new(3, points, None, knots)?));
+        }
+        self.nurbs()
     }
 
     /// The curve that it is if it is none of the cubic splines of this program: of another degree, or

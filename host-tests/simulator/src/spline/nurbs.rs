@@ -3,11 +3,10 @@
 use super::path::Path;
 use super::rational::Rational;
 use anyhow::{Context, Result, ensure};
-use serde::Deserialize;
 use splineway::spline::nurbs::{self, Cubic, Cubics, Knots};
 
-/// A NURBS curve: `{degree, control_points, weights, knots}`.
-#[derive(Debug, Deserialize)]
+/// A NURBS curve.
+#[derive(Debug)]
 pub struct Nurbs {
     degree: usize,
     control_points: Vec<Vec<f64>>,
@@ -28,16 +27,6 @@ impl Nurbs {
         knots: Vec<f64>,
     ) -> Result<Self> {
         let curve = Self { degree, control_points, weights, knots };
-        curve.check()?;
-        Ok(curve)
-    }
-
-    /// A curve from JSON.
-    ///
-    /// # Errors
-    /// Names the place in the text, or the member and what is wrong with it.
-    pub fn read(text: &str) -> Result<Self> {
-        let curve: Self = serde_json::from_str(text).context("not a NURBS curve")?;
         curve.check()?;
         Ok(curve)
     }

@@ -50,7 +50,9 @@ pub fn guess<'a>(lines: impl Iterator<Item = &'a [u8]>) -> Option<Guess> {
         let comment = comment.to_lowercase();
         let alone = code.trim().is_empty();
         let mut names = NAMES.iter().filter(|(name, dialect)| {
-            alone && comment.contains(name) && (*dialect != Dialect::Marlin || comment.starts_with(';'))
+            alone
+                && comment.contains(name)
+                && (*dialect != Dialect::Marlin || comment.starts_with(';'))
         });
         if let Some((name, dialect)) = names.next()
             && names.all(|(_, other)| other == dialect)
