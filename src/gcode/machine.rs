@@ -101,7 +101,9 @@ impl Reader {
         }
         let word = words.list().iter().find(|word| word.letter == b'S');
         let value = word.and_then(|word| word.value);
-        if let Some(percent) = value.filter(|percent| code == Code::m(220) && *percent != 100.0) {
+        if let Some(percent) =
+            value.filter(|percent| code == Code::m(220) && (*percent - 100.0).abs() > 1e-9)
+        {
             self.note(Note::FeedShare(percent));
         }
         // One event in an empty list.

@@ -99,6 +99,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             let first = self.horizon.window.clamped_index(offer.first);
             let shown = self.horizon.shown_from(first);
             self.phase = Phase::Following(Following { shown, ..offer.taken });
+            // From a rest within a block the motion goes on as any other: if its end is not known yet, that is looked for in motion.
+            self.pressing.short &= offer.before.is_some();
         } else {
             self.horizon.drop_draft();
             self.phase = offer.refused();

@@ -4,6 +4,7 @@ use super::bounds::{Bounds, Pace};
 use super::law::{Law, PathState, crossing};
 use super::rows::View;
 use crate::machine::{LimitSets, SetNumber};
+use crate::number::optional::Optional;
 use crate::number::serial::NodeSerial;
 use crate::number::vector::dot;
 use crate::number::{ArcLength, Coord, Scalar};
@@ -32,16 +33,33 @@ pub struct Station<S, const N: usize> {
     pub agreed: PathState<S>,
 }
 
+/// What is still asked of the cell before the first station.
+#[derive(Clone, Copy, Debug)]
+struct Passed {
+    tag: u32,
+    dwells: bool,
+}
+
+impl Passed {
+    fn of<S: Scalar, const N: usize>(cell: &Cell<S, N>) -> Self {
+        let dwells = !(cell.length > S::ZERO) && cell.event.is_none();
+        Self { tag: cell.programmed.tag, dwells }
+    }
+}
+
 /// A ring of stations. The first is where the part under execution starts; the last is at rest.
 pub struct Window<S, const N: usize, const NODES: usize> {
     stations: Deque<Station<S, N>, NODES>,
     /// Running number of the first station.
     first: NodeSerial,
+    /// The cell before that, if there was one.
+    passed: Optional<Passed>,
 }
 
 impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
     /// The memory of one, without a node.
-    pub const EMPTY: Self = Self { stations: Deque::new(), first: NodeSerial::ZERO };
+    pub const EMPTY: Self =
+        Self { stations: Deque::new(), first: NodeSerial::ZERO, passed: Optional::NONE };
 
     /// Forgets everything, and rests at one node, whose running number is `first`.
     pub fn begin(&mut self, node: Node<S, N>, first: NodeSerial) {
@@ -69,6 +87,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
         };
         self.stations.clear();
         self.first = first;
+        self.passed.set(None);
         let _ = self.stations.push_back(Station {
             node,
             cell,
@@ -233,10 +252,11 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
         }
     }
 
-    /// Forgets the stations behind the one at `index`, which then rests.
+    /// Forgets the stations behind the one at `index`, which then rests, and what was before the first.
     pub fn truncate(&mut self, index: usize) {
         debug_assert!(index < self.len());
         self.stations.truncate(index + 1);
+        self.passed.set(None);
         if let Some(last) = self.stations.back_mut() {
             last.rest = true;
             last.pause = false;
@@ -284,9 +304,25 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
             if !self.first.is_before(serial) || self.stations.len() <= 1 {
                 return;
             }
-            self.stations.pop_front();
+            let passed = self.stations.pop_front().map(|station| Passed::of(&station.cell));
+            self.passed.set(passed);
             self.first = self.first.next();
         }
+    }
+
+    /// Whether a block ends at station `i`; `None` if nothing leads there.
+    #[inline(never)]
+    pub fn ends_block(&self, i: usize) -> Option<bool> {
+        let before = match i.checked_sub(1) {
+            Some(before) => Passed::of(&self.stations.get(before)?.cell),
+            None => *self.passed.as_ref()?,
+        };
+        let here = self.stations.get(i)?;
+        let after = Passed::of(&here.cell);
+        let last = i + 1 == self.len();
+        // A long dwell is many cells.
+        let dwells = before.dwells && after.dwells;
+        Some((!last && before.tag != after.tag) || (here.rest && (last || !dwells)))
     }
 
     /// Whether cells take less than `limit`, s, in the plan that is being executed. Looks no further than it must: it is

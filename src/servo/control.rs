@@ -45,6 +45,8 @@ pub struct Requests {
     set: AtomicU32,
     /// Holds and aborts for which the stop limits were asked.
     quick: AtomicU32,
+    /// What was pressed as the machine came to rest, or to an event, last: a resume from then on is meant for that. Written in the interrupt.
+    rested: AtomicU32,
     /// Jogs that have been called off.
     #[cfg(feature = "jog")]
     cancels: AtomicU32,
@@ -107,6 +109,7 @@ impl Requests {
             pressed: AtomicU32::new(0),
             set: AtomicU32::new(0),
             quick: AtomicU32::new(0),
+            rested: AtomicU32::new(0),
             #[cfg(feature = "jog")]
             cancels: AtomicU32::new(0),
             #[cfg(feature = "jog")]
@@ -146,6 +149,16 @@ impl Requests {
             resumes: pressed & RESUMES,
             aborts: pressed / ABORT,
         }
+    }
+
+    /// The machine has come to rest, or to an event.
+    pub fn rest(&self) {
+        self.rested.store(self.pressed.load(Relaxed), Relaxed);
+    }
+
+    /// Number of the last resume that was pressed before. (Who has seen that the motion is there sees this, too.)
+    pub fn resumes_before_rest(&self) -> u32 {
+        self.rested.load(Relaxed) & RESUMES
     }
 
     /// Number of the last abort.

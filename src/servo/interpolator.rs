@@ -24,6 +24,8 @@ pub struct Interpolator<'a, S: Scalar, const N: usize> {
     count: u32,
     /// Whether the piece under way has an event that has not been reported.
     event: bool,
+    /// Whether there is a piece under way, and no event: what that takes is a part of a rest.
+    moves: bool,
     /// Node at which the next piece starts.
     serial: NodeSerial,
     /// Where the motion rests if nothing follows.
@@ -65,6 +67,7 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
             lag: S::ZERO,
             count: 0,
             event: false,
+            moves: false,
             serial: node,
             rest: Place { origin: start, ..Place::ZERO },
         }
@@ -222,6 +225,10 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
         self.serial = serial.next();
         self.piece = Some(piece);
         self.event = piece.has_event();
+        self.moves = !self.event;
+        if self.event {
+            self.side.rest();
+        }
         Entry { lag: self.lag, count: self.count, .. } = entry;
         self.side.report(&Timeline { serial, began: entry.began, lag: entry.lag });
         debug_assert!(t < self.time, "pieces shorter than their least duration");
@@ -231,6 +238,9 @@ impl<'a, S: Scalar, const N: usize> Interpolator<'a, S, N> {
     /// Nothing follows.
     fn stop(&mut self, starves: bool, now: CycleSerial) -> Setpoint<S, N> {
         self.piece = None;
+        if core::mem::take(&mut self.moves) {
+            self.side.rest();
+        }
         if starves {
             self.side.count_starved();
         }

@@ -193,6 +193,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Channel<S, N, NODES> {
             ServoSide {
                 plans,
                 flags,
+                requests: &self.requests,
                 plan,
                 active: 0,
                 next: 0,
@@ -496,6 +497,7 @@ impl Ahead {
 pub struct ServoSide<'a, S: Scalar, const N: usize> {
     plans: [&'a [Slot<S, N>]; 2],
     flags: &'a Flags<S>,
+    requests: &'a Requests,
     /// Number of the plan under way.
     plan: u32,
     /// Buffer that is being executed.
@@ -508,6 +510,11 @@ pub struct ServoSide<'a, S: Scalar, const N: usize> {
 }
 
 impl<'a, S: Scalar, const N: usize> ServoSide<'a, S, N> {
+    /// The machine comes to rest, or to an event: to be called before [`ServoSide::report`], which lets the planner see it.
+    pub fn rest(&self) {
+        self.requests.rest();
+    }
+
     /// By how much an acceleration may leap where a piece begins, mm/s2; `None` if that is not looked at.
     #[cfg(debug_assertions)]
     pub fn leap(&self) -> Option<S> {

@@ -4,10 +4,8 @@ use super::intake::least_piece;
 use super::{Builder, Front};
 use crate::machine::Config;
 use crate::number::{Interval, Length, Scalar};
+use crate::path::cut::{least_before_end, to_end};
 use crate::path::node::Programmed;
-
-/// Least part of a cell that the end of a piece cuts off.
-const PART_OF_CELL: i64 = 8;
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// What is asked of a cell of the joint behind the front block, of `cells` in all: of the first `middle` by the
@@ -47,18 +45,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         if block.marks == 0 {
             return (next, next);
         }
-        // What is too short to be shown is no cell of its own, nor is a small part of one: in `f32` the motion
-        // over a cell a hundred times as short as its neighbour is not found.
         let least = Length::from_mm(least_piece(segment, block.feed, config)) / 2;
-        let near = least.max((next - s) / PART_OF_CELL);
         let count = usize::from(block.marks);
         let mut ends =
             (0..count).filter_map(|index| self.marks.get(index)).map(|m| Length::from_mm(m.s));
-        match ends.find(|&at| at - s > near) {
-            Some(at) if next - at > near => (at, next),
-            Some(at) if at - next < near && next < until && until - at > near => (at, at),
-            _ => (next, next),
-        }
+        let before = least_before_end(next - s, least);
+        let end = ends.find(|&end| end - s > before);
+        to_end(end, Interval { from: s, to: until }, next, least)
     }
 
     /// Forgets the marks of the front block up to a place on it.

@@ -2,7 +2,10 @@
 
 use super::{Run, Tie};
 use crate::number::{Interval, Length, Scalar};
-use crate::path::cut::{EndSizes, LONGEST_CELL_TIME, NextPiece, next_piece};
+use crate::path::cut::{
+    EndSizes, LONGEST_CELL_TIME, NextPiece, least_before_end, next_piece, to_end,
+};
+use crate::path::straight::SHOWN_SHARE;
 
 /// How far the spline has come.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -55,6 +58,10 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             NextPiece::Half => here + (to.s - here) / 2,
             NextPiece::Length(step) => here + Length::from_mm(step).max(Length::UNIT),
         };
+        // A line of several ends where they end, too: a rest at the end of a block is one at a knot.
+        let least = Length::from_mm(self.ramp.length(to.feed) * S::of(SHOWN_SHARE * 0.5));
+        let end = self.pieces.end_behind(here + least_before_end(s - here, least));
+        let (s, _) = to_end(end, Interval { from: here, to: to.s }, s, least);
         if self.knots == KnotState::New {
             self.spline.begin(&self.polyline, here, self.start, s - here);
             self.knots = KnotState::Open;

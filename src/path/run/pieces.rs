@@ -67,6 +67,11 @@ impl<S: Scalar> Pieces<S> {
         (piece.from() <= s || piece.from() < end).then_some(piece.tag)
     }
 
+    /// The first end of one behind an arc length.
+    pub fn end_behind(&self, s: Length) -> Option<Length> {
+        self.list.iter().map(|piece| piece.to).find(|&end| end > s)
+    }
+
     /// Forgets what lies before an arc length.
     pub fn release_before(&mut self, s: Length) {
         // At most all of them.

@@ -1,6 +1,7 @@
 //! Coming to rest on the path as soon as the limits allow.
 
 use super::slowing::{ATTEMPTS, Begun};
+use super::stages::Start;
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::planner::Planner;
@@ -47,6 +48,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         let (needed, staging) = self.stage_of_stop(handover, at);
         let start = self.start_of_stage(handover, needed);
+        if let Start::Moment(Some(moment)) = start
+            && self.horizon.rests_before(moment)
+        {
+            return self.rest_as_agreed(halt);
+        }
         let begun = self.horizon.begin_slowing(
             start,
             (self.pressing.attempts, quick),

@@ -254,10 +254,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     fn obey_at_rest(&mut self, wish: &Wish, resumed: bool) -> Option<Progress> {
         self.answered.quick = wish.quick;
         let end = self.horizon.end_index();
-        // From no other rest the motion goes on to the end of a block.
-        if let Phase::Following(now) = &self.phase {
-            self.pressing.short &= now.halt == Some(Halt::Short);
-        }
+        // From a rest within a block, whatever it came from, a stop goes on to the end of that.
+        self.pressing.short = wish.stop && !wish.holds() && self.rests_within_block();
         #[cfg(feature = "shaping")]
         if let Phase::Following(_) = self.phase {
             self.rested = self.side.cycles();
@@ -287,8 +285,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let station = self.horizon.window.get_mut(end);
         let pauses = station.is_some_and(|end| core::mem::take(&mut end.pause));
         if pauses || (wish.single && ended) {
-            // A resume that was pressed before this was known was not meant for it.
-            rest = Rest::AwaitsResume;
+            // A resume that was pressed before the machine rested was not meant for it; one since then was, though nobody has looked.
+            let pressed = wish.resumes != self.requests.resumes_before_rest();
+            rest = if pressed { Rest::IDLE } else { Rest::AwaitsResume };
         } else if resumed && rest == Rest::AwaitsResume {
             rest = Rest::IDLE;
         }
@@ -296,6 +295,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let held =
             wish.holds() || (wish.stop && !self.pressing.short) || rest == Rest::AwaitsResume;
         held.then(|| self.settled(Progress::Held))
+    }
+
+    /// At rest: whether a block is under way, and more of it is known.
+    #[inline(never)]
+    fn rests_within_block(&self) -> bool {
+        let window = &self.horizon.window;
+        let end = self.horizon.end_index();
+        let is_more = self.builder.len() > 0 || end + 1 < window.len();
+        is_more && window.ends_block(end) == Some(false)
     }
 
     /// What is to be said of a rest: it is none before what follows the setpoints rests too.

@@ -1,11 +1,10 @@
 //! Times and distances in the horizon: what the agreed plan takes, and what a change of speed would.
 
-use super::Horizon;
+use super::{Horizon, Moment};
 use crate::machine::Limits;
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::number::vector::norm;
-use crate::path::node::Cell;
 use crate::planner::phase::Halt;
 use crate::profile::bounds::Bounds;
 use crate::profile::law::{Law, PathState};
@@ -22,6 +21,8 @@ const SLOWER: f64 = 1.002;
 /// Nodes of the path lie at least as far apart as jerk takes a motion from rest in this many servo cycles:
 /// nearer ones would be passed no faster than they lie apart.
 const APART_CYCLES: f64 = 2.0;
+/// Servo cycles within which a rest is as near as an answer.
+const IN_A_MOMENT: f64 = 2.0;
 
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// How long the agreed plan takes for the cell of station `i`, s; 0 if there is none.
@@ -83,6 +84,25 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         self.window.takes_less(cells, limit)
     }
 
+    /// Whether the agreed motion comes to a rest before an answer can take effect, or in a moment behind: looked at from there the rest would have
+    /// been passed.
+    #[inline(never)]
+    pub fn rests_before(&self, Moment { timeline: line, when }: Moment<S>) -> bool {
+        let passed = when.since(line.began).map_or(S::ZERO, S::from_u32);
+        let mut left = line.lag + (passed + S::of(IN_A_MOMENT)) * self.config.cycle;
+        let end = self.end_index();
+        for i in self.window.clamped_index(line.serial)..end {
+            left -= self.agreed_time(i);
+            if left < S::ZERO {
+                return false;
+            }
+            if i + 1 == end || self.window.get(i + 1).is_some_and(|station| station.rest) {
+                return true;
+            }
+        }
+        false
+    }
+
     /// The stretch from a branch to the end of the plan, or to the first rest in it.
     pub fn stretch_from(&self, first: usize) -> Stretch {
         let end = self.end_index();
@@ -111,17 +131,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// Whether a block ends at station `i`.
-    #[inline(never)]
     pub fn ends_block(&self, i: usize) -> bool {
-        let Some((before, here)) = i.checked_sub(1).and_then(|i| self.window.pair(i)) else {
-            return false;
-        };
-        let last = i + 1 == self.window.len();
-        let (before, after) = (&before.cell, &here.cell);
-        let differs = !last && before.programmed.tag != after.programmed.tag;
-        // A long dwell is many cells.
-        let dwells = |cell: &Cell<S, N>| !(cell.length > S::ZERO) && cell.event.is_none();
-        differs || (here.rest && (last || !(dwells(before) && dwells(after))))
+        self.window.ends_block(i) == Some(true)
     }
 
     /// What a halt is that rests at station `i`.

@@ -238,13 +238,7 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let from = before.replace(setpoint).unwrap_or(setpoint);
         operator.seeker.sense(planner.inputs(), &axes, (&from, &setpoint), machine.cycle);
         view.take(&setpoint, setpoint.origin != origin, &operator.seeker.shift);
-        let waits = match setpoint.activity {
-            Activity::Jogging => true,
-            // The program is over, and something else is to come.
-            Activity::Idle => waiting || progress == Progress::Done,
-            _ => waiting,
-        };
-        view.pace = operator.pace(waits);
+        view.pace = operator.pace(waiting || is_beside(setpoint.activity, progress));
         origin = setpoint.origin;
         operator.quick &= setpoint.activity != Activity::Idle;
         view.show(cycle as f64 * machine.cycle, observers)?;
@@ -439,6 +433,11 @@ impl View {
         };
         observers.iter_mut().try_for_each(|observer| observer.setpoint(&sample))
     }
+}
+
+/// Whether what the machine does is not the program's: a jog, or a rest behind its end.
+fn is_beside(activity: Activity, progress: Progress) -> bool {
+    activity == Activity::Jogging || (activity == Activity::Idle && progress == Progress::Done)
 }
 
 /// Pushes moves until the core takes no more; returns how many it took.
