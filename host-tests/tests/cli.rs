@@ -580,6 +580,39 @@ fn check_blames_no_corner_for_the_ends() {
     assert!(found.iter().all(|(_, cause)| cause == "start, end or stop"), "{found:?}");
 }
 
+/// A line that drills has several moves, one of a subprogram is run at several feeds, and a feed word is for the linear axes where any of them
+/// moves: what is asked for is what the move under way asks for.
+#[test]
+fn check_holds_every_move_against_its_own_feed() {
+    let json = |name: &str, text: &str, more: &[&str]| -> serde_json::Value {
+        let part = file(name, text).display().to_string();
+        let arguments = [&["check", &part, "--json"], more].concat();
+        serde_json::from_str(&text_of(&arguments)).unwrap()
+    };
+    let share = |report: &serde_json::Value| report["shares"]["at_feed_share"].as_f64().unwrap();
+    let text = "G21 G90\nG0 Z5\nG81 X10 Y0 Z-20 R2 F60\nX20\nG80\nM2\n";
+    let drilled = json("drilled.ngc", text, &[]);
+    assert!(share(&drilled) > 0.95, "{drilled}");
+    for place in drilled["slowest"].as_array().unwrap() {
+        assert!(place["lost_s"].as_f64().unwrap() < 1.0, "{drilled}");
+    }
+    assert_eq!(drilled["advice"].as_array().unwrap().len(), 0, "{drilled}");
+    let text = "F600\nM98 P1\nF6000\nM98 P1\nM2\nO1\nG91 G1 X100\nG90\nM99\n";
+    let called = json("called.ngc", text, &[]);
+    assert!(share(&called) > 0.94, "{called}");
+    // The tool is at a tenth of its feed, as fast as C lets it be.
+    let slow = "[axes.default]\nvelocity = 200\nacceleration = 2000\njerk = 50000\n\
+                [axes.C]\nvelocity = 72\nacceleration = 720\njerk = 20000\n";
+    let machine = file("slow-c.toml", slow).display().to_string();
+    let text = "G21 G90 F1200\nG1 X10 C360\nG1 X20 C0\n";
+    let turned = json("turned.ngc", text, &["--machine", &machine]);
+    assert!(share(&turned) < 0.01, "{turned}");
+    assert!(turned["advice"].to_string().contains("2 moves ask for more feed"), "{turned}");
+    assert!(!turned["advice"].to_string().contains("half of the time"), "{turned}");
+    let quick = json("quick.ngc", "G21 G90 F1200\nG1 X100 C36\n", &[]);
+    assert!(share(&quick) > 0.9, "{quick}");
+}
+
 /// Everything that is wrong is listed at once, and nothing is run.
 #[test]
 fn every_finding_is_listed() {

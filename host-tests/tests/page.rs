@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use flate2::read::ZlibDecoder;
 use serde_json::Value;
 use splineway_simulator::machine::Axis;
-use splineway_simulator::record::recording::{Column, Grain, Tape};
+use splineway_simulator::record::recording::{Column, Grain, Numbers, Tape};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -201,6 +201,37 @@ fn nine_axes_and_rotary_ones() {
     let belts = simulate("page-corexy", &data("square.ngc"), &["--machine", &data("corexy.toml")]);
     assert_eq!(belts.head()["motors"].as_array().unwrap().len(), 2);
     belts.holds(belts.head()["tolerance"].as_f64().unwrap(), 0);
+}
+
+/// What is asked for is written cycle by cycle: a line that drills has a feed for each of its moves.
+#[test]
+fn feeds_are_those_of_the_moves() {
+    let text = "G21 G90\nG0 Z5\nG81 X10 Y0 Z-20 R2 F600\nG80\nM2\n";
+    let page = simulate("page-drill", &file("page-drill.ngc", text), &[]);
+    let (head, body) = (page.head(), page.unpacked("body"));
+    let mut rest = &body[..];
+    let mut feeds = Vec::new();
+    for entry in head["columns"].as_array().unwrap() {
+        let (column, others) = rest.split_at(entry[1].as_u64().unwrap() as usize);
+        rest = others;
+        if entry[0] == "feeds" {
+            let mut read = Numbers::new(column);
+            while !read.is_empty() {
+                let (cycles, kind, _) = (read.count(), read.count(), read.count());
+                feeds.push((cycles, kind));
+            }
+        }
+    }
+    let kinds: Vec<u64> = feeds.iter().map(|(_, kind)| *kind).collect();
+    // Rapids down to R, 22 mm at 10 mm/s, a rapid back.
+    assert_eq!(
+        kinds.split(|kind| *kind == 2).filter(|fed| !fed.is_empty()).count(),
+        1,
+        "{feeds:?}"
+    );
+    let (back, _) = *feeds.last().unwrap();
+    assert!((2200..2400).contains(&back), "{feeds:?}");
+    page.holds(0.01, 0);
 }
 
 /// Forty thousand short lines at a feed that no two of them hold: a page of bounded size.

@@ -106,7 +106,7 @@ fn print(findings: &Findings, mut source: Listing<'_>) {
         let feed = if place.feed.is_finite() { format!("{:.2}", place.feed) } else { "-".into() };
         println!(
             "{:>6} {:>9.3} {:>9.3}  {:>8.2} / {feed:<8} {text}  ({})",
-            place.line, place.lost, place.time, place.slowest, place.cause
+            place.line, place.lost, place.time, place.worst.slowest, place.cause
         );
     }
 }

@@ -1,7 +1,7 @@
 //! What `simulate` keeps of a run for a page, and the page of it.
 
-use crate::lint::{Blame, Ledger, LineFeed, Listing, feeds, slow_places};
-use crate::view::page::{Command, Overlay, Page, part, room};
+use crate::lint::{Blame, Ledger, Listing, slow_places};
+use crate::view::page::{Command, Feeds, Overlay, Page, part, room};
 use anyhow::{Context, Result};
 use splineway_simulator::judge::Track;
 use splineway_simulator::machine::{Axis, Machine};
@@ -24,9 +24,9 @@ pub fn recorder(program: &dyn Tape, machine: &Machine, track: &Track, limits: &[
     Recorder::new(machine.cycle, part(track, machine), limits, room(program))
 }
 
-/// Finds the slow places of a run.
+/// Finds the feeds and the slow places of a run.
 pub struct Places<'a> {
-    feeds: Vec<LineFeed>,
+    feeds: Feeds,
     blame: Blame<'a>,
 }
 
@@ -39,13 +39,15 @@ impl<'a> Places<'a> {
         // Only what is said of useless lines needs their text.
         let ledger = Ledger::new(program, machine, PLACES, Listing::new(&[]))?;
         let blame = Blame::new(program, limits, machine.cycle, ledger);
-        Ok(Self { feeds: feeds(program, limits), blame })
+        Ok(Self { feeds: Feeds::default(), blame })
     }
 }
 
 impl Observer for Places<'_> {
     fn setpoint(&mut self, sample: &Sample<'_>) -> Result<()> {
-        self.blame.setpoint(sample)
+        self.blame.setpoint(sample)?;
+        self.feeds.add(self.blame.asked());
+        Ok(())
     }
 }
 

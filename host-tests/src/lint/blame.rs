@@ -1,11 +1,12 @@
 //! Whose fault a slow place is: time lost while braking and getting up to speed again counts for the line
 //! on which the motion was slowest between, with what held it back there.
 
+use super::feeds::Asked;
 use super::ledger::Ledger;
 use super::{Place, Worst};
 use anyhow::Result;
 use splineway::Activity;
-use splineway_simulator::machine::Axis;
+use splineway_simulator::machine::{Axis, is_rotary};
 use splineway_simulator::program::{LETTERS, Tape};
 use splineway_simulator::run::{Observer, Sample};
 
@@ -30,6 +31,8 @@ struct Valley {
     line: u32,
     /// When it was slowest, s.
     time: f64,
+    /// The feed there, as far as the axes allow, mm/s.
+    feed: f64,
     limit: Option<(&'static str, usize)>,
     /// Whether nothing had moved before it.
     first: bool,
@@ -42,12 +45,29 @@ pub struct Blame<'a> {
     cycle: f64,
     limits: Vec<Axis>,
     letters: Vec<char>,
+    /// Which axes turn.
+    rotary: Vec<bool>,
+    /// What the move under way asks for.
+    asked: Asked,
     valley: Option<Valley>,
     before: Vec<f64>,
     /// Whether anything has moved.
     moved: bool,
-    /// Time of all, at the feed asked for, and at rest, s.
-    pub times: [f64; 3],
+    /// Where the time goes.
+    pub times: Times,
+}
+
+/// Time, s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Times {
+    /// All.
+    pub all: f64,
+    /// At the feed asked for.
+    pub at_feed: f64,
+    /// At rest.
+    pub at_rest: f64,
+    /// Below the feed, as fast as the axes allow.
+    pub at_limit: f64,
 }
 
 /// The places that lose most time, of a run that is over: as many as its ledger keeps.
@@ -64,11 +84,27 @@ impl<'a> Blame<'a> {
             cycle,
             limits: limits.to_vec(),
             letters: program.axes().into_iter().map(|axis| LETTERS[axis]).collect(),
+            rotary: program.axes().into_iter().map(is_rotary).collect(),
+            asked: Asked::NOTHING,
             valley: None,
             before: vec![0.0; limits.len()],
             moved: false,
-            times: [0.0; 3],
+            times: Times::default(),
         }
+    }
+
+    /// What the move asks for that is under way.
+    pub const fn asked(&self) -> Asked {
+        self.asked
+    }
+
+    /// Speed over the axes that its feed is for, mm/s.
+    fn fed(&self, sample: &Sample<'_>) -> f64 {
+        if self.asked.turns || !self.rotary.contains(&true) {
+            return sample.speed;
+        }
+        let linear = self.rotary.iter().zip(sample.velocity).filter(|(rotary, _)| !**rotary);
+        linear.map(|(_, velocity)| velocity * velocity).sum::<f64>().sqrt()
     }
 
     /// The end of the run.
@@ -83,8 +119,9 @@ impl<'a> Blame<'a> {
         let line = self.ledger.line(valley.line);
         line.place.lost += valley.lost;
         if valley.lost > line.place.worst.lost {
-            let Valley { lost, time, slowest, .. } = valley;
+            let Valley { lost, time, slowest, feed, .. } = valley;
             line.place.worst = Worst { lost, time, slowest };
+            line.place.feed = feed;
             line.place.cause = cause;
         }
     }
@@ -92,7 +129,7 @@ impl<'a> Blame<'a> {
     fn cause(&mut self, valley: &Valley, last: bool) -> String {
         let line = self.ledger.line(valley.line);
         let [begin, end] = line.turns;
-        let stands = valley.slowest < 1e-3 * line.place.feed.min(1e3);
+        let stands = valley.slowest < 1e-3 * valley.feed.min(1e3);
         if line.dwells {
             "standstill".to_owned()
         } else if stands && line.stops {
@@ -140,28 +177,35 @@ impl Observer for Blame<'_> {
         if sample.time == 0.0 {
             return Ok(());
         }
-        let (cycle, speed) = (self.cycle, sample.speed);
+        let cycle = self.cycle;
         let running = sample.activity == Activity::Running;
         if !self.moved && !running && sample.tag == 0 {
             // No line of the program yet.
-            self.times[0] += cycle;
-            self.times[2] += cycle;
+            self.times.all += cycle;
+            self.times.at_rest += cycle;
             return Ok(());
         }
+        self.asked = self.ledger.asked(sample);
+        let (feed, speed) = (self.asked.possible(), self.fed(sample));
         let place = &mut self.ledger.line(sample.tag).place;
-        let feed = place.feed;
         place.time += cycle;
         place.slowest = place.slowest.min(speed);
-        let at_feed = speed >= AT_FEED * feed;
-        for (sum, counts) in self.times.iter_mut().zip([true, at_feed, !running]) {
-            *sum += if counts { cycle } else { 0.0 };
+        let reaches = |feed: f64| speed >= AT_FEED * feed;
+        let Times { all, at_feed, at_rest, at_limit } = &mut self.times;
+        *all += cycle;
+        if !running {
+            *at_rest += cycle;
+        } else if reaches(self.asked.wanted) {
+            *at_feed += cycle;
+        } else if reaches(feed) {
+            *at_limit += cycle;
         }
-        if running && at_feed {
+        if running && reaches(feed) {
             self.leave(false);
         } else {
-            self.lose(sample, feed, limit);
+            self.lose(sample, speed, limit);
         }
-        self.moved |= speed > 0.0;
+        self.moved |= sample.speed > 0.0;
         let open = self.valley.map_or(u32::MAX, |valley| valley.line);
         self.ledger.retire(open.min(sample.tag));
         Ok(())
@@ -170,8 +214,8 @@ impl Observer for Blame<'_> {
 
 impl Blame<'_> {
     /// A cycle below the feed.
-    fn lose(&mut self, sample: &Sample<'_>, feed: f64, limit: Option<(&'static str, usize)>) {
-        let speed = sample.speed;
+    fn lose(&mut self, sample: &Sample<'_>, speed: f64, limit: Option<(&'static str, usize)>) {
+        let feed = self.asked.possible();
         // Down again after a rise: another place.
         if let Some(valley) = &self.valley
             && speed < valley.greatest_since / RISE
@@ -185,6 +229,7 @@ impl Blame<'_> {
             greatest_since: 0.0,
             line: sample.tag,
             time: sample.time,
+            feed,
             limit: None,
             first: !self.moved,
         };
@@ -193,7 +238,7 @@ impl Blame<'_> {
         valley.lost += self.cycle * (1.0 - kept);
         if speed < valley.slowest {
             (valley.slowest, valley.line, valley.limit) = (speed, sample.tag, limit);
-            valley.time = sample.time;
+            (valley.time, valley.feed) = (sample.time, feed);
             valley.greatest_since = speed;
         }
         valley.greatest_since = valley.greatest_since.max(speed);

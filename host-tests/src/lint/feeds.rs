@@ -2,28 +2,46 @@
 
 use splineway_simulator::machine::{Axis, is_rotary};
 use splineway_simulator::program::arc::Spiral;
-use splineway_simulator::program::{Course, Move, Point, Speed, Tape, on_cubic};
-use std::collections::BTreeMap;
+use splineway_simulator::program::{Course, Move, Point, Speed, on_cubic};
 
 /// Lines shorter than this, mm, are left out by the core.
 pub const NOTHING: f64 = 0.5e-6;
 
-/// What a move asks for, and what the axes let a line have, mm/s.
-#[derive(Clone, Copy, Debug)]
+/// What a move asks for. Speeds are over the axes that a feed word is for: the linear ones, or all if none of them moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Asked {
-    /// What is asked for.
+    /// What is asked for, mm/s; of a rapid, what the axes allow.
     pub wanted: f64,
-    /// What the axes let a line have.
+    /// What the axes let a line have, mm/s.
     pub most: f64,
+    /// G0, or no move at all.
+    pub rapid: bool,
+    /// Whether no linear axis moves.
+    pub turns: bool,
+}
+
+impl Asked {
+    /// Of what goes nowhere.
+    pub const NOTHING: Self =
+        Self { wanted: f64::INFINITY, most: f64::INFINITY, rapid: true, turns: false };
+
+    /// What is asked for as far as the axes allow, mm/s.
+    pub const fn possible(&self) -> f64 {
+        self.wanted.min(self.most)
+    }
 }
 
 /// What a move from `here` asks for.
 pub fn asked(step: &Move, here: &Point, axes: &[usize], limits: &[Axis]) -> Asked {
-    let way = length(here, &step.path, axes);
+    let linear: Vec<usize> = axes.iter().copied().filter(|axis| !is_rotary(*axis)).collect();
+    let straight = length(here, &step.path, &linear);
+    let turns = straight < NOTHING && step.path.end().is_some();
+    let way = if turns { length(here, &step.path, axes) } else { straight };
     let mut most = f64::INFINITY;
+    let rapid = step.speed == Speed::Rapid;
     if let Course::Line { to } = &step.path {
         if way < NOTHING {
-            return Asked { wanted: 0.0, most };
+            return Asked { wanted: 0.0, most, rapid, turns };
         }
         let moved = axes.iter().zip(limits);
         most = moved
@@ -35,50 +53,7 @@ pub fn asked(step: &Move, here: &Point, axes: &[usize], limits: &[Axis]) -> Aske
         Speed::Duration(seconds) => way / seconds,
         Speed::Rapid => most,
     };
-    Asked { wanted, most }
-}
-
-/// Feed of a line that moves.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LineFeed {
-    /// Line of the file.
-    pub line: u32,
-    /// What is asked for, mm/s; of a rapid, what the axes allow.
-    pub wanted: f64,
-    /// The same as far as the axes allow.
-    pub possible: f64,
-    /// G0.
-    pub rapid: bool,
-    /// Whether all axes are meant: not the linear ones alone.
-    pub whole: bool,
-}
-
-/// Feeds of the lines that move, in their order; of a line with several moves the greatest.
-pub fn feeds(program: &dyn Tape, limits: &[Axis]) -> Vec<LineFeed> {
-    let axes = program.axes();
-    let mut lines: BTreeMap<u32, LineFeed> = BTreeMap::new();
-    let mut here = program.start();
-    for step in program.steps() {
-        let Some(to) = step.path.end() else { continue };
-        let Asked { wanted, most } = asked(&step, &here, &axes, limits);
-        let linear =
-            |axis: &&usize| !is_rotary(**axis) && (to[**axis] - here[**axis]).abs() > NOTHING;
-        let turns =
-            matches!(step.path, Course::Line { .. }) && !axes.iter().any(|axis| linear(&axis));
-        let feed = LineFeed {
-            line: step.line,
-            wanted,
-            possible: wanted.min(most),
-            rapid: step.speed == Speed::Rapid,
-            whole: turns || matches!(step.speed, Speed::Duration(_)),
-        };
-        let other = lines.entry(step.line).or_insert(feed);
-        if feed.possible > other.possible {
-            *other = feed;
-        }
-        here = *to;
-    }
-    lines.into_values().collect()
+    Asked { wanted, most, rapid, turns }
 }
 
 fn distance(a: &Point, b: &Point, axes: &[usize]) -> f64 {

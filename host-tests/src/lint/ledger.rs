@@ -2,11 +2,13 @@
 
 use super::feeds::{Asked, NOTHING, asked, length};
 use super::listing::Listing;
+use super::way::{Stretch, Way};
 use super::{Extent, Findings, Place};
 use anyhow::Result;
 use splineway_simulator::machine::{Axis, Machine, is_rotary};
 use splineway_simulator::program::arc::Spiral;
 use splineway_simulator::program::{Course, LETTERS, Move, Point, Speed, Tape, on_cubic};
+use splineway_simulator::run::Sample;
 use std::collections::BTreeMap;
 
 /// A line of the file.
@@ -20,6 +22,26 @@ pub struct Line {
     pub stops: bool,
     /// Whether it goes nowhere.
     pub dwells: bool,
+}
+
+/// How much of a program might be otherwise.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Odd {
+    /// Lines without a length.
+    pub empty: usize,
+    /// Moves with more feed than the axes allow.
+    pub beyond: usize,
+    /// Exact stops that the program asks for: not those within a drilling cycle.
+    pub stops: usize,
+}
+
+/// Moves of one line, one behind the other: of a drilling cycle, which stops between them and has some of no length.
+#[derive(Clone, Copy, Debug, Default)]
+struct Group {
+    line: u32,
+    moves: usize,
+    stops: usize,
+    empty: usize,
 }
 
 /// The lines of a program, as far as they are needed.
@@ -36,6 +58,10 @@ pub struct Ledger<'a> {
     /// Lines before this one are complete.
     complete: u32,
     lines: BTreeMap<u32, Line>,
+    /// The moves around the motion.
+    way: Way,
+    /// The moves that were looked at last.
+    group: Group,
     extent: Vec<(f64, f64)>,
     /// Places that lose most of those that are done with, and how many are wanted.
     worst: Vec<Place>,
@@ -44,8 +70,8 @@ pub struct Ledger<'a> {
     least: f64,
     /// Moves, lengths and stops so far.
     pub findings: Findings,
-    /// Lines without a length; moves with more feed than the axes allow.
-    pub odd: [usize; 2],
+    /// What there is to say something about.
+    pub odd: Odd,
 }
 
 impl<'a> Ledger<'a> {
@@ -70,13 +96,15 @@ impl<'a> Ledger<'a> {
             last: None,
             complete: 0,
             lines: BTreeMap::new(),
+            way: Way::default(),
+            group: Group::default(),
             extent: axes.iter().map(|&axis| (here[axis], here[axis])).collect(),
             axes,
             worst: Vec::new(),
             places,
             least: 2.0 * machine.cycle,
             findings: Findings::default(),
-            odd: [0; 2],
+            odd: Odd::default(),
         };
         if !ledger.ordered {
             while ledger.load() {}
@@ -84,13 +112,16 @@ impl<'a> Ledger<'a> {
         Ok(ledger)
     }
 
-    /// What is known of a line; one that the program does not have is asked no feed.
+    /// What is known of a line.
     pub fn line(&mut self, line: u32) -> &mut Line {
         while self.complete <= line && self.load() {}
-        self.lines.entry(line).or_insert_with(|| Line {
-            place: Place { line, feed: f64::INFINITY, slowest: f64::INFINITY, ..Place::default() },
-            ..Line::default()
-        })
+        self.own(line)
+    }
+
+    /// What the move asks for that is under way; every cycle is to be told.
+    pub fn asked(&mut self, sample: &Sample<'_>) -> Asked {
+        while self.way.wants(sample) && self.load() {}
+        self.way.follow(sample)
     }
 
     /// Lines before this one have been run, and what was lost there is known.
@@ -131,15 +162,30 @@ impl<'a> Ledger<'a> {
         *kind += 1;
         self.findings.stops += usize::from(step.exact_stop);
         self.findings.length += way;
+        if step.line != self.group.line {
+            self.end_group();
+            self.group.line = step.line;
+        }
+        self.group.moves += 1;
+        self.group.stops += usize::from(step.exact_stop && step.path.end().is_some());
         let empty = straight && way < NOTHING;
         if empty && !is_extrusion(&self.source.line(step.line)) {
-            self.odd[0] += 1;
+            self.group.empty += 1;
         }
-        let Asked { wanted, most } = asked(step, &self.here, &self.axes, &self.limits);
-        self.odd[1] += usize::from(step.speed != Speed::Rapid && wanted > most * 1.001);
-        let place = &mut self.own(step.line).place;
-        place.length += way;
-        place.feed = place.feed.max(wanted.min(most));
+        let asked = asked(step, &self.here, &self.axes, &self.limits);
+        self.odd.beyond +=
+            usize::from(step.speed != Speed::Rapid && asked.wanted > asked.most * 1.001);
+        self.way.add(Stretch { line: step.line, length: way, asked });
+        self.own(step.line).place.length += way;
+    }
+
+    /// The moves of a line are over.
+    fn end_group(&mut self) {
+        let Group { moves, stops, empty, .. } = std::mem::take(&mut self.group);
+        if moves == 1 {
+            self.odd.stops += stops;
+            self.odd.empty += empty;
+        }
     }
 
     /// A line of the program.
@@ -202,8 +248,9 @@ impl<'a> Ledger<'a> {
     }
 
     /// The findings of all of it: moves, length, extent, and the places that lose most.
-    pub fn finish(mut self) -> (Findings, [usize; 2]) {
+    pub fn finish(mut self) -> (Findings, Odd) {
         while self.load() {}
+        self.end_group();
         for (_, line) in std::mem::take(&mut self.lines) {
             self.rank(line.place);
         }

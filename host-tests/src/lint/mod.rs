@@ -4,10 +4,11 @@ mod blame;
 mod feeds;
 mod ledger;
 mod listing;
+mod way;
 
-pub use self::blame::{Blame, slow_places};
-pub use self::feeds::{LineFeed, feeds};
-pub use self::ledger::Ledger;
+pub use self::blame::{Blame, Times, slow_places};
+pub use self::feeds::Asked;
+pub use self::ledger::{Ledger, Odd};
 pub use self::listing::Listing;
 
 use crate::view::Progress;
@@ -26,7 +27,7 @@ pub struct Place {
     /// Length of its moves, mm.
     #[serde(rename = "length_mm")]
     pub length: f64,
-    /// Its feed, mm/s; of a rapid, what the axes allow.
+    /// The feed at its slowest place, mm/s, as far as the axes allow.
     #[serde(rename = "feed_mm_s")]
     pub feed: f64,
     /// Time, s.
@@ -35,7 +36,7 @@ pub struct Place {
     /// Time lost against the feed around its slowest place, s, be it on other lines.
     #[serde(rename = "lost_s")]
     pub lost: f64,
-    /// Least speed, mm/s.
+    /// Least speed, mm/s, over the axes that the feed is for.
     #[serde(rename = "slowest_mm_s")]
     pub slowest: f64,
     /// What held the motion back there.
@@ -152,33 +153,34 @@ pub fn look(
     run(program, machine, Precision::F64, &mut [&mut blame, &mut progress])?;
     progress.finish();
     blame.close();
-    let [time, at_feed, resting] = blame.times;
+    let Times { all, at_feed, at_rest, at_limit } = blame.times;
     let (mut findings, odd) = blame.ledger.finish();
-    let total = time.max(machine.cycle);
-    let slow = (total - at_feed - resting).max(0.0);
-    findings.time = time;
+    let total = all.max(machine.cycle);
+    let slow = (total - at_feed - at_rest).max(0.0);
+    findings.time = all;
     findings.shares =
-        Shares { at_feed: at_feed / total, below_feed: slow / total, at_rest: resting / total };
-    findings.advice = advice(&findings, machine, odd);
+        Shares { at_feed: at_feed / total, below_feed: slow / total, at_rest: at_rest / total };
+    findings.advice = advice(&findings, machine, odd, (slow - at_limit) / total);
     Ok(findings)
 }
 
-fn advice(findings: &Findings, machine: &Machine, [nothing, beyond]: [usize; 2]) -> Vec<String> {
+/// What might be done about it; `held` is the share of the time below what the axes allow of the feed.
+fn advice(findings: &Findings, machine: &Machine, odd: Odd, held: f64) -> Vec<String> {
+    let Odd { empty, beyond, stops } = odd;
     let mut advice = Vec::new();
     let Moves { lines, arcs, curves, dwells } = findings.moves;
     let moves = lines + arcs + curves + dwells;
     if machine.tolerance == 0.0 && moves > 1 {
         advice.push("the tolerance is 0, so every corner is an exact stop: give one (G64 P0.01, or --tolerance 0.01)".to_owned());
     }
-    if findings.stops * 5 > moves && moves > 5 {
+    if stops * 5 > moves && moves > 5 {
         advice.push(format!(
-            "{} of {moves} moves end in an exact stop: if that is not meant, leave G61 for G64",
-            findings.stops
+            "{stops} of {moves} moves end in an exact stop: if that is not meant, leave G61 for G64"
         ));
     }
-    if nothing > 0 {
+    if empty > 0 {
         advice.push(format!(
-            "{nothing} lines have no length and do nothing: the post-processor could leave them out"
+            "{empty} lines have no length and do nothing: the post-processor could leave them out"
         ));
     }
     if beyond > 0 {
@@ -186,7 +188,7 @@ fn advice(findings: &Findings, machine: &Machine, [nothing, beyond]: [usize; 2])
             "{beyond} moves ask for more feed than the axes allow: they run as fast as those do"
         ));
     }
-    if findings.shares.below_feed > 0.5 && machine.tolerance > 0.0 {
+    if held > 0.5 && machine.tolerance > 0.0 {
         advice.push(format!(
             "more than half of the time is spent below the feed: a tolerance wider than {} mm, or more acceleration and jerk, would tell",
             machine.tolerance

@@ -6,10 +6,10 @@
 
 mod head;
 
-pub use head::{Command, Overlay};
+pub use head::{Command, Feeds, Overlay};
 
 use self::head::Head;
-use crate::lint::{LineFeed, Place};
+use crate::lint::Place;
 use anyhow::Result;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -77,8 +77,8 @@ pub struct Page<'a> {
     pub broken: &'a [String],
     /// The text of the file; none of a curve.
     pub source: &'a [u8],
-    /// Feeds by line.
-    pub feeds: &'a [LineFeed],
+    /// Feeds, cycle by cycle.
+    pub feeds: &'a Feeds,
     /// Slow places.
     pub slow: &'a [Place],
     /// What the operator did.
@@ -111,7 +111,7 @@ impl Page<'_> {
             add(format!("outline{n}"), column);
         }
         add("tolerances".to_owned(), &outline.tolerances);
-        add("feeds".to_owned(), &head::feeds(self.feeds));
+        add("feeds".to_owned(), self.feeds.column());
         for (n, overlay) in self.overlays.iter().enumerate() {
             add(format!("overlay{n}"), &overlay.column());
         }

@@ -1,7 +1,7 @@
 //! What a page is told in words and single numbers.
 
 use super::{Page, part};
-use crate::lint::LineFeed;
+use crate::lint::Asked;
 use serde::Serialize;
 use splineway_simulator::machine::is_rotary;
 use splineway_simulator::program::LETTERS;
@@ -88,23 +88,34 @@ impl Overlay {
     }
 }
 
-/// Feeds by line: lines since the last change, kind (0 over the linear axes, 1 over all, 2 rapid), feed in counts.
-pub fn feeds(lines: &[LineFeed]) -> Column {
-    let mut column = Column::default();
-    let mut before = None;
-    let mut line = 0;
-    for feed in lines {
-        let kind = if feed.rapid { 2 } else { u64::from(feed.whole) };
-        let finite = feed.wanted.is_finite() && feed.wanted > 0.0;
-        let count = if finite { (feed.wanted / FEED_COUNT).round() as u64 } else { 0 };
-        if before.replace((kind, count)) != Some((kind, count)) {
-            column.number(i64::from(feed.line) - line);
-            column.count(kind);
-            column.count(count);
-            line = i64::from(feed.line);
+/// Feeds as they were run: cycles since the last change, kind (0 over the linear axes, 1 no linear axis moves, 2 rapid), feed in counts.
+#[derive(Clone, Debug, Default)]
+pub struct Feeds {
+    column: Column,
+    cycle: u64,
+    /// The cycle of the last change, and what has been asked for since.
+    last: (u64, Option<(u64, u64)>),
+}
+
+impl Feeds {
+    /// One more servo cycle.
+    pub fn add(&mut self, asked: Asked) {
+        let kind = if asked.rapid { 2 } else { u64::from(asked.turns) };
+        let finite = asked.wanted.is_finite() && asked.wanted > 0.0;
+        let count = if finite { (asked.wanted / FEED_COUNT).round() as u64 } else { 0 };
+        if self.last.1 != Some((kind, count)) {
+            self.column.count(self.cycle - self.last.0);
+            self.column.count(kind);
+            self.column.count(count);
+            self.last = (self.cycle, Some((kind, count)));
         }
+        self.cycle += 1;
     }
-    column
+
+    /// All of them.
+    pub const fn column(&self) -> &Column {
+        &self.column
+    }
 }
 
 #[derive(Debug, Serialize)]

@@ -27,8 +27,7 @@ function speeds(run, s, u, h, whole = false) {
 
 /** The share of the programmed feed at a place, and whether it is a rapid or no move at all. */
 function feedShare(run, s, u, h) {
-  const line = run.lineAt(run.begin[s] + u * (run.begin[s + 1] - run.begin[s]));
-  const { kind, feed } = run.feedOf(line);
+  const { kind, feed } = run.feedAt(run.begin[s] + u * (run.begin[s + 1] - run.begin[s]));
   const { fed } = speeds(run, s, u, h, kind === 1);
   return { share: feed > 0 ? fed / feed : 1, rapid: kind === 2, feed };
 }

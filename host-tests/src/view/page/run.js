@@ -108,14 +108,14 @@ class Run {
     this.modes = { at: Float64Array.from(at), activity: Uint8Array.from(activity), percent: Uint8Array.from(percent) };
   }
 
-  /** Feeds by the line from which on they hold. */
+  /** Feeds by the cycle from which on they hold. */
   decodeFeeds({ feeds }) {
-    const line = [0], kind = [0], feed = [0];
-    for (let at = 0; !feeds.done;) {
-      at += feeds.number();
-      line.push(at); kind.push(feeds.count()); feed.push(feeds.count() * this.head.feed_count);
+    const at = [0], kind = [2], feed = [0];
+    for (let cycle = 0; !feeds.done;) {
+      cycle += feeds.count();
+      at.push(cycle); kind.push(feeds.count()); feed.push(feeds.count() * this.head.feed_count);
     }
-    this.feeds = { line: Float64Array.from(line), kind: Uint8Array.from(kind), feed: Float64Array.from(feed) };
+    this.feeds = { at: Float64Array.from(at), kind: Uint8Array.from(kind), feed: Float64Array.from(feed) };
   }
 
   /** The servo cycle of a time at which something happened. */
@@ -154,21 +154,20 @@ class Run {
     return best < 0 ? -1 : at[best];
   }
 
-  /** What is asked for on a line: the kind of its feed, and the feed, mm/s. */
-  feedOf(line) {
-    const k = lastAt(this.feeds.line, line);
+  /** What is asked for in a cycle: the kind of its feed, and the feed, mm/s. */
+  feedAt(cycle) {
+    const k = lastAt(this.feeds.at, cycle);
     return { kind: this.feeds.kind[k], feed: this.feeds.feed[k] };
   }
 
   /** Stretches of one feed times override, cycles and mm/s; 0 where there is none to keep, in rapids. */
   *askedFeeds(from, to) {
-    const { lines, modes } = this;
-    let line = lastAt(lines.at, from), mode = lastAt(modes.at, from), begin = from;
+    const { feeds, modes } = this;
+    let k = lastAt(feeds.at, from), mode = lastAt(modes.at, from), begin = from;
     while (begin < to) {
-      const next = [lines.at[line + 1] ?? Infinity, modes.at[mode + 1] ?? Infinity, to], end = Math.min(...next);
-      const { kind, feed } = this.feedOf(lines.number[line]);
-      if (end > begin) yield { begin, end, feed: kind === 2 ? 0 : feed * modes.percent[mode] / 100 };
-      if (end === next[0]) line++;
+      const next = [feeds.at[k + 1] ?? Infinity, modes.at[mode + 1] ?? Infinity, to], end = Math.min(...next);
+      if (end > begin) yield { begin, end, feed: feeds.kind[k] === 2 ? 0 : feeds.feed[k] * modes.percent[mode] / 100 };
+      if (end === next[0]) k++;
       if (end === next[1]) mode++;
       begin = end;
     }
