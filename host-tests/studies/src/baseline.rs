@@ -11,6 +11,7 @@
 
 use splineway_simulator::machine::Axis;
 use splineway_simulator::program::{Course, Program, Speed};
+use splineway_simulator::run::duration::fed;
 use splineway_simulator::scurve::{Leg, Limit, reachable};
 
 /// A speed law.
@@ -68,7 +69,7 @@ fn pieces(program: &Program, limits: &[Axis]) -> (Vec<Piece>, f64) {
     let mut here = program.start;
     let (mut list, mut before) = (Vec::<Piece>::new(), 0.0);
     for step in &program.flattened(CURVE_CHORDS).moves {
-        let (to, length, tangents, radius) = match &step.path {
+        let (to, (length, counted), tangents, radius) = match &step.path {
             Course::Cubic { .. } | Course::Event { .. } => continue,
             Course::Dwell { seconds } => {
                 if let Some(last) = list.last_mut() {
@@ -83,7 +84,7 @@ fn pieces(program: &Program, limits: &[Axis]) -> (Vec<Piece>, f64) {
                 let way: Vec<f64> = axes.iter().map(|&axis| to[axis] - here[axis]).collect();
                 let length = dot(&way, &way).sqrt();
                 let tangent: Vec<f64> = way.iter().map(|x| x / length.max(1e-12)).collect();
-                (to, length, [tangent.clone(), tangent], f64::INFINITY)
+                (to, (length, fed(&way, &axes)), [tangent.clone(), tangent], f64::INFINITY)
             }
             Course::Arc { to, plane: (p, q), centre, clockwise, extra_turns } => {
                 let (sx, sy) = (here[*p] - centre.0, here[*q] - centre.1);
@@ -100,8 +101,10 @@ fn pieces(program: &Program, limits: &[Axis]) -> (Vec<Piece>, f64) {
                 let drift = |axis: usize| {
                     if axis == *p || axis == *q { 0.0 } else { to[axis] - here[axis] }
                 };
-                let square: f64 = axes.iter().map(|&axis| drift(axis) * drift(axis)).sum();
-                let length = (round * round + square).sqrt();
+                // The plane's axes take turns in the way round.
+                let part = |&axis: &usize| if axis == *p { round } else { drift(axis) };
+                let way: Vec<f64> = axes.iter().map(part).collect();
+                let length = dot(&way, &way).sqrt();
                 let tangent = |x: f64, y: f64| -> Vec<f64> {
                     let share = round / length / radius * sign;
                     axes.iter()
@@ -112,7 +115,7 @@ fn pieces(program: &Program, limits: &[Axis]) -> (Vec<Piece>, f64) {
                         })
                         .collect()
                 };
-                (to, length, [tangent(sx, sy), tangent(ex, ey)], radius)
+                (to, (length, fed(&way, &axes)), [tangent(sx, sy), tangent(ex, ey)], radius)
             }
         };
         here = *to;
@@ -126,7 +129,7 @@ fn pieces(program: &Program, limits: &[Axis]) -> (Vec<Piece>, f64) {
         };
         let limit = Limit { acceleration: by(|a| a.acceleration), jerk: by(|a| a.jerk) };
         let wanted = match step.speed {
-            Speed::PerSecond(feed) => feed,
+            Speed::PerSecond(feed) => feed * length / counted,
             Speed::Duration(seconds) => length / seconds,
             Speed::Rapid => f64::INFINITY,
         };
@@ -211,6 +214,25 @@ mod tests {
             program.moves.push(Move::new(Course::Line { to }, Speed::PerSecond(200.0), 0));
         }
         program
+    }
+
+    /// A feed is for the linear axes: an axis that turns with them takes nothing of it, along a line and around an arc.
+    #[test]
+    fn an_axis_that_turns_takes_no_feed() {
+        let limits = [Axis { velocity: 500.0, acceleration: 20_000.0, jerk: 1.0e6 }; 4];
+        let mut to = [0.0; 9];
+        (to[0], to[5]) = (10.0, 200.0);
+        let arc =
+            Course::Arc { to, plane: (0, 1), centre: (5.0, 0.0), clockwise: true, extra_turns: 0 };
+        for (path, way) in [(Course::Line { to }, 10.0), (arc, 5.0 * std::f64::consts::PI)] {
+            let mut program = Program::default();
+            program.uses[5] = true;
+            program.moves.push(Move::new(path, Speed::PerSecond(20.0), 1));
+            for law in [Law::ExactStop, Law::Trapezoid, Law::SCurve] {
+                let time = run(&program, &limits, 0.05, law).time;
+                assert!((time - way / 20.0).abs() < 0.06, "{law:?}: {time} s for {way} mm");
+            }
+        }
     }
 
     /// Twenty legs of 10 mm, each from rest to rest.

@@ -292,7 +292,7 @@ impl Stretch {
 }
 
 /// Length over the axes that a feed is for: the linear ones, or the rotary ones if no other moves.
-fn fed(way: &[f64], axes: &[usize]) -> f64 {
+pub fn fed(way: &[f64], axes: &[usize]) -> f64 {
     let over = |rotary: bool| {
         norm(way.iter().zip(axes).filter(|(_, axis)| is_rotary(**axis) == rotary).map(|(x, _)| *x))
     };

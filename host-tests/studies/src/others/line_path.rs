@@ -5,6 +5,7 @@ use anyhow::{Result, bail, ensure};
 use splineway_simulator::judge::{Follower, Track};
 use splineway_simulator::machine::{Axis, Machine};
 use splineway_simulator::program::{Course, Point, Program, Speed};
+use splineway_simulator::run::duration::fed;
 use splineway_simulator::scurve::Limit;
 
 /// Lines with the limits of the machine that runs them.
@@ -46,12 +47,13 @@ impl LinePath {
             };
             ensure!(!step.exact_stop, "line {}: stops are not modelled", step.line);
             let to = over(to);
-            let length = apart(&points[points.len() - 1], &to);
+            let way: Vec<f64> = plus(&to, -1.0, &points[points.len() - 1]);
+            let length = way.iter().map(|x| x * x).sum::<f64>().sqrt();
             if length < 1e-9 {
                 continue;
             }
             feeds.push(match step.speed {
-                Speed::PerSecond(feed) => feed,
+                Speed::PerSecond(feed) => feed * length / fed(&way, &axes),
                 Speed::Duration(seconds) => length / seconds,
                 Speed::Rapid => f64::INFINITY,
             });
