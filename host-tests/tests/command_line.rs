@@ -521,3 +521,25 @@ fn completions_in_the_repository_are_the_programs() {
         );
     }
 }
+
+/// A mark of UTF-8 is no part of any file.
+#[test]
+fn every_file_may_begin_with_the_mark_of_utf_8() {
+    let marked = |text: &[u8]| [b"\xef\xbb\xbf", text].concat();
+    for (name, command) in [
+        ("zigzag.txt", "simulate"),
+        ("butterfly.json", "simulate"),
+        ("noisy.txt", "smooth"),
+        ("square.ngc", "check"),
+    ] {
+        let text = marked(&fs::read(format!("{DATA}/{name}")).unwrap());
+        assert!(!text_of(&[command, "-"], &text).is_empty(), "{name}");
+        let path = folder("marked").join(name);
+        fs::write(&path, text).unwrap();
+        assert!(!text_of(&[command, path.to_str().unwrap()], b"").is_empty(), "{name}");
+    }
+    let square = format!("{DATA}/square.ngc");
+    let machine = marked(b"tolerance = 0.1\n");
+    assert!(!text_of(&["check", &square, "--machine", "-"], &machine).is_empty());
+    text_of(&["simulate", &square, "--events", "-"], &marked(b"0.1, hold\n0.2, resume\n"));
+}

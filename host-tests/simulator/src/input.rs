@@ -16,7 +16,10 @@ pub fn is_stdin(path: &Path) -> bool {
     path == Path::new(STDIN)
 }
 
-/// What is in a file, or comes on standard input.
+/// What a text in UTF-8 may begin with, and is no part of it.
+const MARK: &[u8] = b"\xef\xbb\xbf";
+
+/// What is in a file, or comes on standard input, without the mark of UTF-8 before it.
 ///
 /// # Errors
 /// It cannot be read; it is larger than any program.
@@ -32,6 +35,9 @@ pub fn bytes(path: &Path) -> Result<Vec<u8>> {
     };
     // A device may have no end.
     ensure!(count? as u64 <= MOST_BYTES, "{}: more than {MOST_BYTES} bytes", path.display());
+    if bytes.starts_with(MARK) {
+        bytes.drain(..MARK.len());
+    }
     Ok(bytes)
 }
 
