@@ -543,3 +543,17 @@ fn every_file_may_begin_with_the_mark_of_utf_8() {
     assert!(!text_of(&["check", &square, "--machine", "-"], &machine).is_empty());
     text_of(&["simulate", &square, "--events", "-"], &marked(b"0.1, hold\n0.2, resume\n"));
 }
+
+/// An input that cannot be read is known before the first one is run.
+#[test]
+fn all_inputs_are_looked_at_first() {
+    let part = file("first.ngc", "G1 X1 F600\n");
+    for command in ["limit", "reshape", "bench"] {
+        let output = fed(&[command, &part, "nowhere.ngc"], b"");
+        let errors = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{command}");
+        assert!(errors.contains("cannot read nowhere.ngc"), "{command}: {errors}");
+        assert!(output.stdout.is_empty(), "{command} has begun");
+    }
+    assert!(error_of(&["limit", DATA], b"").contains("it is a folder"));
+}

@@ -1,6 +1,6 @@
 //! `splineway bench`: the figures of `docs/figures.md`.
 
-use super::files::check_stdin;
+use super::files;
 use crate::view::bar;
 use crate::view::table::{print_head, print_memory, print_row};
 use anyhow::{Context, Result, ensure};
@@ -84,7 +84,7 @@ impl Bench {
         files.sort();
         let inputs: Vec<_> =
             files.iter().map(|file| Some(("a tool path", file.as_path()))).collect();
-        check_stdin(&inputs)?;
+        files::check(&inputs, &[])?;
         ensure!(self.paths.is_empty() || !files.is_empty(), "there are no tool paths to run");
         Ok(files)
     }

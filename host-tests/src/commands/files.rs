@@ -66,13 +66,14 @@ fn probe((option, path): Named<'_>) -> Result<Probe> {
     Ok(Probe { made, identity: identity(path) })
 }
 
-/// Refuses outputs that would overwrite an input or each other, or that cannot be written, and inputs of which more than
-/// one is standard input.
+/// Refuses outputs that would overwrite an input or each other, or that cannot be written, and inputs that cannot be read, or of which
+/// more than one is standard input.
 ///
 /// # Errors
 /// Names the two, or the one.
 pub fn check(inputs: &[Option<Named<'_>>], outputs: &[Option<Named<'_>>]) -> Result<()> {
     check_stdin(inputs)?;
+    inputs.iter().flatten().try_for_each(|(_, path)| check_readable(path))?;
     let mut kept: Vec<(Named<'_>, Probe)> = Vec::new();
     for &(option, path) in outputs.iter().flatten() {
         let own = identity(path);
@@ -96,6 +97,25 @@ pub fn check(inputs: &[Option<Named<'_>>], outputs: &[Option<Named<'_>>]) -> Res
             }
         }
         kept.push(((option, path), probe));
+    }
+    Ok(())
+}
+
+/// Refuses an input that cannot be read. Devices and pipes are taken as they are.
+///
+/// # Errors
+/// Names it.
+pub fn check_readable(path: &Path) -> Result<()> {
+    let refusal = || format!("cannot read {}", path.display());
+    if is_stdin(path) {
+        return Ok(());
+    }
+    let data = std::fs::metadata(path).with_context(refusal)?;
+    if data.is_dir() {
+        bail!("{}: it is a folder", refusal());
+    }
+    if data.is_file() {
+        File::open(path).with_context(refusal)?;
     }
     Ok(())
 }
