@@ -191,8 +191,8 @@ set edit:completion:arg-completer[splineway] = {|@words|
             cand --help 'Print help (see more with ''--help'')'
         }
         &'splineway;corners'= {
-            cand --tolerance 'True deviation of every transition from the corner''s legs, mm'
-            cand --turns 'Turns, degrees'
+            cand --tolerance 'True deviation of every transition from the corner''s legs, mm, up to 0.2'
+            cand --turns 'Turns, 15 to 155 degrees, with commas between: 30,60'
             cand --machine 'Machine description (TOML), whose default axis counts [default: a small milling machine, which `splineway machine` prints]'
             cand --json 'Print JSON'
             cand -h 'Print help'

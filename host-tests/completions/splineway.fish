@@ -176,8 +176,8 @@ complete -c splineway -n "__fish_splineway_using_subcommand reshape" -l lenient 
 complete -c splineway -n "__fish_splineway_using_subcommand reshape" -l block-delete -d 'Leave out lines that begin with "/"'
 complete -c splineway -n "__fish_splineway_using_subcommand reshape" -l json -d 'Print JSON'
 complete -c splineway -n "__fish_splineway_using_subcommand reshape" -s h -l help -d 'Print help (see more with \'--help\')'
-complete -c splineway -n "__fish_splineway_using_subcommand corners" -l tolerance -d 'True deviation of every transition from the corner\'s legs, mm' -r
-complete -c splineway -n "__fish_splineway_using_subcommand corners" -l turns -d 'Turns, degrees' -r
+complete -c splineway -n "__fish_splineway_using_subcommand corners" -l tolerance -d 'True deviation of every transition from the corner\'s legs, mm, up to 0.2' -r
+complete -c splineway -n "__fish_splineway_using_subcommand corners" -l turns -d 'Turns, 15 to 155 degrees, with commas between: 30,60' -r
 complete -c splineway -n "__fish_splineway_using_subcommand corners" -l machine -d 'Machine description (TOML), whose default axis counts [default: a small milling machine, which `splineway machine` prints]' -r -F
 complete -c splineway -n "__fish_splineway_using_subcommand corners" -l json -d 'Print JSON'
 complete -c splineway -n "__fish_splineway_using_subcommand corners" -s h -l help -d 'Print help'

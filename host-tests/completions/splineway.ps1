@@ -207,8 +207,8 @@ Register-ArgumentCompleter -Native -CommandName 'splineway' -ScriptBlock {
             break
         }
         'splineway;corners' {
-            [CompletionResult]::new('--tolerance', '--tolerance', [CompletionResultType]::ParameterName, 'True deviation of every transition from the corner''s legs, mm')
-            [CompletionResult]::new('--turns', '--turns', [CompletionResultType]::ParameterName, 'Turns, degrees')
+            [CompletionResult]::new('--tolerance', '--tolerance', [CompletionResultType]::ParameterName, 'True deviation of every transition from the corner''s legs, mm, up to 0.2')
+            [CompletionResult]::new('--turns', '--turns', [CompletionResultType]::ParameterName, 'Turns, 15 to 155 degrees, with commas between: 30,60')
             [CompletionResult]::new('--machine', '--machine', [CompletionResultType]::ParameterName, 'Machine description (TOML), whose default axis counts [default: a small milling machine, which `splineway machine` prints]')
             [CompletionResult]::new('--json', '--json', [CompletionResultType]::ParameterName, 'Print JSON')
             [CompletionResult]::new('-h', '-h', [CompletionResultType]::ParameterName, 'Print help')

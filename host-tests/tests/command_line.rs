@@ -522,6 +522,52 @@ fn completions_in_the_repository_are_the_programs() {
     }
 }
 
+/// What came of probes and homing stands in the report, by the letters of the axes; what found nothing, or was cancelled, is an error.
+#[test]
+fn the_report_says_what_was_sought() {
+    let part = file("sought.ngc", "G0 X1\n");
+    let sought = |events: &str, code: i32| -> (serde_json::Value, String) {
+        let output = fed(&["simulate", &part, "--json", "--events", "-"], events.as_bytes());
+        let errors = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(code), "{errors}");
+        let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        (report["sought"][0].clone(), errors)
+    };
+    let (found, _) = sought("0, surface, Z<-5\n0.1, probe, Z-10 at 5\n", 0);
+    assert_eq!((&found["kind"], &found["outcome"]), (&"probe".into(), &"tripped".into()));
+    let z = |place: &str| found[place]["Z_mm"].as_f64().unwrap();
+    assert!((z("edge") + 5.0).abs() < 1e-6 && z("rest") < z("edge"), "{found}");
+    assert!(found["time_s"].as_f64().unwrap() > 1.0, "{found}");
+    let (cancelled, error) = sought("0.1, probe, Z-10 at 5\n0.5, jog-cancel\n", 1);
+    assert_eq!(cancelled["outcome"], "cancelled", "{error}");
+    let (missed, _) = sought("0.1, probe, Z-1 at 5\n", 1);
+    assert_eq!(missed["outcome"], "missed");
+    assert!(missed.get("edge").is_none(), "{missed}");
+    let (failed, error) = sought("0.1, home, X-50 slow 5 reach 30 back 2 at 0\n", 1);
+    assert_eq!(failed["failure"], "X, seeking its switch: the switch does not close", "{error}");
+    let (homed, _) =
+        sought("0, switch, X<-20\n0.1, home, X-50 slow 5 reach 30 back 2 at 0 park 3\n", 0);
+    assert_eq!(homed["outcome"], "homed");
+    assert!((homed["rest"]["X_mm"].as_f64().unwrap() - 3.0).abs() < 1e-6, "{homed}");
+}
+
+/// A run that stands still when its events are over names what is missing.
+#[test]
+fn what_holds_a_run_is_named() {
+    let part = file("held.ngc", "G1 X10 F600\nM0\nG0 X20\n");
+    let error = |events: &str| error_of(&["simulate", &part, "--events", "-"], events.as_bytes());
+    assert!(error("0.1, hold\n").contains("needs a resume"));
+    assert!(error("0.1, feed, 0\n").contains("feed is 0 %; it needs a value above 0"));
+    assert!(error("0.1, rapid, 0\n").contains("rapid is 0 %"));
+    assert!(error("0.1, hold\n0.2, feed, 0\n").contains("needs a resume"));
+    let jogged = error("0.1, hold\n3, jog-to, X2e5 at 5\n3.1, jog-to, X20 Y2000000 at 1\n");
+    assert!(!jogged.contains("axis"), "{jogged}");
+    let travel = file("held.toml", "[travel]\nX = { least = -1, greatest = 30 }\n");
+    let events = file("held.csv", "3, jog-to, X100 at 5\n");
+    let outside = error_of(&["simulate", &part, "--machine", &travel, "--events", &events], b"");
+    assert!(outside.contains("X would go to 100 mm"), "{outside}");
+}
+
 /// A mark of UTF-8 is no part of any file.
 #[test]
 fn every_file_may_begin_with_the_mark_of_utf_8() {

@@ -163,7 +163,7 @@ fn what_is_not_found_ends_the_program() {
     let sent = controller.send("$H\nM2\n", &["--home", HOME]);
     let errors = text(&sent.stderr);
     assert!(
-        !sent.status.success() && errors.contains("homing, axis 1: the switch does not close"),
+        !sent.status.success() && errors.contains("homing, Y: the switch does not close"),
         "{errors}"
     );
     let sent = controller.send("G0 X1\n$H\nM2\n", &[]);

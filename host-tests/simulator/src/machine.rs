@@ -3,12 +3,14 @@
 mod motors;
 mod text;
 
+pub use crate::point::is_rotary;
 pub use motors::{Motor, MotorRow};
 
 use crate::input;
-use crate::program::{AXES, Header, LETTERS, Tape};
+use crate::letters::{lettered, said};
+use crate::program::{Header, LETTERS, Tape};
 use crate::run::{Beyond, Seeker};
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use serde::Deserialize;
 use splineway::gcode::{OFFSETS, Place, Setup};
 use splineway::machine::{Quantity, defaults};
@@ -17,6 +19,7 @@ use splineway::{
     AxisLimits, AxisTravel, Config, ConfigError, Coord, CornerMode, Limits, Scalar, Travel,
 };
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::path::Path;
 
 /// Limits of one axis.
@@ -232,21 +235,21 @@ impl Machine {
         }
         for (key, axis) in &self.axes {
             let limits = AxisLimits::linear(axis.velocity, axis.acceleration, axis.jerk);
-            Limits::new([limits]).map_err(|error| anyhow!("axes.{key}: {error}"))?;
+            Limits::new([limits]).map_err(|error| under("axes", key, &error))?;
         }
         for (key, stop) in &self.stop {
             if key != "default" && axis_index(key).is_none() {
                 bail!("stop.{key}: no such axis; axes are X Y Z A B C U V W and default");
             }
             let limits = AxisLimits::linear(1.0, stop.acceleration, stop.jerk);
-            Limits::new([limits]).map_err(|error| anyhow!("stop.{key}: {error}"))?;
+            Limits::new([limits]).map_err(|error| under("stop", key, &error))?;
         }
         self.check_motors()?;
         for (key, ends) in &self.travel {
             if axis_index(key).is_none() {
                 bail!("travel.{key}: no such axis; axes are X Y Z A B C U V W");
             }
-            Travel::new([ends.limits(key)?]).map_err(|error| anyhow!("travel.{key}: {error}"))?;
+            Travel::new([ends.limits(key)?]).map_err(|error| under("travel", key, &error))?;
         }
         let mut config = Config::<f64, 1>::new(Limits::new([AxisLimits::linear(1.0, 1.0, 1.0)])?);
         self.configure(&mut config);
@@ -255,10 +258,15 @@ impl Machine {
             if key != "default" && axis_index(key).is_none() {
                 bail!("shaper.{key}: no such axis; axes are X Y Z A B C U V W and default");
             }
+            let frequency = shaping.frequency;
+            ensure!(
+                frequency > 0.0,
+                "shaper.{key}: frequency is {frequency} Hz; it must be above 0"
+            );
             let mut shaper = Shaper::<f64, 1, HISTORY>::new();
             shaper
                 .set([Some((*shaping).into())], &config)
-                .map_err(|error| anyhow!("shaper.{key}: {error}"))?;
+                .map_err(|error| under("shaper", key, &error))?;
         }
         self.try_seeker()?;
         self.try_setup().map(|_| ())
@@ -307,7 +315,7 @@ impl Machine {
             *slot = self.shape(index).map(Shape::from);
         }
         let mut shaper = Box::<Shaper<S, N, HISTORY>>::default();
-        shaper.set(shapes, config)?;
+        shaper.set(shapes, config).map_err(|error| said(&error, axes))?;
         Ok(Some(shaper))
     }
 
@@ -411,12 +419,17 @@ impl Machine {
             let axis = self.axis(index)?;
             (limits[n], stops[n]) = (of(axis), of(axis.with(self.said_of_stops(index))));
         }
-        let mut config = Config::new(self.on_motors(Limits::new(limits)?, axes, false)?);
-        let stops = self.on_motors(Limits::new(stops)?, axes, true)?;
+        let named = |error| self.named(error, axes);
+        let on_motors = |limits, stops| {
+            let limits = Limits::new(limits).and_then(|limits| self.on_motors(limits, axes, stops));
+            limits.map_err(named)
+        };
+        let mut config = Config::new(on_motors(limits, false)?);
+        let stops = on_motors(stops, true)?;
         let stop_sooner =
             !self.stop.is_empty() || self.motor.iter().any(|motor| motor.stop.is_some());
         config.stop_limits = stop_sooner.then_some(stops);
-        config.travel = Travel::new(travel)?;
+        config.travel = Travel::new(travel).map_err(named)?;
         self.configure(&mut config);
         if let Some(shaper) = self.shaper(axes, &config)? {
             config.follower = shaper.follower(&config);
@@ -438,7 +451,7 @@ impl Machine {
     /// An error of the core, with what of the description would mend it.
     fn named(&self, error: ConfigError, axes: &[usize]) -> anyhow::Error {
         if error != ConfigError::Unlike {
-            return error.into();
+            return said(&error, axes);
         }
         let (own, others): (Vec<usize>, Vec<usize>) =
             axes.iter().partition(|&&axis| self.shape(axis) == self.shape(axes[0]));
@@ -494,7 +507,8 @@ fn coordinates(key: &str, place: &BTreeMap<String, f64>) -> Result<Place> {
         let axis = axis_index(letter)
             .ok_or_else(|| anyhow!("{key}.{letter}: no such axis; axes are X Y Z A B C U V W"))?;
         coordinates[axis] = Coord::from_mm(mm).map_err(|error| {
-            anyhow!("{key}.{letter} is {mm} mm; it must be within +-{}", error.greatest)
+            let unit = if is_rotary(axis) { "deg" } else { "mm" };
+            anyhow!("{key}.{letter} is {mm} {unit}; it must be within +-{}", error.greatest)
         })?;
     }
     Ok(coordinates)
@@ -512,10 +526,14 @@ pub(crate) fn axis_index(key: &str) -> Option<usize> {
     LETTERS.iter().position(|&known| known == letter)
 }
 
-/// Whether an axis turns: A, B, C.
-pub const fn is_rotary(index: usize) -> bool {
-    const { assert!(AXES == 9) };
-    matches!(index, 3..=5)
+/// An error of the core about the one axis of a table, by the key of that.
+fn under(table: &str, key: &str, error: &impl Display) -> anyhow::Error {
+    let text = error.to_string();
+    let text = match axis_index(key) {
+        Some(index) => lettered(&text, &[index]),
+        None => text.replace(" of axis 0", ""),
+    };
+    anyhow!("{table}.{key}: {text}")
 }
 
 #[cfg(test)]
@@ -546,7 +564,18 @@ mod tests {
             ("[travel]\nX = { greatest = nan }\n", "travel.X"),
             ("[travel]\nX = { least = 1e7 }\n", "travel.X"),
             ("[travel]\nX = { most = 1 }\n", "most"),
+            ("[travel]\nC = { least = 3, greatest = 2 }\n", "limit of travel of C is 2 deg"),
+            (
+                "[axes.default]\nvelocity = -1\nacceleration = 2\njerk = 3\n",
+                "default: velocity limit is",
+            ),
+            ("[axes.B]\nvelocity = -1\nacceleration = 2\njerk = 3\n", "limit of B is -1 deg/s"),
+            (
+                "[shaper.default]\nkind = 'zv'\nfrequency = 0\n",
+                "frequency is 0 Hz; it must be above 0",
+            ),
             ("switches = [\"X>1\", \"Q>1\"]\n", "switches"),
+            ("switches = [\"X=5\"]\n", "\"X=5\" is no place of an input, as Z<-2.5 or X>120 is"),
             ("surfaces = [\"Z-1\"]\n", "surfaces"),
             ("tolerance = -1\n", "tolerance is -1 mm"),
             ("cycle = 5\n", "servo cycle is 5 s"),

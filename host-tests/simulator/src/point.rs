@@ -5,6 +5,12 @@ pub const LETTERS: [char; 9] = ['X', 'Y', 'Z', 'A', 'B', 'C', 'U', 'V', 'W'];
 /// Most axes.
 pub const AXES: usize = LETTERS.len();
 
+/// Whether an axis turns: A, B, C.
+pub const fn is_rotary(index: usize) -> bool {
+    const { assert!(AXES == 9) };
+    matches!(index, 3..=5)
+}
+
 /// A point over all nine axes, mm or degrees.
 pub type Point = [f64; AXES];
 

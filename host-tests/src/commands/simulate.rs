@@ -27,7 +27,7 @@ Examples:
   splineway simulate part.gcode --machine mill.toml --report part.json
   splineway simulate path.txt --scalar f32 --setpoints setpoints.csv
 
-Exit codes: 0 done, 1 error, a limit broken, or a probe or homing that found nothing, 2 wrong usage.";
+Exit codes: 0 done, 1 error, a limit broken, or a probe or homing that found nothing or was cancelled, 2 wrong usage.";
 
 /// Runs a tool path through the motion core and judges every servo cycle
 #[derive(Clone, Debug, clap::Args)]
@@ -254,8 +254,9 @@ impl Simulate {
         if !broken.is_empty() {
             bail!("the run broke limits: {}", broken.join("; "));
         }
-        if stats.missed {
-            bail!("not found: {}", stats.sought.join("; "));
+        if stats.sought.iter().any(|sought| !sought.is_found()) {
+            let words: Vec<String> = stats.sought.iter().map(ToString::to_string).collect();
+            bail!("not found: {}", words.join("; "));
         }
         Ok(())
     }

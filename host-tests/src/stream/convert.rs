@@ -5,6 +5,7 @@ use splineway::wire::{
     HomeMove, Item, Move, Path, PowerMove, ProbeInput, ProbeMove, Speed, SwitchMove, Target,
 };
 use splineway::{Config, Coord, Motion};
+use splineway_simulator::letters::lettered;
 use splineway_simulator::machine::Machine;
 use splineway_simulator::program::{self, Aside, Course, Finding, LETTERS, Point, Program};
 use splineway_simulator::run::on_letters;
@@ -197,7 +198,7 @@ pub fn check(items: &[Item], start: &[i64]) -> Result<Vec<Finding>> {
         let block = match with_all_axes(step).block::<f32, N>(&here) {
             Ok(block) => block,
             Err(error) => {
-                findings.push(Finding::error(step.tag, error.to_string()));
+                findings.push(Finding::error(step.tag, lettered(&error.to_string(), &all)));
                 continue;
             }
         };

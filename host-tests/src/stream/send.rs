@@ -6,6 +6,7 @@ use super::talk::{Controlled, News, Talk};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use serial2::SerialPort;
 use splineway::wire::{Command, HomeFault, Item, Refusal, SILENCE, Sender, Situation, State};
+use splineway_simulator::letters::{ALL, lettered};
 use std::sync::mpsc::Receiver;
 use std::thread;
 use std::time::{Duration, Instant};
@@ -238,7 +239,8 @@ where
         if refused != std::mem::replace(&mut jog, refused)
             && let Some(refusal) = refused
         {
-            watch(News::Notice(&format!("no jog: {refusal}")));
+            let words = lettered(&refusal.to_string(), &ALL);
+            watch(News::Notice(&format!("no jog: {words}")));
         }
         match talk.sender.refused() {
             Some(Refusal::Aborted) if talk.is_stopped() => return Ok(End::Aborted),
@@ -279,26 +281,27 @@ where
 /// What the controller has against the program.
 fn refused_by(refusal: Refusal, situation: Option<&Situation>) -> Result<()> {
     let mm = |nm: i64| nm as f64 * 1.0e-6;
+    let words = |text: &str| anyhow!(lettered(text, &ALL));
     match refusal {
         Refusal::Block { tag } => bail!("the controller refuses the block of line {tag}"),
-        Refusal::Travel { tag, axis, to, limit } => bail!(
+        Refusal::Travel { tag, axis, to, limit } => Err(words(&format!(
             "the controller refuses the block of line {tag}: axis {axis} would go to {} mm; its travel ends at {}",
             mm(to),
             mm(limit)
-        ),
+        ))),
         Refusal::Jogged => bail!("the machine has been jogged: send the program anew"),
         Refusal::Alarm => bail!(
             "the controller has stopped: emergency stop, limit switch, or an output that did not follow"
         ),
         Refusal::Output { tag, reason } => bail!("line {tag}: {reason}"),
-        Refusal::Seek { tag, reason } => bail!("line {tag}: {reason}"),
+        Refusal::Seek { tag, reason } => Err(words(&format!("line {tag}: {reason}"))),
         Refusal::Probe { tag, end } => bail!("line {tag}: the probe: {end}"),
         Refusal::Home { tag } => {
             let report = situation.and_then(|situation| situation.homing.as_ref());
             let fault = report.and_then(|report| report.fault);
             // It may be told behind the refusal.
             let Some(HomeFault { axis, trouble, .. }) = fault else { return Ok(()) };
-            bail!("line {tag}: homing, axis {axis}: {trouble}")
+            Err(words(&format!("line {tag}: homing, axis {axis}: {trouble}")))
         }
         Refusal::Aborted => Ok(()),
     }

@@ -1,6 +1,7 @@
 //! Motors of a machine description: what each follows of the axes of a program, and its limits.
 
 use super::{Axis, Machine, StopLimits, axis_index};
+use crate::letters::{ALL, lettered};
 use crate::program::{AXES, LETTERS};
 use anyhow::{Result, anyhow, bail};
 use serde::Deserialize;
@@ -114,6 +115,10 @@ impl Machine {
         }
         for (n, motor) in self.motor.iter().enumerate() {
             let name = &motor.name;
+            // Setpoints are written in columns: time, axes, motors.
+            if name.eq_ignore_ascii_case("t") || axis_index(name).is_some() {
+                bail!("motor {name}: t and the letters of axes name other columns of setpoints");
+            }
             if self.motor.iter().take(n).any(|other| other.name == *name) {
                 bail!("motor {name}: there are two of this name");
             }
@@ -131,11 +136,10 @@ impl Machine {
                 Limits::new([stop]).map_err(|error| anyhow!("motor {name}, stop: {error}"))?;
             }
         }
-        let axes: Vec<usize> = (0..AXES).collect();
         let any = AxisLimits::linear(1.0, 1.0, 1.0);
         let limits = Limits::<f64, AXES>::new([any; AXES])?;
         for stops in [false, true] {
-            self.on_motors(limits, &axes, stops).map_err(|error| self.in_words(&error))?;
+            self.on_motors(limits, &ALL, stops).map_err(|error| self.in_words(&error))?;
         }
         Ok(())
     }
@@ -158,7 +162,7 @@ impl Machine {
                 error.value,
                 error.least
             ),
-            ref other => anyhow!("motor: {other}"),
+            ref other => anyhow!("motor: {}", lettered(&other.to_string(), &ALL)),
         }
     }
 }
@@ -218,6 +222,8 @@ mod tests {
         };
         for (from, to, part) in [
             ("'right'", "'left'", "motor left: there are two"),
+            ("'right'", "'x'", "motor x: t and the letters"),
+            ("'right'", "'T'", "motor T: t and the letters"),
             ("X = 1, Y = 1", "Q = 1", "axes.Q: no such axis"),
             ("X = 1, Y = 1", "", "moves no axis"),
             ("X = 1, Y = 1", "X = 1, Y = -1", "is a motor missing, or"),

@@ -3,7 +3,7 @@
 use crate::judge::{Peaks, Verdict};
 use crate::machine::{Machine, is_rotary};
 use crate::program::{LETTERS, Tape};
-use crate::run::{Happening, Precision, Stats, Timing};
+use crate::run::{Happening, Precision, Sought, Stats, Timing};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
@@ -119,6 +119,8 @@ pub struct Report {
     pub warnings: Vec<String>,
     /// What the program asked of the machine besides motion, in order.
     pub events: Vec<Happening>,
+    /// What came of probes and homing, in order.
+    pub sought: Vec<Sought>,
 }
 
 impl Report {
@@ -177,6 +179,7 @@ impl Report {
             starved: stats.counters.starved,
             warnings: program.warnings().to_vec(),
             events: Vec::new(),
+            sought: stats.sought.clone(),
         }
     }
 }

@@ -72,7 +72,7 @@ impl Events {
         for record in reader.records() {
             let record = record?;
             let line = record.position().map_or(0, csv::Position::line);
-            let event = event(&record).with_context(|| format!("line {line}")).context(FORMAT)?;
+            let event = event(&record).with_context(|| format!("line {line}"))?;
             list.push(event);
         }
         Ok(Self::new(list))
@@ -131,6 +131,23 @@ mod tests {
         ] {
             let error = format!("{:#}", Events::parse(text).unwrap_err());
             assert!(error.contains(words), "{error}");
+            assert!(error.starts_with("line "), "{error}");
+        }
+    }
+
+    /// An error has the grammar of its own command and of no other, once.
+    #[test]
+    fn errors_have_the_grammar_of_their_command() {
+        for (text, words) in [
+            ("0,home,X-40", "line 1: homing needs \"slow\", as in X-50 Y-50 slow 5"),
+            ("0,home,X-40 slow 5 reach 9", "line 1: homing needs \"back\""),
+            ("0,probe,Z-1", "line 1: \"probe\" needs \"at\" and a feed, as in Z-10 at FEED"),
+            ("0,switch,X=5", "line 1: \"X=5\" is no place of an input"),
+            ("0,jog,X5", "line 1: \"jog\" needs \"for\" and a number, as in X20 Y-5 for SECONDS"),
+            ("0,jog-back,X1 at 5", "line 1: \"X1 at 5\" is not what \"jog-back\" takes"),
+        ] {
+            let error = format!("{:#}", Events::parse(text).unwrap_err());
+            assert!(error.starts_with(words) && error.len() < 120, "{error}");
         }
     }
 }

@@ -4,26 +4,26 @@ use crate::program::LETTERS;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use splineway::wire::JogMove;
 
-/// What jogs look like.
-pub const JOGS: &str = "\
-jog X20 Y-5 for SECONDS (mm/s) | jog-step X0.1 at FEED | jog-to X0 Y0 at FEED | jog-back at FEED | jog-cancel";
-
 /// A jog, by the word before and the words behind it; `None` if the word is none of a jog.
 ///
 /// # Errors
 /// What is not understood, or out of its range.
 pub fn parse_jog(word: &str, words: &str) -> Result<Option<JogMove>> {
-    let (joint, axes_wanted) = match word {
-        "jog" => ("for", true),
-        "jog-step" | "jog-to" => ("at", true),
-        "jog-back" => ("at", false),
+    let (joint, axes_wanted, example) = match word {
+        "jog" => ("for", true, "X20 Y-5 for SECONDS"),
+        "jog-step" => ("at", true, "X0.1 at FEED"),
+        "jog-to" => ("at", true, "X0 Y0 at FEED"),
+        "jog-back" => ("at", false, "at FEED"),
         _ => return Ok(None),
     };
     let (axes, last) = words
         .split_once(joint)
-        .with_context(|| format!("\"{word}\" needs \"{joint}\" and a number: {JOGS}"))?;
+        .with_context(|| format!("\"{word}\" needs \"{joint}\" and a number, as in {example}"))?;
     let axes = parse_axes(axes)?;
-    ensure!(axes.is_empty() != axes_wanted, "\"{word} {words}\" is no jog: {JOGS}");
+    ensure!(
+        axes.is_empty() != axes_wanted,
+        "\"{words}\" is not what \"{word}\" takes, as in {example}"
+    );
     let last = number(last.trim())?;
     let feed = || whole(last * 1.0e3, 1.0, f64::from(u32::MAX)).map(|feed| feed as u32);
     Ok(Some(match word {

@@ -5,11 +5,13 @@ use super::duration::Pace;
 use super::events::{Action, Event, Events};
 use super::jog::on_axes;
 use super::seek::Seeker;
+use super::sought::Sought;
 use super::timing::Timing;
 use super::validate::on_letters;
+use crate::letters::said;
 use crate::machine::Machine;
 use crate::program::{Course, Move, Speed, Tape};
-use anyhow::{Context, Result, anyhow, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use splineway::{
     Activity, Block, Config, Coord, Counters, Feed, Link, Motion, Planner, Progress, PushError,
     Reshaping, Scalar, Setpoint, Turn,
@@ -71,10 +73,8 @@ pub struct Stats {
     pub counters: Counters,
     /// Least number of nodes ahead of the motion while blocks were left, at a planning step.
     pub least_ahead: usize,
-    /// What came of probes and homing, in words.
-    pub sought: Vec<String>,
-    /// Whether one of them did not find what it sought.
-    pub missed: bool,
+    /// What came of probes and homing.
+    pub sought: Vec<Sought>,
     /// Whether the run ended with an abort.
     pub aborted: bool,
     /// Times of the events that were still to come when it ended, s.
@@ -182,7 +182,8 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     let start = coords::<N>(&program.start(), &axes).context("start point")?;
     let mut link = link::<S, N, BLOCKS, NODES>();
     let mut reshaping = machine.reshape.then(reshaping::<S, N>);
-    let (mut planner, mut interpolator) = link.split(config, start)?;
+    let (mut planner, mut interpolator) =
+        link.split(config, start).map_err(|error| said(&error, &axes))?;
     if let Some(memory) = reshaping.as_deref_mut() {
         planner.reshape(memory);
     }
@@ -211,7 +212,7 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             stats.blocks += fed;
             let began = Instant::now();
             let progress = planner.settle();
-            operator.seeker.hear(&mut planner, &axes);
+            operator.seeker.hear(&mut planner, &axes, now);
             if progress == Progress::Planned {
                 stats.planning.add(began);
                 if moves.peek().is_some() {
@@ -224,10 +225,7 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         };
         let waiting = progress == Progress::Held || now < operator.silent_until;
         if progress == Progress::Held && operator.is_done() {
-            ensure!(
-                at_pause,
-                "the run is held after its last event: it needs a resume, and a jog-back before it if it was jogged away"
-            );
+            ensure!(std::mem::take(&mut at_pause), operator.wants());
             controls.resume();
         }
         let began = Instant::now();
@@ -253,7 +251,7 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             }
             if progress == Progress::Aborted {
                 stats.aborted = true;
-                check_rest(planner.end(), &setpoint)?;
+                check_rest(planner.end(), &setpoint, &axes)?;
                 break;
             }
             idle = if waiting || progress == Progress::Done { 0 } else { idle + 1 };
@@ -266,7 +264,6 @@ fn run_sized<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
     stats.counters = planner.counters();
     stats.unplayed = operator.events.map(|event| event.time).collect();
-    stats.missed = operator.seeker.missed;
     stats.sought = operator.seeker.outcomes;
     if stats.least_ahead == usize::MAX {
         stats.least_ahead = 0;
@@ -283,6 +280,8 @@ struct Operator<'a> {
     silent_until: f64,
     /// Whether something was pressed in this cycle.
     pressed: bool,
+    /// Whether a hold or a stop was asked for, and no resume since.
+    held: bool,
     /// Whether a stop by the stop limits was asked for, and the machine has not rested since.
     quick: bool,
     /// Probes and homing.
@@ -297,6 +296,7 @@ impl<'a> Operator<'a> {
             overrides: (100, 100),
             silent_until: 0.0,
             pressed: false,
+            held: false,
             quick: false,
             seeker,
         }
@@ -318,11 +318,15 @@ impl<'a> Operator<'a> {
                     match command {
                         Command::Jog(jog) => {
                             let jog = on_axes(&jog, axes)?.jog(&planner.jog_end());
-                            planner.jog(&jog.map_err(|refusal| anyhow!("{refusal}"))?)?;
+                            let jog = jog.map_err(|refusal| said(&refusal, axes))?;
+                            planner.jog(&jog).map_err(|error| said(&error, axes))?;
                         }
                         Command::FeedOverride(percent) => self.overrides.0 = percent,
                         Command::RapidOverride(percent) => self.overrides.1 = percent,
-                        Command::QuickHold | Command::QuickAbort => self.quick = true,
+                        Command::QuickHold => (self.quick, self.held) = (true, true),
+                        Command::QuickAbort => self.quick = true,
+                        Command::Hold | Command::Stop => self.held = true,
+                        Command::Resume => self.held = false,
                         _ => {}
                     }
                 }
@@ -359,6 +363,20 @@ impl<'a> Operator<'a> {
 
     fn is_done(&mut self) -> bool {
         self.events.peek().is_none()
+    }
+
+    /// What is missing in a run that stands still after the last event.
+    fn wants(&self) -> String {
+        let zero = [("feed", self.overrides.0), ("rapid", self.overrides.1)];
+        let zero = zero.iter().filter(|(_, percent)| *percent == 0).map(|(name, _)| *name);
+        let zero: Vec<&str> = zero.collect();
+        if zero.is_empty() || self.held {
+            return "the run is held after its last event: it needs a resume, and a jog-back before it if it was jogged away".to_owned();
+        }
+        format!(
+            "the run stands still after its last event: {} is 0 %; it needs a value above 0",
+            zero.join(" and ")
+        )
     }
 
     fn pace(&self, waits: bool) -> Pace {
@@ -469,10 +487,12 @@ fn feed_blocks<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usiz
 fn check_rest<S: Scalar, const N: usize>(
     end: &[Coord; N],
     setpoint: &Setpoint<S, N>,
+    axes: &[usize],
 ) -> Result<()> {
     for (k, place) in end.iter().enumerate() {
         let off = (place.to_mm() - setpoint.position_mm(k)).abs();
-        ensure!(off < 1.0e-5, "axis {k} stands {off} mm off where the core says");
+        let words = || format!("axis {k} stands {off} mm off where the core says");
+        ensure!(off < 1.0e-5, said(&words(), axes));
     }
     Ok(())
 }

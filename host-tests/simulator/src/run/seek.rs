@@ -1,6 +1,8 @@
 //! Probes and homing in files of events, and the inputs that end them, simulated.
 
 use super::jog::{number, parse_axes};
+use super::sought::{Ending, Search, Sought, Spot};
+use crate::letters::{lettered, said};
 use crate::program::LETTERS;
 use anyhow::{Context, Result, bail, ensure};
 use splineway::wire::{HomeAxis, HomeMove};
@@ -8,12 +10,9 @@ use splineway::{
     Activity, AxisHome, Coord, Input, Inputs, Outcome, Planner, Probe, ProbeError, Scalar, Setpoint,
 };
 use std::collections::VecDeque;
-use std::fmt::Write;
 
-/// What they look like.
-pub const SEEKS: &str = "\
-surface, Z<-2.5 (the probe closes there) | switch, X>120 (the axis's home switch) | probe, Z-10 at FEED | \
-probe-away, Z0 at FEED | home, X-50 Y-50 slow 5 reach 300 back 2 at 0 [park 5]";
+/// What homing looks like.
+const HOMING: &str = "X-50 Y-50 slow 5 reach 300 back 2 at 0 [park 5]";
 
 /// Where an input is closed: beyond a place on an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,9 +29,9 @@ impl Beyond {
     /// What is not understood.
     pub fn parse(text: &str) -> Result<Self> {
         let below = text.contains('<');
-        let (letter, place) = text
-            .split_once(['<', '>'])
-            .with_context(|| format!("\"{text}\" is no place of an input: {SEEKS}"))?;
+        let (letter, place) = text.split_once(['<', '>']).with_context(|| {
+            format!("\"{text}\" is no place of an input, as Z<-2.5 or X>120 is")
+        })?;
         let letter = letter.trim().to_ascii_uppercase();
         let axis = LETTERS.iter().position(|axis| axis.to_string() == letter);
         let axis = axis.with_context(|| format!("\"{letter}\" is no axis"))?;
@@ -132,9 +131,9 @@ pub fn parse_seek(word: &str, words: &str) -> Result<Option<Seek>> {
         "surface" => Seek::Surface(Beyond::parse(words)?),
         "switch" => Seek::Switch(Beyond::parse(words)?),
         "probe" | "probe-away" => {
-            let (axes, feed) = words
-                .split_once("at")
-                .with_context(|| format!("\"{word}\" needs \"at\" and a feed: {SEEKS}"))?;
+            let (axes, feed) = words.split_once("at").with_context(|| {
+                format!("\"{word}\" needs \"at\" and a feed, as in Z-10 at FEED")
+            })?;
             let mut to = [None; 9];
             for (axis, value) in parse_axes(axes)? {
                 to[axis] = Some(value);
@@ -148,7 +147,8 @@ pub fn parse_seek(word: &str, words: &str) -> Result<Option<Seek>> {
 }
 
 fn parse_home(words: &str) -> Result<Homing> {
-    let start = words.find("slow").with_context(|| format!("\"home\" needs \"slow\": {SEEKS}"))?;
+    let start =
+        words.find("slow").with_context(|| format!("homing needs \"slow\", as in {HOMING}"))?;
     let (axes, settings) = words.split_at(start);
     let [mut slow, mut reach, mut back, mut at, mut park] = [None; 5];
     let mut rest = settings.split_whitespace();
@@ -159,14 +159,14 @@ fn parse_home(words: &str) -> Result<Homing> {
             "back" => &mut back,
             "at" => &mut at,
             "park" => &mut park,
-            _ => bail!("\"{name}\" is nothing of homing: {SEEKS}"),
+            _ => bail!("\"{name}\" is nothing of homing, which is as in {HOMING}"),
         };
         let value = rest.next().with_context(|| format!("\"{name}\" needs a number"))?;
         *slot = Some(number(value)?);
     }
     let coord = |mm: f64| Coord::from_mm(mm).context("a length or coordinate of homing, mm");
     let needed = |value: Option<f64>, name: &str| {
-        value.with_context(|| format!("homing needs \"{name}\": {SEEKS}"))
+        value.with_context(|| format!("homing needs \"{name}\", as in {HOMING}"))
     };
     let mut fast = [0.0; 9];
     for (axis, speed) in parse_axes(axes)? {
@@ -190,10 +190,8 @@ pub struct Seeker {
     surfaces: Vec<Beyond>,
     switches: Vec<Beyond>,
     waiting: VecDeque<Seek>,
-    /// What came of what was done, in words.
-    pub outcomes: Vec<String>,
-    /// Whether one of them did not find what it sought.
-    pub missed: bool,
+    /// What came of what was done.
+    pub outcomes: Vec<Sought>,
     /// Where the machine is, less what setpoints say, mm: coordinates are set by homing.
     pub shift: [f64; 9],
 }
@@ -236,29 +234,28 @@ impl Seeker {
         !self.waiting.is_empty()
     }
 
-    /// Notes what came of what is over.
+    /// Notes what came of what is over at a time, s.
     pub fn hear<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>(
         &mut self,
         planner: &mut Planner<'_, S, N, BLOCKS, NODES>,
         axes: &[usize],
+        now: f64,
     ) {
         if let Some(probed) = planner.probed() {
-            let place = words(&probed.position, axes);
-            self.missed |= probed.outcome == Outcome::Missed;
-            self.outcomes.push(match probed.outcome {
-                Outcome::Tripped => {
-                    format!("probe: tripped at{place}, rests at{}", words(planner.end(), axes))
-                }
-                Outcome::Missed => format!("probe: no contact up to{place}"),
-                _ => format!("probe: cancelled, rests at{place}"),
-            });
+            let place = Spot::new(&probed.position, axes);
+            let (outcome, edge, rest) = match probed.outcome {
+                Outcome::Tripped => (Ending::Tripped, Some(place), Spot::new(planner.end(), axes)),
+                Outcome::Missed => (Ending::Missed, None, place),
+                _ => (Ending::Cancelled, None, place),
+            };
+            let (kind, failure) = (Search::Probe, None);
+            self.outcomes.push(Sought { kind, time_s: now, outcome, edge, rest, failure });
         }
         if let Some(homed) = planner.homed() {
-            self.missed |= homed.is_err();
-            self.outcomes.push(match homed {
-                Ok(()) => format!("home: stands at{}", words(planner.end(), axes)),
-                Err(failure) => format!("home: {failure}"),
-            });
+            let failure = homed.err().map(|failure| lettered(&failure.to_string(), axes));
+            let outcome = if failure.is_none() { Ending::Homed } else { Ending::Failed };
+            let (kind, rest) = (Search::Home, Spot::new(planner.end(), axes));
+            self.outcomes.push(Sought { kind, time_s: now, outcome, edge: None, rest, failure });
         }
     }
 
@@ -305,7 +302,7 @@ impl Seeker {
             Err(ProbeError::Running | ProbeError::Held) => Ok(()),
             begun => {
                 self.waiting.pop_front();
-                begun.with_context(|| "a probe, or homing".to_owned())
+                begun.map_err(|error| said(&error, axes)).context("a probe, or homing")
             }
         }
     }
@@ -367,15 +364,6 @@ fn tell(inputs: Inputs<'_>, input: Input, closed: impl Fn(f64) -> bool) {
         if closed(middle) == was { low = middle } else { high = middle }
     }
     inputs.tell(input, is, high as f32);
-}
-
-fn words<const N: usize>(place: &[Coord; N], axes: &[usize]) -> String {
-    let mut text = String::new();
-    for (at, &axis) in place.iter().zip(axes) {
-        // Writing to a string does not fail.
-        let _ = write!(text, " {}{:.6}", LETTERS[axis], at.to_mm());
-    }
-    text
 }
 
 #[cfg(test)]

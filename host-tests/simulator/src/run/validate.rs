@@ -1,25 +1,23 @@
 //! A program before it is run, by the core's own checks.
 
 use super::runner::block;
+use crate::letters::lettered;
 use crate::machine::{Machine, Mode};
-use crate::program::{AXES, Course, Finding, LETTERS, Tape};
+use crate::program::{AXES, Course, Finding, Tape};
 use anyhow::Result;
 use splineway::block::BlockError;
 use splineway::{Config, Coord, CornerMode, RangeError};
 
 /// What the core says about a block, with the letters of the axes instead of their numbers.
 pub fn on_letters(error: &BlockError, axes: &[usize]) -> String {
-    match *error {
+    let text = match *error {
         BlockError::Coordinate { axis, error } => {
-            let letter = axes.get(axis).map_or('?', |&axis| LETTERS[axis]);
-            format!("{letter} would go to {} mm; coordinates must be within +-1e6", error.value)
-        }
-        BlockError::Travel { axis, error: RangeError { value, least, greatest } } => {
-            let letter = axes.get(axis).map_or('?', |&axis| LETTERS[axis]);
-            format!("{letter} would go to {value} mm; its travel is {least} to {greatest}")
+            let value = error.value;
+            format!("axis {axis} would go to {value} mm; coordinates must be within +-1e6")
         }
         ref other => other.to_string(),
-    }
+    };
+    lettered(&text, axes)
 }
 
 /// What the core has against a program on a machine: radii, feeds, tolerances, ranges, lengths, and axes without
