@@ -10,10 +10,10 @@ use std::path::PathBuf;
 /// Compares corner transitions at equal deviation: smoothness, time, effort
 #[derive(Clone, Debug, clap::Args)]
 pub struct Corners {
-    /// True deviation of every transition from the corner's legs, mm
+    /// True deviation of every transition from the corner's legs, mm, up to 0.2
     #[arg(long, value_name = "MM", default_value_t = 0.05)]
     pub tolerance: f64,
-    /// Turns, degrees
+    /// Turns, 15 to 155 degrees, with commas between: 30,60
     #[arg(long, value_name = "DEGREES", value_delimiter = ',', default_values_t = [30.0, 60.0, 90.0, 120.0, 150.0])]
     pub turns: Vec<f64>,
     /// Machine description (TOML), whose default axis counts [default: a small milling machine, which `splineway machine` prints]

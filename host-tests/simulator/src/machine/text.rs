@@ -51,8 +51,10 @@ impl Machine {
     /// The text of a description of tolerance, cycle, depths, mode and axes, as `Machine::parse` reads it back to the last bit,
     /// with examples of all other keys as comments. What else this machine has is not in it.
     pub fn describe(&self) -> String {
-        let mut text =
-            String::from("# A machine for --machine. What is left out is as it stands here.\n\n");
+        let mut text = String::from(
+            "# A machine for --machine. What is left out above the first table is as it stands here. An axis has all three of its limits or\n\
+             # is left out: then it has those of [axes.default], if that is there.\n\n",
+        );
         let mode = match self.mode {
             Mode::Band => "band",
             Mode::Paper => "paper",
