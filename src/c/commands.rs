@@ -36,6 +36,7 @@ pub unsafe extern "C" fn splineway_quick_hold(core: *mut splineway_core) -> spli
 }
 
 /// Ends a hold or a stop; in single block mode, runs the next block.
+/// It is meant for a rest or a pause from the tick on that shows it, polled or not; before that it is for the motion.
 ///
 /// Context: any.
 #[unsafe(no_mangle)]

@@ -880,6 +880,7 @@ splineway_result splineway_quick_hold(splineway_core *core);
 
 /*
  Ends a hold or a stop; in single block mode, runs the next block.
+ It is meant for a rest or a pause from the tick on that shows it, polled or not; before that it is for the motion.
 
  Context: any.
  */

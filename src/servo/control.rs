@@ -213,14 +213,16 @@ fn change(word: &AtomicU32, kept: u32, added: u32) {
 /// | [`abort`](Self::abort) | brakes at once, drops everything; nothing is taken any more | [`Planner::acknowledge_abort`](crate::Planner::acknowledge_abort), once it is complete |
 /// | [`quick_abort`](Self::quick_abort) | the same by the stop limits | as an abort |
 /// | [`feed_override`](Self::feed_override), [`rapid_override`](Self::rapid_override) | change the speed; 0 is a hold | the next of its kind |
-/// | [`single_block`](Self::single_block) | rests at the end of every block | `single_block(false)` |
+/// | [`single_block`](Self::single_block) | rests at the end of every block | `single_block(false)`; a rest that it has come to, by a resume |
 /// | `cancel_jog` (feature `jog`) | ends a jog: as a hold and an abort do | the next jog |
 ///
 /// Which one wins: abort over everything; a hold (or an override of 0) over a stop and single block
 /// mode; these over motion. An abort ends a hold and a stop that were pressed before it; one pressed
 /// after it, while it brakes or until it is acknowledged, stays in force: the machine is then held until
 /// it is resumed. A resume does not end an abort, nor a hold that an override of 0 makes. A resume
-/// in motion does nothing to a pause or to a rest of single block mode that is still to come. An abort
+/// in motion does nothing to a pause or to a rest of single block mode that is still to come: it is meant for one from the servo cycle on
+/// whose setpoint is the first to show the rest, or the pause's event, polled or not. A stop that a hold or an override of 0 interrupts, and that
+/// is still in force when they are over, goes on to the end of the block. An abort
 /// pressed while another brakes is the same one; one pressed after the first is complete is a new one,
 /// complete at the next poll, and is acknowledged by itself. Overrides and single block mode outlast an
 /// abort.
@@ -264,7 +266,8 @@ impl<'a> Controls<'a> {
     /// Finish the block under way, then rest until [`Controls::resume`]. If the motion is too fast
     /// to rest at its end, the first block is finished at whose end it can. Where a corner is
     /// rounded, the end of a block is the middle of the rounding. Where no motion to such an end is found in time, the machine brakes as for a
-    /// hold, and goes on from rest to the end of that block.
+    /// hold, and goes on from rest to the end of that block. Where a curve turns back within itself (a cusp), the motion rests in any case: that counts as an
+    /// end, too.
     pub fn stop(self) {
         self.requests.pressed.fetch_or(STOP, Release);
     }

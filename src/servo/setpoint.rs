@@ -12,7 +12,7 @@ pub enum Activity {
     Idle,
     /// In motion.
     Running,
-    /// In a dwell.
+    /// In a dwell, or in what is left of the time that an event takes.
     Dwelling,
     /// At rest at an event of the program ([`Motion::Event`](crate::Motion::Event)), whose tag the
     /// setpoint has: now is the time to do what it stands for. For one servo cycle.

@@ -48,7 +48,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         let (needed, staging) = self.stage_of_stop(handover, at);
         let start = self.start_of_stage(handover, needed);
+        let soon = needed <= S::from_u32(self.near());
         if let Start::Moment(Some(moment)) = start
+            && soon
             && self.horizon.rests_before(moment)
         {
             return self.rest_as_agreed(halt);
@@ -59,7 +61,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             (Some(halt), None),
             staging,
         );
-        if !matches!(begun, Begun::Attempt(_)) && needed > S::from_u32(self.near()) {
+        if !soon && !matches!(begun, Begun::Attempt(_)) {
             // What planning has taken leads beyond the end of the plan. Perhaps the background was late, and is in time again.
             self.effort.stop = Work::NONE;
         }

@@ -115,9 +115,13 @@ impl Machine {
         }
         for (n, motor) in self.motor.iter().enumerate() {
             let name = &motor.name;
-            // Setpoints are written in columns: time, axes, motors.
-            if name.eq_ignore_ascii_case("t") || axis_index(name).is_some() {
-                bail!("motor {name}: t and the letters of axes name other columns of setpoints");
+            // Setpoints are written in columns: time, axes, motors. (A motor A beside axes X and Y is as CoreXY has it.)
+            let mut driven = self.motor.iter().flat_map(|motor| motor.axes.keys());
+            if name.eq_ignore_ascii_case("t") || driven.any(|axis| axis.eq_ignore_ascii_case(name))
+            {
+                bail!(
+                    "motor {name}: t and the axes that motors move name other columns of setpoints"
+                );
             }
             if self.motor.iter().take(n).any(|other| other.name == *name) {
                 bail!("motor {name}: there are two of this name");
@@ -215,6 +219,11 @@ mod tests {
     }
 
     #[test]
+    fn a_motor_may_have_the_name_of_an_axis_that_no_motor_moves() {
+        assert!(Machine::parse(&BELTS.replacen("'right'", "'A'", 1)).is_ok());
+    }
+
+    #[test]
     fn errors_name_the_motor() {
         let with = |from: &str, to: &str| {
             let text = BELTS.replacen(from, to, 1);
@@ -222,8 +231,8 @@ mod tests {
         };
         for (from, to, part) in [
             ("'right'", "'left'", "motor left: there are two"),
-            ("'right'", "'x'", "motor x: t and the letters"),
-            ("'right'", "'T'", "motor T: t and the letters"),
+            ("'right'", "'x'", "motor x: t and the axes"),
+            ("'right'", "'T'", "motor T: t and the axes"),
             ("X = 1, Y = 1", "Q = 1", "axes.Q: no such axis"),
             ("X = 1, Y = 1", "", "moves no axis"),
             ("X = 1, Y = 1", "X = 1, Y = -1", "is a motor missing, or"),
