@@ -145,7 +145,7 @@ const NEAR: i64 = 8;
 /// piece that was too far behind that to be its end is not too near to be one of this.
 const FIRST_PART: i64 = 16;
 /// The same at the end of the interval, which stays where it is.
-const LAST_PART: i64 = 32;
+pub const LAST_PART: i64 = 32;
 
 /// How far behind the beginning of a cell of this length the end of a piece lies at least that is to be a node, too. `least`: of any cell.
 // What is shorter is no cell of its own, nor is a small part of one: in `f32` the motion over a cell a hundred times as short as its neighbour is not

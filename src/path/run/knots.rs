@@ -3,7 +3,7 @@
 use super::{Run, Tie};
 use crate::number::{Interval, Length, Scalar};
 use crate::path::cut::{
-    EndSizes, LONGEST_CELL_TIME, NextPiece, least_before_end, next_piece, to_end,
+    EndSizes, LAST_PART, LONGEST_CELL_TIME, NextPiece, least_before_end, next_piece, to_end,
 };
 use crate::path::straight::SHOWN_SHARE;
 
@@ -22,8 +22,6 @@ pub enum KnotState {
 
 /// Longest span where more of the path comes slowly, as a share of the longest.
 const BRIEF_SHARE: f64 = 0.125;
-/// The last of so many parts of a span is what it ends on.
-const ENDS_ON: i64 = 64;
 /// A vertex this part of a span behind a knot is no place for the next: the span between the two would be crept through, for a cell takes
 /// its time however short it is.
 const BESIDE: i64 = 16;
@@ -82,7 +80,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         true
     }
 
-    /// Lays a knot. The span that it completes shows the tag of what it ends on.
+    /// Lays a knot. The span that it completes shows the tag of what it ends on, but for what is too short to be a part of its own.
     fn lay(&mut self, s: Length) {
         let before = self.spline.spans.len();
         self.spline.push(&self.polyline, s);
@@ -97,7 +95,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         let Interval { from, to } = self.spline.interval(before);
         // A little before its end: the ends of pieces are rounded.
         let line = self.polyline.line_end(to - Length::UNIT);
-        if let Some(tag) = self.pieces.tag_at(to - (to - from) / ENDS_ON, line)
+        if let Some(tag) = self.pieces.tag_at(to - (to - from) / LAST_PART, line)
             && let Some(programmed) = self.spline.programmed.last_mut()
         {
             programmed.tag = tag;
