@@ -22,6 +22,9 @@ pub enum KnotState {
 
 /// Longest span where more of the path comes slowly, as a share of the longest.
 const BRIEF_SHARE: f64 = 0.125;
+/// Pieces of a line that are longer than this share of what it takes to get going end at knots: where many are shorter, more knots would
+/// only be more work (12 % more a block of butterfly2000).
+const LONG_SHARE: f64 = 0.125;
 /// A vertex this part of a span behind a knot is no place for the next: the span between the two would be crept through, for a cell takes
 /// its time however short it is.
 const BESIDE: i64 = 16;
@@ -56,9 +59,11 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             NextPiece::Half => here + (to.s - here) / 2,
             NextPiece::Length(step) => here + Length::from_mm(step).max(Length::UNIT),
         };
-        // A line of several ends where they end, too: a rest at the end of a block is one at a knot.
-        let least = Length::from_mm(self.ramp.length(to.feed) * S::of(SHOWN_SHARE * 0.5));
-        let end = self.pieces.end_behind(here + least_before_end(s - here, least));
+        // A rest at the end of a block is one at a knot.
+        let ramp = self.ramp.length(to.feed);
+        let least = Length::from_mm(ramp * S::of(SHOWN_SHARE * 0.5));
+        let behind = here + least_before_end(s - here, least);
+        let end = self.pieces.end_behind(behind, ramp * S::of(LONG_SHARE));
         let (s, _) = to_end(end, Interval { from: here, to: to.s }, s, least);
         if self.knots == KnotState::New {
             self.spline.begin(&self.polyline, here, self.start, s - here);
