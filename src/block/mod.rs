@@ -152,7 +152,9 @@ pub struct Block<S, const N: usize> {
     /// The caller's mark (a line number); it comes back with the setpoints. Lines that run on straight are
     /// one to the planner, but keep their tags where they take a servo cycle at their feed and a
     /// thirty-second of the length over which that is reached; of shorter ones, and of short lines in a run
-    /// that are made one within a share of the tolerance, it is that of the last.
+    /// that are made one within a share of the tolerance, it is that of the last. Where the feed changes on a straight
+    /// stretch, its lines are a run, too: of those that are made one, each is shown from a knot of the run on, some millimetres early where lines are
+    /// long, and that counts as the end of the one before.
     pub tag: u32,
 }
 

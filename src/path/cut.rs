@@ -139,44 +139,6 @@ pub fn next_piece<S: Scalar>(done: S, left: S, ends: EndSizes<S>, longest: S) ->
     }
 }
 
-/// Part of a cell by which its end is moved to that of a piece.
-const NEAR: i64 = 8;
-/// Least part of a cell that the end of a piece cuts off at its beginning: a cell is up to about twice as long as the one before, and the end of a
-/// piece that was too far behind that to be its end is not too near to be one of this.
-const FIRST_PART: i64 = 16;
-/// The same at the end of the interval, which stays where it is.
-pub const LAST_PART: i64 = 32;
-
-/// How far behind the beginning of a cell of this length the end of a piece lies at least that is to be a node, too. `least`: of any cell.
-// What is shorter is no cell of its own, nor is a small part of one: in `f32` the motion over a cell a hundred times as short as its neighbour is not
-// found.
-pub fn least_before_end(length: Length, least: Length) -> Length {
-    least.max(length / FIRST_PART)
-}
-
-/// Where a cell of an uncut interval ends that would end at `next`, and where the one behind it would begin without what pieces end between: at
-/// the end of a piece if that is near, else at one before. `end`: the first end of a piece that lies far enough behind the cell's beginning.
-#[inline(never)]
-pub fn to_end(
-    end: Option<Length>,
-    Interval { from: s, to: until }: Interval,
-    next: Length,
-    least: Length,
-) -> (Length, Length) {
-    let Some(end) = end else { return (next, next) };
-    let part = |of: i64| least.max((next - s) / of);
-    let near = part(NEAR);
-    if until - end <= part(LAST_PART) {
-        (next, next)
-    } else if next < until && end - next < near && next - end < near {
-        (end, end)
-    } else if end < next {
-        (end, next)
-    } else {
-        (next, next)
-    }
-}
-
 /// The node at which the next cell of a body ends, which begins at `begins` and of which the interval is uncut, by its arc length
 /// along the segment.
 pub fn next_cut<S: Scalar, const N: usize>(

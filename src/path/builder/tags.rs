@@ -4,8 +4,15 @@ use super::intake::least_piece;
 use super::{Builder, Front};
 use crate::machine::Config;
 use crate::number::{Interval, Length, Scalar};
-use crate::path::cut::{least_before_end, to_end};
 use crate::path::node::Programmed;
+
+/// Part of a cell by which its end is moved to that of a piece.
+const NEAR: i64 = 8;
+/// Least part of a cell that the end of a piece cuts off at its beginning: a cell is up to about twice as long as the one before, and the end of a
+/// piece that was too far behind that to be its end is not too near to be one of this.
+const FIRST_PART: i64 = 2 * NEAR;
+/// The same at the end of what is cut, which stays where it is.
+const LAST_PART: i64 = 32;
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// What is asked of a cell of the joint behind the front block, of `cells` in all: of the first `middle` by the
@@ -45,13 +52,20 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         if block.marks == 0 {
             return (next, next);
         }
+        // What is too short to be shown is no cell of its own, nor is a small part of one: in `f32` the motion
+        // over a cell a hundred times as short as its neighbour is not found.
         let least = Length::from_mm(least_piece(segment, block.feed, config)) / 2;
+        let part = |of: i64| least.max((next - s) / of);
+        let (near, first, last) = (part(NEAR), part(FIRST_PART), part(LAST_PART));
         let count = usize::from(block.marks);
         let mut ends =
             (0..count).filter_map(|index| self.marks.get(index)).map(|m| Length::from_mm(m.s));
-        let before = least_before_end(next - s, least);
-        let end = ends.find(|&end| end - s > before);
-        to_end(end, Interval { from: s, to: until }, next, least)
+        match ends.find(|&at| at - s > first) {
+            Some(at) if until - at <= last => (next, next),
+            Some(at) if next < until && at - next < near && next - at < near => (at, at),
+            Some(at) if at < next => (at, next),
+            _ => (next, next),
+        }
     }
 
     /// Forgets the marks of the front block up to a place on it.

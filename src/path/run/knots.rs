@@ -2,10 +2,7 @@
 
 use super::{Run, Tie};
 use crate::number::{Interval, Length, Scalar};
-use crate::path::cut::{
-    EndSizes, LAST_PART, LONGEST_CELL_TIME, NextPiece, least_before_end, next_piece, to_end,
-};
-use crate::path::straight::SHOWN_SHARE;
+use crate::path::cut::{EndSizes, LONGEST_CELL_TIME, NextPiece, next_piece};
 
 /// How far the spline has come.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -22,9 +19,8 @@ pub enum KnotState {
 
 /// Longest span where more of the path comes slowly, as a share of the longest.
 const BRIEF_SHARE: f64 = 0.125;
-/// Pieces of a line that are longer than this share of what it takes to get going end at knots: where many are shorter, more knots would
-/// only be more work (12 % more a block of butterfly2000).
-const LONG_SHARE: f64 = 0.125;
+/// The last of so many parts of a span is what it ends on: what is shorter is not shown.
+const ENDS_ON: i64 = 32;
 /// A vertex this part of a span behind a knot is no place for the next: the span between the two would be crept through, for a cell takes
 /// its time however short it is.
 const BESIDE: i64 = 16;
@@ -59,12 +55,6 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             NextPiece::Half => here + (to.s - here) / 2,
             NextPiece::Length(step) => here + Length::from_mm(step).max(Length::UNIT),
         };
-        // A rest at the end of a block is one at a knot.
-        let ramp = self.ramp.length(to.feed);
-        let least = Length::from_mm(ramp * S::of(SHOWN_SHARE * 0.5));
-        let behind = here + least_before_end(s - here, least);
-        let end = self.pieces.end_behind(behind, ramp * S::of(LONG_SHARE));
-        let (s, _) = to_end(end, Interval { from: here, to: to.s }, s, least);
         if self.knots == KnotState::New {
             self.spline.begin(&self.polyline, here, self.start, s - here);
             self.knots = KnotState::Open;
@@ -85,7 +75,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         true
     }
 
-    /// Lays a knot. The span that it completes shows the tag of what it ends on, but for what is too short to be a part of its own.
+    /// Lays a knot. The span that it completes shows the tag of what it ends on.
     fn lay(&mut self, s: Length) {
         let before = self.spline.spans.len();
         self.spline.push(&self.polyline, s);
@@ -100,7 +90,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         let Interval { from, to } = self.spline.interval(before);
         // A little before its end: the ends of pieces are rounded.
         let line = self.polyline.line_end(to - Length::UNIT);
-        if let Some(tag) = self.pieces.tag_at(to - (to - from) / LAST_PART, line)
+        if let Some(tag) = self.pieces.tag_at(to - (to - from) / ENDS_ON, line)
             && let Some(programmed) = self.spline.programmed.last_mut()
         {
             programmed.tag = tag;

@@ -67,11 +67,6 @@ impl<S: Scalar> Pieces<S> {
         (piece.from() <= s || piece.from() < end).then_some(piece.tag)
     }
 
-    /// The first end behind an arc length of one that is at least so long, mm.
-    pub fn end_behind(&self, s: Length, least: S) -> Option<Length> {
-        self.list.iter().find(|piece| piece.to > s && piece.length >= least).map(|piece| piece.to)
-    }
-
     /// Forgets what lies before an arc length.
     pub fn release_before(&mut self, s: Length) {
         // At most all of them.
