@@ -46,7 +46,8 @@ fn config<S: Scalar>() -> Config<S, AXES> {
 /// A servo cycle of a run.
 #[derive(Clone, Copy, Debug)]
 struct Seen {
-    place: f64,
+    place: [f64; AXES],
+    /// Along X.
     speed: f64,
     tag: u32,
     activity: Activity,
@@ -91,7 +92,7 @@ fn run<S: Scalar>(
         }
         let setpoint = interpolator.tick();
         seen.push(Seen {
-            place: setpoint.position_mm(0),
+            place: [0, 1].map(|axis| setpoint.position_mm(axis)),
             speed: setpoint.velocity[0].to_f64(),
             tag: setpoint.tag,
             activity: setpoint.activity,
@@ -137,16 +138,15 @@ fn straight_lines_end_where_they_end<S: Scalar>(exact: f64) {
             for command in [STOP, SINGLE] {
                 let seen = pressed_in(&blocks, tag, command);
                 let rest = seen.last().unwrap();
-                let ends = lines.iter().map(|(to, _)| (to - rest.place).abs());
+                let ends = lines.iter().map(|(to, _)| (to - rest.place[0]).abs());
                 let off = ends.fold(f64::INFINITY, f64::min);
                 assert!(off < exact, "{lines:?} in {tag}: {rest:?}");
-                let last = lines.len() as u32 == tag;
-                assert!(rest.place > to - exact, "{rest:?}");
-                assert_eq!(rest.progress, Progress::Held, "{lines:?} in {tag}, {last}: {rest:?}");
+                assert!(rest.place[0] > to - exact, "{rest:?}");
+                assert_eq!(rest.progress, Progress::Held, "{lines:?} in {tag}: {rest:?}");
             }
             let shown = plain.windows(2).find(|pair| pair[0].tag == tag && pair[1].tag != tag);
             if let Some([before, after]) = shown {
-                let within = before.place - exact..after.place + exact;
+                let within = before.place[0] - exact..after.place[0] + exact;
                 assert!(within.contains(to), "{lines:?}: {tag} ends at {within:?}");
             }
         }
@@ -180,8 +180,8 @@ fn a_stop_on_a_straight_line_rests_at_an_end() {
             }
         });
         let rest = seen.last().unwrap();
-        let off = ends.iter().map(|end| (end - rest.place).abs()).fold(f64::INFINITY, f64::min);
-        let at_start = rest.place.abs() < 1.0e-9;
+        let off = ends.iter().map(|end| (end - rest.place[0]).abs()).fold(f64::INFINITY, f64::min);
+        let at_start = rest.place[0].abs() < 1.0e-9;
         assert!(at_start || off < 1.0e-6, "case {case}: {rest:?} of {ends:?}, {when}");
     }
 }
@@ -208,7 +208,7 @@ fn a_stop_goes_on_to_the_end_of_the_block() {
             due.for_each(|(_, command)| command(controls));
         });
         let rest = seen.last().unwrap();
-        assert!((rest.place - 10.0).abs() < 1.0e-6, "{order:?}: {rest:?}");
+        assert!((rest.place[0] - 10.0).abs() < 1.0e-6, "{order:?}: {rest:?}");
         assert_eq!(rest.progress, Progress::Held);
         let rested = seen.iter().skip(300).any(|seen| seen.activity == Activity::Idle);
         assert!(rested, "{order:?}");
@@ -231,10 +231,11 @@ fn a_stop_rests_at_an_end_however_slow_planning_is() {
                 }
             });
             let rest = seen.last().unwrap();
-            // (By X alone; along Y it does not change.)
-            let off =
-                corners.iter().map(|(x, _)| (x - rest.place).abs()).fold(f64::INFINITY, f64::min);
-            assert!(off < 0.02 || rest.place.abs() < 0.02, "{every}, {when}: {rest:?}");
+            let [x, y] = rest.place;
+            let start = std::iter::once(&(0.0, 0.0));
+            let ends = start.chain(&corners).map(|(a, b)| (a - x).hypot(b - y));
+            let off = ends.fold(f64::INFINITY, f64::min);
+            assert!(off < 0.02, "{every}, {when}: {rest:?}");
         }
     }
 }
@@ -247,19 +248,16 @@ fn a_resume_is_meant_for_the_rest_that_is_shown() {
     let plain = [lines[0], lines[2]];
     for (blocks, single) in [(&lines[..], false), (&plain[..], true)] {
         let begin = |controls: Controls<'_>| controls.single_block(single);
-        let first = |seen: &[Seen]| {
-            let shown = |seen: &Seen| {
-                let rests = seen.activity == Activity::Idle && seen.place > 4.0;
-                if single { rests } else { seen.activity == Activity::Event }
-            };
-            seen.iter().position(shown)
+        let shows = |seen: &Seen| {
+            let rests = seen.activity == Activity::Idle && seen.place[0] > 4.0;
+            if single { rests } else { seen.activity == Activity::Event }
         };
-        let rested = first(&run(config(), blocks, Polls::All, |n, _, controls| {
+        let plain = run(config(), blocks, Polls::All, |n, _, controls| {
             if n == 0 {
                 begin(controls);
             }
-        }))
-        .unwrap();
+        });
+        let rested = plain.iter().position(shows).unwrap();
         for (polls, most) in [
             (Polls::All, 8),
             (Polls::Every(1), 8),
@@ -273,9 +271,9 @@ fn a_resume_is_meant_for_the_rest_that_is_shown() {
                         if n == 0 {
                             begin(controls);
                         }
-                        shown = shown.or(first(seen).map(|_| n));
+                        shown = shown.or(seen.last().filter(|last| shows(last)).map(|_| n));
                         let due = if before {
-                            n + 1 + pressed == rested && matches!(polls, Polls::All)
+                            n + 1 + pressed == rested
                         } else {
                             shown == n.checked_sub(pressed) && shown.is_some()
                         };
@@ -283,7 +281,7 @@ fn a_resume_is_meant_for_the_rest_that_is_shown() {
                             controls.resume();
                         }
                     });
-                    let rest = seen.last().unwrap().place;
+                    let rest = seen.last().unwrap().place[0];
                     let expected = if before { 5.0 } else { 10.0 };
                     assert!((rest - expected).abs() < 1.0e-6, "{single}, {pressed}: {rest}");
                 }
@@ -314,7 +312,7 @@ fn a_hold_is_not_answered_behind_a_rest() {
                 config
             };
             let plain = run(config(), &blocks, Polls::Every(every), |_, _, _| {});
-            let stands = |seen: &&Seen| seen.tag < 6 && (seen.place + 3.5).abs() < 1.0e-6;
+            let stands = |seen: &&Seen| seen.tag < 6 && (seen.place[0] + 3.5).abs() < 1.0e-6;
             let stand = plain.len() - plain.iter().rev().skip_while(|seen| !stands(seen)).count();
             let end = plain.len() - stand;
             // What is pressed a few polls before the motion goes on is answered behind that, as it is in motion.

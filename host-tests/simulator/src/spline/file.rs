@@ -140,10 +140,14 @@ impl SplineFile {
     pub fn by_all_knots(&self) -> Result<Option<Nurbs>> {
         let all = self.knots.len() == self.control_points.len() + 4;
         if self.degree == Some(3) && self.weights.is_none() && all && !self.closed {
-            let (points, knots) = (self.control_points.clone(), self.knots.clone());
-            return Ok(Some(Nurbs::new(3, points, None, knots)?));
+            return self.as_nurbs().map(Some);
         }
         self.nurbs()
+    }
+
+    fn as_nurbs(&self) -> Result<Nurbs> {
+        let (points, weights) = (self.control_points.clone(), self.weights.clone());
+        Nurbs::new(self.degree.unwrap_or(3), points, weights, self.knots.clone())
     }
 
     /// The curve that it is if it is none of the cubic splines of this program: of another degree, or
@@ -156,9 +160,7 @@ impl SplineFile {
             return Ok(None);
         }
         ensure!(!self.closed, "a closed spline must be cubic and without weights");
-        let degree = self.degree.unwrap_or(3);
-        let (points, weights) = (self.control_points.clone(), self.weights.clone());
-        Ok(Some(Nurbs::new(degree, points, weights, self.knots.clone())?))
+        self.as_nurbs().map(Some)
     }
 
     /// The spline; curves of another degree, or rational ones, are converted.

@@ -261,12 +261,11 @@ fn turns(program: &Program, lines: &[Vec<Segment>]) -> BTreeSet<usize> {
     let (mut begin, mut from_turn) = (0, false);
     let mut before: Option<&Segment> = None;
     for (n, step) in program.moves.iter().enumerate() {
-        if let (Some(a), Some(b)) = (before, lines[n].first()) {
-            let cosine: f64 = a.direction.iter().zip(&b.direction).map(|(a, b)| a * b).sum();
-            if cosine < CornerMode::<f64>::STOP_COSINE {
-                stretches.push((begin..n, from_turn));
-                (begin, from_turn) = (n, true);
-            }
+        if let (Some(before), Some(next)) = (before, lines[n].first())
+            && before.cosine_to(next) < CornerMode::<f64>::STOP_COSINE
+        {
+            stretches.push((begin..n, from_turn));
+            (begin, from_turn) = (n, true);
         }
         before = lines[n].last().or(before);
         if step.path.end().is_none() || step.exact_stop {

@@ -18,6 +18,11 @@ pub struct Segment {
 }
 
 impl Segment {
+    /// Cosine of the turn to another.
+    pub fn cosine_to(&self, next: &Self) -> f64 {
+        self.direction.iter().zip(&next.direction).map(|(a, b)| a * b).sum()
+    }
+
     /// Distance of a point from it, and the place next to that, mm from its start.
     pub fn distance(&self, x: &[f64]) -> (f64, f64) {
         let off = || x.iter().zip(&self.from).zip(&self.direction);
@@ -160,7 +165,7 @@ impl Plan {
             let near = q.saturating_sub(1)..(q + 3).min(found.len());
             let Some(n) = near.min_by(|m, n| off(m).total_cmp(&off(n))) else { continue };
             let (shorter, band) = (a.length.min(b.length), a.band.max(b.band));
-            let cosine: f64 = a.direction.iter().zip(&b.direction).map(|(a, b)| a * b).sum();
+            let cosine = a.cosine_to(b);
             let joined = if shorter > if dense { 20.0 } else { 4.0 } * band {
                 breaks[places[n].0] = true;
                 !dense || off(&n) <= 1.3

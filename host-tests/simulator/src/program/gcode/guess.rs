@@ -14,7 +14,8 @@ pub struct Guess {
 /// So many lines are looked at.
 const HEAD: usize = 1000;
 
-/// Names in comments that have a line to themselves, in small letters: what stands behind a code is about that. Files of printers have comments behind ";" alone: what stands in brackets may name a fish.
+/// Names in comments that have a line to themselves, in small letters: what stands behind a code is about that. Files of printers have
+/// comments behind ";" alone: what stands in brackets may name a fish.
 const NAMES: [(&str, Dialect); 17] = [
     ("prusaslicer", Dialect::Marlin),
     ("slic3r", Dialect::Marlin),
@@ -47,12 +48,9 @@ pub fn guess<'a>(lines: impl Iterator<Item = &'a [u8]>) -> Option<Guess> {
             Some(at) => text.split_at(at),
             None => (&*text, ""),
         };
-        let comment = comment.to_lowercase();
-        let alone = code.trim().is_empty();
+        let comment = if code.trim().is_empty() { comment.to_lowercase() } else { String::new() };
         let mut names = NAMES.iter().filter(|(name, dialect)| {
-            alone
-                && comment.contains(name)
-                && (*dialect != Dialect::Marlin || comment.starts_with(';'))
+            comment.contains(name) && (*dialect != Dialect::Marlin || comment.starts_with(';'))
         });
         if let Some((name, dialect)) = names.next()
             && names.all(|(_, other)| other == dialect)
