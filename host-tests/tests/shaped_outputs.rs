@@ -407,3 +407,37 @@ fn an_event_that_an_abort_has_overtaken_switches_nothing() {
         assert!(pushed && told, "{late}");
     }
 }
+
+/// Axes that rest but for the rounding of what is weighed have no speeds whose squares could be divided by: what a setpoint says is a number in
+/// every cycle, whatever stands between two moves.
+#[test]
+fn speed_and_power_are_numbers_in_every_cycle() {
+    let mut draw = Draw(7);
+    let smooth = |frequency| Shape { kind: ShaperKind::Smooth, frequency, damping: 0.014 };
+    for _ in 0..400 * soak() {
+        let axis = AxisLimits::linear(100.0f32, 2.0e3, 5.0e4);
+        let mut config = Config::<f32, AXES>::new(Limits::new([axis; AXES]).unwrap());
+        let mut shaper = Box::new(Shaper::<f32, AXES, HISTORY>::new());
+        let [first, second] = [0; 2].map(|_| smooth(draw.between(35.0, 90.0)));
+        shaper.set([Some(first), Some(first), Some(second)], &config).unwrap();
+        config.follower = shaper.follower(&config);
+        let mut link = Box::new(Link::<f32, AXES, 32, 96>::new());
+        let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; AXES]).unwrap();
+        planner.set_power(&Power::in_proportion(1000.0, 0.0, 1000.0)).unwrap();
+        let mut place = [0.0; AXES];
+        for move_ in 0..3 {
+            place = place.map(|x| x + draw.between(0.0, 3.0));
+            place[0] = 0.0;
+            planner.push(&Block::line(place.map(at), 20.0, move_)).unwrap();
+            planner.push(&Block::event(10)).unwrap();
+            planner.push(&Block::event(11)).unwrap();
+        }
+        planner.finish();
+        for _ in 0..2500 {
+            planner.settle();
+            let setpoint = shaper.shape(&interpolator.tick());
+            let power = interpolator.switch(&setpoint, |_| {});
+            assert!(setpoint.path_speed.is_finite() && power.is_finite(), "{setpoint:?}, {power}");
+        }
+    }
+}

@@ -21,6 +21,10 @@ use crate::servo::{Activity, Setpoint};
 use core::array::from_fn;
 use kernel::Kernel;
 
+/// Slowest motion of the axes that says which of them count, mm/s: the square of what is slower, which is rounding, has no inverse in `f32`.
+#[cfg(feature = "outputs")]
+const LEAST_SPEED: f64 = 1.0e-12;
+
 /// What is remembered of a setpoint.
 #[derive(Clone, Copy, Debug)]
 struct Past<S, const N: usize> {
@@ -408,7 +412,7 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
             let squares = shaped.velocity.map(|speed| speed * speed);
             let sum = squares.iter().fold(S::ZERO, |sum, square| sum + *square);
             // Between two moves the axes stay those of the last.
-            if sum > S::ZERO {
+            if sum > S::of(LEAST_SPEED * LEAST_SPEED) {
                 let part = S::ONE / sum;
                 self.shares = squares.map(|square| square * part);
             }
