@@ -243,6 +243,42 @@ fn what_a_sender_without_a_watchdog_runs_can_be_stopped() {
     });
 }
 
+/// What an operator holds stays held, whoever comes next and whatever that one drops; what is held for a lost sender does not.
+#[test]
+fn a_hold_outlasts_the_session_and_its_abort() {
+    for (held, lost, closes) in (0..8).map(|k| (k & 1 > 0, k & 2 > 0, k & 4 > 0)) {
+        with_rig::<f32, _>([Coord::ZERO; 3], |rig| {
+            begin(rig, if lost { 200 } else { 0 });
+            if held {
+                rig.say(&command(1, 0, Command::Hold));
+                rig.run(STOP);
+            }
+            if closes {
+                rig.say(&Request::Close { session: 1 });
+            }
+            rig.run(200 + STOP);
+            let abort = Opening { abort: true, ..opening(2, 0) };
+            let mut opened = rig.open(abort);
+            if opened == Err(Denial::Stopping) {
+                rig.run(STOP);
+                opened = rig.open(abort);
+            }
+            assert_eq!(opened, Ok(()), "{held} {lost} {closes}");
+            rig.run(2);
+            let expected = if held { State::Held } else { State::Idle };
+            assert_eq!(rig.state(), expected, "{held} {lost} {closes}");
+            let place = rig.position();
+            rig.say(&item(2, 0, line(mm(0), None, 1)));
+            rig.say(&item(2, 1, Item::End));
+            rig.run(1000);
+            assert_eq!(rig.position() == place, held, "{held} {lost} {closes}");
+            rig.say(&command(2, 0, Command::Resume));
+            rig.run(3000);
+            assert_eq!((rig.state(), rig.setpoint.position_nm(0)), (State::Idle, 0));
+        });
+    }
+}
+
 #[test]
 fn a_sender_that_leaves_too_early_is_lost_at_once() {
     with_rig::<f32, _>([Coord::ZERO; 3], |rig| {

@@ -258,6 +258,12 @@ impl<'a> Controls<'a> {
         self.requests.cancels.fetch_add(1, Relaxed);
     }
 
+    /// Whether a hold has been pressed and not been ended.
+    #[cfg(feature = "wire")]
+    pub(crate) fn holds(self) -> bool {
+        self.requests.read().hold
+    }
+
     /// Ends a hold or a stop, and the rest at a pause; in single block mode, runs the next block.
     pub fn resume(self) {
         self.requests.press(!(HOLD | STOP | CARRY), RESUME);
@@ -275,7 +281,8 @@ impl<'a> Controls<'a> {
     /// Brake as for a hold; once at rest, drop everything that has been pushed and not been run.
     /// [`Planner::end`](crate::Planner::end) then says exactly where the machine stands. From now
     /// until [`Planner::acknowledge_abort`](crate::Planner::acknowledge_abort),
-    /// [`Planner::push`](crate::Planner::push) takes no block.
+    /// [`Planner::push`](crate::Planner::push) takes no block. A hold or a stop that has been pressed before ends with it: press hold behind
+    /// the abort, and what is pushed next waits for a resume.
     pub fn abort(self) {
         self.requests.press(!(HOLD | STOP), ABORT);
     }

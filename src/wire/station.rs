@@ -112,6 +112,8 @@ pub struct Station<S: Scalar, const N: usize, const QUEUE: usize> {
     alarm: bool,
     /// The machine is held because the sender has fallen silent.
     lost: bool,
+    /// It was held before: by an operator.
+    held: bool,
     /// Blocks are left that have not been run.
     left: bool,
     progress: Progress,
@@ -143,6 +145,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
             aborting: false,
             alarm: false,
             lost: false,
+            held: false,
             left: false,
             progress: Progress::NeedsBlocks,
             starved: 0,
@@ -402,7 +405,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
             planner.controls().cancel_jog();
         }
         if watched && self.left && !self.aborting {
-            self.lost = true;
+            (self.lost, self.held) = (true, planner.controls().holds());
             planner.controls().hold();
         }
     }
@@ -433,7 +436,13 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
             if !opening.abort {
                 return Err(Denial::Left);
             }
+            // What an operator has pressed is not for the line to end.
+            let held = if self.lost { self.held } else { planner.controls().holds() };
             planner.controls().abort();
+            if held {
+                planner.controls().hold();
+            }
+            self.lost &= !held;
             self.close(Refusal::Aborted);
         }
         #[cfg(feature = "jog")]
@@ -444,7 +453,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
         if self.left || (planner.is_aborted() && !planner.acknowledge_abort()) {
             return Err(Denial::Stopping);
         }
-        if core::mem::take(&mut self.lost) {
+        if core::mem::take(&mut self.lost) && !self.held {
             // It came to rest by itself before the hold could be obeyed, which is in force still.
             planner.controls().resume();
         }
