@@ -173,6 +173,10 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if !self.has_room_for_power() {
             return Err(PushError::Full);
         }
+        #[cfg(feature = "outputs")]
+        if let Some(event) = self.power_between(block) {
+            self.take(&event)?;
+        }
         self.take(block)
     }
 

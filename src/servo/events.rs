@@ -85,6 +85,8 @@ impl<const M: usize> Events<M> {
             found = self.slot(out).map(load).filter(|event| event.tag == setpoint.tag);
             out = out.wrapping_add(1);
         }
+        // One of the planner's own, between two dwells.
+        found?;
         self.happened.store(self.happened().wrapping_add(1), Relaxed);
         self.out.store(out, Release);
         found
@@ -168,7 +170,9 @@ mod tests {
         events.put(&event(3));
         assert_eq!(events.take(&at(2, Activity::Event)), Some(event(2)));
         assert_eq!(events.take(&at(3, Activity::Event)), Some(event(3)));
-        assert_eq!((events.take(&at(3, Activity::Event)), events.happened()), (None, 4));
+        events.put(&event(4));
+        assert_eq!((events.take(&at(3, Activity::Event)), events.happened()), (None, 3));
+        assert_eq!(events.take(&at(4, Activity::Event)), Some(event(4)));
     }
 
     #[test]

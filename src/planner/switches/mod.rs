@@ -52,7 +52,7 @@ pub struct Switches<S> {
     /// End of the last standstill that was cut.
     floor: ArcLength,
     /// End of the last standstill that was pushed.
-    stand: Option<Milestone>,
+    stand: Option<(Milestone, u32)>,
     /// Whether something is to switch at the end of one.
     rests: bool,
     timed: heapless::Vec<Timed<S>, TIMED>,
@@ -179,7 +179,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// changes where each of them starts.
     ///
     /// In a dwell or an event directly behind such a block a power that is the same at every speed stays on; what has been off is put on
-    /// at rest by [`Planner::push_power`] only.
+    /// at rest by [`Planner::push_power`] only. Between two dwells it changes at an event of its own, with the tag of the first.
     ///
     /// # Errors
     /// [`SwitchError::Value`], [`SwitchError::Aborted`].
@@ -236,7 +236,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     fn set_milestone(&mut self, item: &mut Item<S, 1>, offset: Offset<S>) {
         let here = self.builder.meter().taken();
         (item.place, item.order) = (here.length, here.stands);
-        if self.switches.stand == Some(here) && item.passing == Passing::Arriving {
+        if self.switches.stand.is_some_and(|(stand, _)| stand == here)
+            && item.passing == Passing::Arriving
+        {
             // What is behind a standstill is not before it.
             item.passing = Passing::Ending;
             self.switches.rests = true;
@@ -273,10 +275,26 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         if from.stands != taken.stands {
             self.put_behind(from, taken);
-            self.change_power_at_rest(from);
-            self.switches.stand = Some(taken);
             let is_event = matches!(block.motion, Motion::Event { .. });
             self.switches.events = self.switches.events.wrapping_add(u32::from(is_event));
+            if let Some(values) = self.power_at_rest() {
+                // Behind another standstill the machine is there already: at the event.
+                let behind = self.switches.stand.is_some_and(|(stand, _)| stand == from);
+                let (passing, order) = if is_event && behind {
+                    (Passing::Event, self.switches.events)
+                } else {
+                    (Passing::Arriving, from.stands)
+                };
+                self.write_power(&Item {
+                    passing,
+                    place: from.length,
+                    order,
+                    wait: 0,
+                    part: S::ZERO,
+                    values,
+                });
+            }
+            self.switches.stand = Some((taken, block.tag));
         } else if self.builder.meter().from() != taken {
             let values = level(&self.switches.power, self.builder.asked());
             if values != self.switches.last {
@@ -287,16 +305,20 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
     }
 
-    /// A standstill has been pushed, behind a place. One power that is the same at every speed may be on in it: not one that has been
-    /// taken back since. What is off is put on at rest by [`Planner::push_power`] only.
-    fn change_power_at_rest(&mut self, from: Milestone) {
+    /// What power is put on in a standstill that is pushed now, if that is another one. One that is the same at every speed may be on in it: not one
+    /// that has been taken back since. What is off is put on at rest by [`Planner::push_power`] only.
+    fn power_at_rest(&self) -> Option<[S; 4]> {
         let Switches { power, last, .. } = &self.switches;
         let ([full, slope, ..], values) = (*last, level_at_rest(power));
-        if full > S::ZERO && slope == S::ZERO && values != *last {
-            let (place, order) = (from.length, from.stands);
-            let passing = Passing::Arriving;
-            self.write_power(&Item { passing, place, order, wait: 0, part: S::ZERO, values });
-        }
+        (full > S::ZERO && slope == S::ZERO && values != *last).then_some(values)
+    }
+
+    /// The event between a dwell that is to be taken and another standstill before it, if the power changes between them.
+    pub(super) fn power_between(&self, block: &Block<S, N>) -> Option<Block<S, N>> {
+        let dwells = matches!(block.motion, Motion::Dwell { seconds } if seconds > S::ZERO && seconds.is_finite());
+        let here = self.builder.meter().taken();
+        let (stand, tag) = self.switches.stand?;
+        (dwells && stand == here && self.power_at_rest().is_some()).then(|| Block::event(tag))
     }
 
     /// Adds a change of power, for which there is room.
