@@ -152,7 +152,7 @@ pub unsafe extern "C" fn splineway_config_init_sized(
 }
 
 /// Sets a core up in `storage` of `bytes` bytes, at rest at `start` (nm, one number per axis). What was there is
-/// forgotten. Not while an interrupt may call [`splineway_tick`] on the same storage.
+/// forgotten, if this is refused, too. Not while an interrupt may call [`splineway_tick`] on the same storage.
 ///
 /// Context: background, while no interrupt uses this core.
 #[unsafe(no_mangle)]

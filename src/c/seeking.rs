@@ -94,7 +94,8 @@ fn input(number: i32) -> Option<Input> {
 
 /// Tells the level of an input, `fraction` of a servo cycle after the last `splineway_tick`: to be called from the interrupt of its
 /// edges, from any context, and once at the start. `number` is the index of an axis for its home switch, -1 for the probe; `INPUT`
-/// if it is neither. Where the fraction is read while a tick is due that has not come, it is one more; where one came after it was read, one less.
+/// if it is neither. Where the fraction is read while a tick is due that has not come, it is one more; where one came after it was read, one less. What
+/// is no number counts as -1.
 ///
 /// Context: any.
 #[unsafe(no_mangle)]

@@ -82,7 +82,7 @@ typedef enum {
    */
   SPLINEWAY_RESULT_FULL = 1,
   /*
-   A pointer is null.
+   A pointer is null. (Without a core, `NOT_READY`.)
    */
   SPLINEWAY_RESULT_NULL = 2,
   /*
@@ -776,7 +776,7 @@ splineway_result splineway_config_init_sized(splineway_config *config,
 
 /*
  Sets a core up in `storage` of `bytes` bytes, at rest at `start` (nm, one number per axis). What was there is
- forgotten. Not while an interrupt may call [`splineway_tick`] on the same storage.
+ forgotten, if this is refused, too. Not while an interrupt may call [`splineway_tick`] on the same storage.
 
  Context: background, while no interrupt uses this core.
  */
@@ -1079,7 +1079,8 @@ splineway_result splineway_push_event(splineway_core *core,
 /*
  Tells the level of an input, `fraction` of a servo cycle after the last `splineway_tick`: to be called from the interrupt of its
  edges, from any context, and once at the start. `number` is the index of an axis for its home switch, -1 for the probe; `INPUT`
- if it is neither. Where the fraction is read while a tick is due that has not come, it is one more; where one came after it was read, one less.
+ if it is neither. Where the fraction is read while a tick is due that has not come, it is one more; where one came after it was read, one less. What
+ is no number counts as -1.
 
  Context: any.
  */

@@ -64,7 +64,7 @@ pub enum splineway_result {
     OK = 0,
     /// There is no room now: poll, and push the same block again.
     FULL = 1,
-    /// A pointer is null.
+    /// A pointer is null. (Without a core, `NOT_READY`.)
     NULL = 2,
     /// The core is not set up.
     NOT_READY = 3,

@@ -9,6 +9,10 @@ use crate::number::vector::{Vector, mix, shifted};
 use crate::number::{Coord, Scalar};
 use core::array::from_fn;
 
+/// What counts as not at the vertex, mm: more than the unit of the meter.
+#[cfg(feature = "outputs")]
+const LEAST_ALONG: f64 = 1.0e-6;
+
 /// A transition at a corner, ready to be cut into cells.
 #[derive(Clone, Copy, Debug)]
 pub struct Transition<S, const N: usize> {
@@ -78,6 +82,19 @@ impl<S: Scalar, const N: usize> Transition<S, N> {
             if index == 0 { before.gap } else { S::ZERO },
             if index == self.cells() { after.gap } else { S::ZERO },
         )
+    }
+
+    /// How far along the legs, from the vertex on, the place beside node `index` lies, mm; before the vertex negative. The apex stands for the vertex, and
+    /// nothing before it does.
+    #[cfg(feature = "outputs")]
+    pub fn along(&self, index: u8) -> S {
+        if index == self.middle() {
+            return S::ZERO;
+        }
+        let (gap_before, gap_after) = self.gaps_at(index);
+        let (first, [(x, _), ..]) = self.on_half(index);
+        let least = S::of(LEAST_ALONG);
+        if first { (x - gap_before).least(-least) } else { (gap_after - x).greatest(least) }
     }
 
     /// Node number `index`, 0 to [`Transition::cells`].

@@ -123,8 +123,14 @@ impl<S: Scalar, const N: usize> CheckPoint<S, N> {
         if !(self.slip.back < self.slip.ahead) {
             return *off;
         }
-        let slip = dot(off, &self.along).least(self.slip.ahead).greatest(self.slip.back);
+        let slip = self.slip(off);
         from_fn(|i| off[i] - slip * self.along[i])
+    }
+
+    /// How far ahead of the check point that point lies, mm.
+    #[inline]
+    pub fn slip(&self, off: &Vector<S, N>) -> S {
+        dot(off, &self.along).least(self.slip.ahead).greatest(self.slip.back)
     }
 }
 

@@ -1,9 +1,10 @@
 //! Where a switch in a corner comes, and the power from block to block.
 
-use crate::common::machine;
+use crate::common::{machine, soak};
 use crate::run::{AXES, there};
+use fastrand::Rng;
 use splineway::{
-    Activity, Block, Coord, Link, Output, Power, Progress, Switch, SwitchError, Trigger,
+    Activity, Block, Coord, Link, Output, Power, Progress, Scalar, Switch, SwitchError, Trigger,
 };
 
 /// The end of a block whose corner is rounded is in the middle of the rounding: on the line that halves the corner.
@@ -239,5 +240,122 @@ fn a_start_never_leads_beyond_a_standstill() {
             interpolator.switch(&setpoint, |_| came.push((setpoint.tag, setpoint.activity)));
         }
         assert_eq!(came, [(3, Activity::Running)], "{before} {event} {time}");
+    }
+}
+
+/// Where an output switches at the end of the second of three lines, of which the last two run straight on behind a corner: how far from there along
+/// them, in tolerances.
+fn off_at_a_straight_joint<S: Scalar>(
+    [before, first, second]: [f64; 3],
+    turn: f64,
+    tolerance: f64,
+) -> f64 {
+    let machine = machine(tolerance, (1.0, 1.0), AXES);
+    let mut link = Box::new(Link::<S, AXES, 16, 64>::new());
+    let (mut planner, mut interpolator) =
+        link.split(machine.config(&[0, 1, 2]).unwrap(), [Coord::ZERO; AXES]).unwrap();
+    let (sin, cos) = turn.sin_cos();
+    let along = |s: f64| [before + s * cos, s * sin, 0.0];
+    let ends = [[before, 0.0, 0.0], along(first), along(first + second)];
+    for (tag, end) in (1..).zip(ends) {
+        let block = Block::line(end.map(|x| Coord::from_mm(x).unwrap()), S::of(100.0), tag);
+        planner.push(&block).unwrap();
+        if tag == 2 {
+            planner.push_switch(&Switch::digital(0, true)).unwrap();
+        }
+    }
+    planner.finish();
+    let (mut last, mut off) = (interpolator.tick(), None);
+    for _ in 0..20_000 {
+        let progress = planner.settle();
+        let setpoint = interpolator.tick();
+        interpolator.switch(&setpoint, |switched| {
+            let u = switched.fraction.to_f64();
+            let at = [0, 1]
+                .map(|i| last.position_mm(i) + (setpoint.position_mm(i) - last.position_mm(i)) * u);
+            off = Some((at[0] - ends[1][0]) * cos + (at[1] - ends[1][1]) * sin);
+        });
+        if progress == Progress::Done && setpoint.activity == Activity::Idle {
+            break;
+        }
+        last = setpoint;
+    }
+    off.unwrap().abs() / tolerance
+}
+
+/// Wherever a corner is smoothed, what belongs to the end of a block behind or before it switches within the tolerance of that.
+#[test]
+fn the_end_of_a_block_near_a_corner_is_where_it_is() {
+    // Within the rounding of the corner.
+    for lines in [[20.0, 8.0, 9.0], [20.0, 0.1, 10.0], [5.865, 7.863, 4.694]] {
+        let right = std::f64::consts::FRAC_PI_2;
+        assert!(off_at_a_straight_joint::<f64>(lines, right, 0.2) < 1.0, "{lines:?}");
+        assert!(off_at_a_straight_joint::<f32>(lines, right, 0.2) < 1.0, "{lines:?}");
+    }
+    let mut draw = Rng::with_seed(5);
+    for _ in 0..300 * soak().unwrap_or(1) {
+        let size = 0.3 * 60f64.powf(draw.f64());
+        let lines = [0; 3].map(|_| (size * (0.3 + draw.f64()) * 1.0e3).round() / 1.0e3);
+        let (turn, tolerance) = (3.0 * draw.f64(), 0.01 * 10f64.powf(draw.f64()));
+        let off = if draw.bool() {
+            off_at_a_straight_joint::<f64>(lines, turn, tolerance)
+        } else {
+            off_at_a_straight_joint::<f32>(lines, turn, tolerance)
+        };
+        assert!(off < 1.0, "{lines:?}, {turn}, {tolerance}: {off} tolerances");
+    }
+}
+
+/// Between two standstills the power changes where the second begins, and no event of the program is taken for that.
+#[test]
+fn power_changes_between_two_standstills() {
+    let machine = machine(0.05, (1.0, 1.0), AXES);
+    let at = |x: f64| [x, 0.0, 0.0].map(|x| Coord::from_mm(x).unwrap());
+    for (pierces, second, event) in
+        [(true, 0.0, false), (true, 0.0, true), (false, 430.0, false), (false, 0.0, true)]
+    {
+        let mut link = Box::new(Link::<f32, AXES, 16, 64>::new());
+        let (mut planner, mut interpolator) =
+            link.split(machine.config(&[0, 1, 2]).unwrap(), [Coord::ZERO; AXES]).unwrap();
+        if pierces {
+            planner.push(&Block::line(at(2.0), 50.0, 1)).unwrap();
+            planner.push_power(&Power::constant(149.0), 2).unwrap();
+        } else {
+            planner.set_power(&Power::constant(149.0)).unwrap();
+            planner.push(&Block::line(at(2.0), 50.0, 1)).unwrap();
+        }
+        planner.push(&Block::dwell(0.1, 3)).unwrap();
+        let power = if second > 0.0 { Power::constant(second) } else { Power::OFF };
+        planner.set_power(&power).unwrap();
+        planner.push(&if event { Block::event(4) } else { Block::dwell(0.1, 4) }).unwrap();
+        // The same once more: no change.
+        planner.push(&Block::dwell(0.1, 5)).unwrap();
+        planner.finish();
+        let (mut powers, mut events) = ([const { Vec::new() }; 3], Vec::new());
+        for _ in 0..1000 {
+            planner.settle();
+            let setpoint = interpolator.tick();
+            let power = interpolator.switch(&setpoint, |_| {});
+            match (setpoint.activity, setpoint.tag) {
+                (Activity::Dwelling, tag @ 3..=5) => powers[tag as usize - 3].push(power),
+                (Activity::Event, tag) => events.push(tag),
+                _ => {}
+            }
+        }
+        let held = |powers: &[f32], level: f32| {
+            powers.iter().all(|power| power.to_bits() == level.to_bits())
+        };
+        let [a, b, c] = &powers;
+        // The second cycle of an event shows its tag, too.
+        let a = if event { a } else { &a[..a.len() - 1] };
+        assert!(a.len() > 95 && held(a, 149.0), "{pierces} {second} {event}: {a:?}");
+        assert!(held(b, second) && held(c, second), "{pierces} {second} {event}: {b:?} {c:?}");
+        let expected: &[u32] = match (pierces, event) {
+            (true, true) => &[2, 4],
+            (true, false) => &[2, 3],
+            (false, true) => &[4],
+            (false, false) => &[3],
+        };
+        assert_eq!(events, expected);
     }
 }

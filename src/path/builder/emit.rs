@@ -137,7 +137,11 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let next = self.queue.get(1).and_then(|next| next.segment)?;
         let node = transition.node(index + 1);
         #[cfg(feature = "outputs")]
-        self.meter_joint(front, index + 1, (cells, middle));
+        {
+            let inner = index + 1 < cells;
+            let end = if inner { Length::from_mm(transition.along(index + 1)) } else { self.given };
+            self.meter_joint(front, end);
+        }
         if index + 1 == cells && self.given >= next.exact_length {
             self.rested = true;
             return Some(Emitted { from, cell, node: Node { at: next.end, ..node }, rest: true });
@@ -158,25 +162,25 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let programmed =
             self.programmed_beside(index, (blend::CELLS, blend::CELLS / 2), front.segment.length)?;
         #[cfg(feature = "outputs")]
-        self.meter_joint(front, index + 1, (blend::CELLS, blend::CELLS / 2));
+        {
+            // Of either side by equal parts.
+            let parts = i64::from(index) + 1 - i64::from(blend::CELLS / 2);
+            let end = self.kept * 2 / i64::from(blend::CELLS) * parts;
+            self.meter_joint(front, if index + 1 < blend::CELLS { end } else { self.given });
+        }
         let from = if self.rested { blend.node(index) } else { *last };
         let cell = blend.cell(index, &from, programmed);
         Some(self.moving(from, cell, blend.node(index + 1)))
     }
 
-    /// The joint behind the front segment is cut up to node `index` of it, of `cells` in all, of which the first `middle`
-    /// belong to the front.
+    /// The joint behind the front segment is cut up to a place behind the end of that, or before it.
     #[cfg(feature = "outputs")]
-    fn meter_joint(&mut self, front: &Front<S, N>, index: u8, (cells, middle): (u8, u8)) {
+    fn meter_joint(&mut self, front: &Front<S, N>, along: Length) {
         let whole = front.segment.exact_length;
-        let part = |all: Length, of: u8, count: u8| all / i64::from(of.max(1)) * i64::from(count);
-        if index < middle {
-            let left = part(self.kept, middle, middle - index);
-            self.meter.cut_to(whole - left);
-        } else if index < cells {
-            self.meter.cut_beyond(whole, part(self.given, cells - middle, index - middle));
+        if along < Length::ZERO {
+            self.meter.cut_to(whole + along);
         } else {
-            self.meter.cut_beyond(whole, self.given);
+            self.meter.cut_beyond(whole, along);
         }
     }
 

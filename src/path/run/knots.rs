@@ -25,6 +25,11 @@ const ENDS_ON: i64 = 32;
 /// its time however short it is.
 const BESIDE: i64 = 16;
 
+/// The place whose tag a span shows.
+pub(super) fn ends_on(Interval { from, to }: Interval) -> Length {
+    to - (to - from) / ENDS_ON
+}
+
 impl<S: Scalar, const N: usize> Run<S, N> {
     /// Lays the next knot, if enough is known and there is room.
     #[inline(never)]
@@ -55,6 +60,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             NextPiece::Half => here + (to.s - here) / 2,
             NextPiece::Length(step) => here + Length::from_mm(step).max(Length::UNIT),
         };
+        let s = if s < to.s { self.to_end(Interval { from: here, to: s }) } else { s };
         if self.knots == KnotState::New {
             self.spline.begin(&self.polyline, here, self.start, s - here);
             self.knots = KnotState::Open;
@@ -87,15 +93,22 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         if self.spline.spans.len() == before {
             return;
         }
-        let Interval { from, to } = self.spline.interval(before);
+        let span = self.spline.interval(before);
         // A little before its end: the ends of pieces are rounded.
-        let line = self.polyline.line_end(to - Length::UNIT);
-        if let Some(tag) = self.pieces.tag_at(to - (to - from) / ENDS_ON, line)
+        let line = self.polyline.line_end(span.to - Length::UNIT);
+        if let Some(tag) = self.pieces.tag_at(ends_on(span), line)
             && let Some(programmed) = self.spline.programmed.last_mut()
         {
             programmed.tag = tag;
         }
-        self.pieces.release_before(from);
+        self.pieces.shown_before(span.from, self.least_end());
+    }
+
+    /// Where a span ends: at the end of a piece if that is near, and the piece is no shorter than half of the span.
+    fn to_end(&self, span: Interval) -> Length {
+        let half = (span.to - span.from) / 2;
+        let least = self.least_end().greatest(half.to_mm());
+        self.pieces.end_near(span, least).unwrap_or(span.to)
     }
 
     /// Lays the knot that was asked for, or one nearer at which the band is kept. Returns where.

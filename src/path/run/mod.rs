@@ -19,11 +19,10 @@ mod trial_span;
 pub use self::sliding::Tie;
 
 use self::dominant::DominantPoint;
-use self::knots::KnotState;
+use self::knots::{KnotState, ends_on};
 use self::pieces::Pieces;
 use self::polyline::{Polyline, VertexSerial};
 use self::sliding::SlidingSpline;
-#[cfg(feature = "outputs")]
 use self::span::SpanCurve;
 use super::cut::{Cut, Emitted};
 use super::leg::Leg;
@@ -53,6 +52,8 @@ const APART: usize = dominant::PASSED as usize + 1;
 const VERTICES: usize = 2 + sliding::NEEDED_BEHIND * APART + (WAITING - 3) * APART + 2;
 /// Share of the first or last line of a smooth end that one span may take: two must fit.
 const SMOOTH_SHARE: f64 = 0.49;
+/// Shortest piece of a line at whose end a cell ends, as a share of the length over which the feed is reached.
+const ENDS_SHARE: f64 = 0.125;
 
 /// How a run begins.
 pub struct Start<S, const N: usize> {
@@ -95,13 +96,14 @@ pub struct Run<S, const N: usize> {
     handed: usize,
     /// Spans of it that may be.
     ready: usize,
-    /// Cells of the next one that have been handed on.
+    /// Parts of the next one that have been handed on, and up to which place, by its parameter from 0 to 1.
     part: u32,
+    place: S,
     /// Arc length at the end of the last cell, and its curve and part of it.
     #[cfg(feature = "outputs")]
     handed_to: Length,
     #[cfg(feature = "outputs")]
-    shape: Optional<(SpanCurve<S, N>, u32)>,
+    shape: Optional<(SpanCurve<S, N>, [S; 2])>,
     /// Pieces of lines that have tags of their own.
     pieces: Pieces<S>,
 }
@@ -125,6 +127,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             handed: 0,
             ready: 0,
             part: 0,
+            place: S::ZERO,
             #[cfg(feature = "outputs")]
             handed_to: Length::ZERO,
             #[cfg(feature = "outputs")]
@@ -139,7 +142,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         (self.hurried, self.brief) = (false, false);
         self.smoothing.set(None);
         self.knots = KnotState::Tied;
-        (self.handed, self.ready, self.part) = (0, 0, 0);
+        (self.handed, self.ready, self.part, self.place) = (0, 0, 0, S::ZERO);
     }
 
     /// Starts a run, whose first line is asked for `leg`.
@@ -342,31 +345,69 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         self.hurried = false;
     }
 
-    /// Hands on a cell.
+    /// Shortest piece of a line, mm, at whose end a cell ends.
+    fn least_end(&self) -> S {
+        let feed = self.dominant.back().map_or(S::ZERO, |point| point.feed);
+        self.ramp.length(feed) * S::of(ENDS_SHARE)
+    }
+
+    /// The end of a piece at which a cell of a span ends that begins at `begin`, if there is one: which place that is, where it lies beside the
+    /// poly-line, and the tag of the piece. Where it turns a span shows what it ends on.
+    fn mark_in(&self, span: usize, curve: &SpanCurve<S, N>, begin: S) -> Option<(S, Length, u32)> {
+        let shown = ends_on(self.spline.interval(span));
+        if !curve.is_gentle() || !self.pieces.ends_before(shown) {
+            return None;
+        }
+        let beside = self.spline.beside(span);
+        let length: S = (beside.to - beside.from).to_mm();
+        let done = Length::from_mm(length * curve.beside(begin));
+        let left = Interval { from: beside.from + done, ..beside };
+        let (s, tag) = self.pieces.end_in(left, self.least_end())?;
+        // What ends behind the place whose tag the span shows is not shown before that.
+        let place = curve.place_beside((s - beside.from).to_mm::<S>() / length);
+        (s <= shown).then_some((place, s, tag))
+    }
+
+    /// Hands on a cell: a part of a span, or of that what ends with a piece of a line.
     #[inline(never)]
     fn hand(&mut self, last: &Node<S, N>, rested: bool) -> Option<Emitted<S, N>> {
-        let (span, part) = (self.handed, self.part);
+        let (span, part, begin) = (self.handed, self.part, self.place);
         let curve = self.spline.curve(span);
-        let from = if rested { Node::new(last.at, curve.frame(part)) } else { *last };
-        let end = if part + 1 < curve.parts() {
-            curve.point(part + 1, &self.spline.start(span))
+        let from = if rested { Node::new(last.at, curve.frame(begin)) } else { *last };
+        let mut programmed = *self.spline.programmed.get(span)?;
+        let mark = self.mark_in(span, &curve, begin);
+        let whole = mark.is_none() && part + 1 == curve.parts();
+        let end = if let Some((place, s, tag)) = mark {
+            programmed.tag = tag;
+            self.pieces.release_before(s);
+            place
         } else {
-            self.spline.finish(span)
+            curve.place(part + 1)
         };
-        let node = Node::new(end, curve.frame(part + 1));
-        let programmed = *self.spline.programmed.get(span)?;
-        let cell = curve.cell(part, &from, &node, programmed);
-        self.part += 1;
+        let at =
+            if whole { self.spline.finish(span) } else { self.spline.place(span, &curve, end) };
+        let node = Node::new(at, curve.frame(end));
+        let cell = curve.cell([begin, end], &from, &node, programmed);
         #[cfg(feature = "outputs")]
         {
-            let Interval { from, to } = self.spline.interval(span);
-            let parts = i64::from(curve.parts().max(1));
-            self.shape.set(Some((curve, part)));
-            self.handed_to = to - (to - from) / parts * (parts - i64::from(self.part));
+            let interval = self.spline.beside(span);
+            let rest = interval.to - interval.from;
+            self.shape.set(Some((curve, [begin, end])));
+            self.handed_to = match mark {
+                Some((_, s, _)) => s,
+                None => {
+                    interval.to
+                        - rest / i64::from(curve.parts()) * i64::from(curve.parts() - part - 1)
+                }
+            };
         }
-        if self.part == curve.parts() {
-            self.part = 0;
+        if whole {
+            (self.part, self.place) = (0, S::ZERO);
             self.handed += 1;
+            self.pieces.release_before(ends_on(self.spline.interval(span)));
+        } else {
+            self.part += u32::from(mark.is_none());
+            self.place = end;
         }
         let at_end = self.handed == self.spline.spans.len();
         let rest = match self.knots {

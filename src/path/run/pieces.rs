@@ -2,10 +2,18 @@
 
 use crate::number::optional::Optional;
 use crate::number::{Interval, Length, Scalar};
-use heapless::Deque;
+use heapless::Vec;
 
 /// Pieces that are remembered; of more, the tag of the next is shown.
 const PIECES: usize = 10;
+/// Part of a span by which its end is moved to that of a piece.
+const NEAR: i64 = 8;
+/// Longer than any piece, mm.
+const FAR: f64 = 1.0e12;
+/// Least part of a cell that the end of a piece cuts off at its beginning,
+const FIRST_PART: i64 = 16;
+/// and at its end.
+const LAST_PART: i64 = 32;
 
 /// A piece of a line with a tag of its own.
 #[derive(Clone, Copy)]
@@ -25,19 +33,22 @@ impl<S: Scalar> TaggedPiece<S> {
 
 /// The pieces that no span has shown, in order.
 pub struct Pieces<S> {
-    list: Deque<TaggedPiece<S>, PIECES>,
+    list: Vec<TaggedPiece<S>, PIECES>,
     /// Where the first of those began for which there was no room since the last.
     lost: Optional<Length>,
+    /// What ends up to here is shown.
+    shown_to: Length,
 }
 
 impl<S: Scalar> Pieces<S> {
     pub const fn new() -> Self {
-        Self { list: Deque::new(), lost: Optional::NONE }
+        Self { list: Vec::new(), lost: Optional::NONE, shown_to: Length::ZERO }
     }
 
     pub fn clear(&mut self) {
         self.list.clear();
         self.lost.set(None);
+        self.shown_to = Length::ZERO;
     }
 
     /// Takes note of a piece and its tag. Where there is no room the tag of the next is shown for it: not that of its
@@ -45,8 +56,14 @@ impl<S: Scalar> Pieces<S> {
     // Once in the image.
     #[inline(never)]
     pub fn note(&mut self, Interval { from, to }: Interval, tag: u32) {
+        if self.list.is_full()
+            && let Some(first) = self.list.first().copied()
+            && first.to <= self.shown_to
+        {
+            self.release_before(first.to);
+        }
         let from = self.lost.take().map_or(from, |lost| lost.min(from));
-        if self.list.push_back(TaggedPiece { to, length: (to - from).to_mm(), tag }).is_err() {
+        if self.list.push(TaggedPiece { to, length: (to - from).to_mm(), tag }).is_err() {
             self.lost.set(Some(from));
         }
     }
@@ -54,7 +71,7 @@ impl<S: Scalar> Pieces<S> {
     /// The same of what is left of a piece behind the last one, if that is more than so many mm.
     #[inline(never)]
     pub fn note_rest(&mut self, Interval { from, to }: Interval, least: S, tag: u32) {
-        let from = self.list.back().map_or(from, |piece| from.max(piece.to));
+        let from = self.list.last().map_or(from, |piece| from.max(piece.to));
         if (to - from).to_mm::<S>() > least {
             self.note(Interval { from, to }, tag);
         }
@@ -67,12 +84,53 @@ impl<S: Scalar> Pieces<S> {
         (piece.from() <= s || piece.from() < end).then_some(piece.tag)
     }
 
+    /// Whether any ends up to an arc length.
+    pub fn ends_before(&self, s: Length) -> bool {
+        self.list.first().is_some_and(|first| first.to <= s)
+    }
+
+    /// The end of a piece of at least so many mm that a cell over an interval is cut at, and its tag, if there is one.
+    #[inline(never)]
+    pub fn end_in(&self, Interval { from, to }: Interval, least: S) -> Option<(Length, u32)> {
+        let (first, last) = ((to - from) / FIRST_PART, (to - from) / LAST_PART);
+        let piece = self.list.iter().find(|p| p.to - from > first && p.length >= least)?;
+        (to - piece.to > last).then_some((piece.to, piece.tag))
+    }
+
+    /// The end of a piece of at least so many mm that is near enough to where an interval ends to be its end.
+    pub fn end_near(&self, Interval { from, to }: Interval, least: S) -> Option<Length> {
+        let near = (to - from) / NEAR;
+        let is_near = |p: &&TaggedPiece<S>| p.to - to < near && to - p.to < near;
+        self.list.iter().filter(|p| p.length >= least).find(is_near).map(|p| p.to)
+    }
+
+    /// The spans up to an arc length show their tags: of what ends before, pieces of at least so many mm are kept while there is room, for cells to
+    /// end there.
+    pub fn shown_before(&mut self, s: Length, least: S) {
+        self.shown_to = s;
+        self.release(s, least);
+    }
+
     /// Forgets what lies before an arc length.
     pub fn release_before(&mut self, s: Length) {
-        // At most all of them.
-        while self.list.front().is_some_and(|piece| piece.to <= s) {
-            self.list.pop_front();
+        self.release(s, S::of(FAR));
+    }
+
+    /// Forgets the pieces before an arc length that are shorter than so many mm.
+    // Once in the image.
+    #[inline(never)]
+    fn release(&mut self, s: Length, least: S) {
+        let mut kept = 0;
+        for i in 0..self.list.len() {
+            if let Some(piece) = self.list.get(i).copied()
+                && (piece.to > s || piece.length >= least)
+                && let Some(place) = self.list.get_mut(kept)
+            {
+                *place = piece;
+                kept += 1;
+            }
         }
+        self.list.truncate(kept);
     }
 }
 
@@ -102,7 +160,7 @@ mod tests {
         let mut pieces = Pieces::<f64>::new();
         pieces.note(piece(1.0, 2.0), 7);
         pieces.note(piece(2.0, 2.5), 8);
-        assert_eq!(pieces.list.back().map(|piece| piece.to), Some(at(2.5)));
+        assert_eq!(pieces.list.last().map(|piece| piece.to), Some(at(2.5)));
         let tags = [0.5, 1.0, 1.9, 2.0, 2.5].map(|s| pieces.tag_at(at(s), at(s)));
         assert_eq!(pieces.tag_at(at(0.5), at(1.5)), Some(7), "before the end of the line");
         assert_eq!(tags, [None, Some(7), Some(7), Some(8), None]);

@@ -207,6 +207,26 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         Interval { from: self.knot(span), to: self.knot(span + 1) }
     }
 
+    /// The same of the poly-line that lies beside a span: it may slip along that.
+    pub fn beside(&self, span: usize) -> Interval {
+        let Interval { from, to } = self.interval(span);
+        let from = from + Length::from_mm(self.slip(span));
+        Interval { from, to: (to + Length::from_mm(self.slip(span + 1))).max(from + Length::UNIT) }
+    }
+
+    /// How far along the poly-line from where it is held against the start of a span lies beside it, mm. A vertex is beside itself: it lies beyond the
+    /// one line as far as before the other.
+    fn slip(&self, span: usize) -> S {
+        let check = self.spans.get(span).and_then(|span| self.checks.get(span.range())?.first());
+        let (Some(check), Some(poles)) = (check, some::<_, 4>(&self.poles, span)) else {
+            return S::ZERO;
+        };
+        if !(check.slip.back < S::ZERO && check.slip.ahead > S::ZERO) {
+            return S::ZERO;
+        }
+        check.slip(&check.displaced(poles.each_ref().map(|pole| &pole.shift)))
+    }
+
     /// Length between the last two knots.
     pub fn last_step(&self) -> Length {
         let n = self.controls.len().cast_signed();
@@ -402,6 +422,17 @@ impl<S: Scalar, const N: usize> SlidingSpline<S, N> {
         let local = self.local(span);
         let [_, before, _, after] = local.values(local.step());
         self.point(span + 1, before, after)
+    }
+
+    /// The point at a place of a span, of which this is the curve.
+    pub fn place(&self, span: usize, curve: &SpanCurve<S, N>, place: S) -> [Coord; N] {
+        let start = self.start(span);
+        if !curve.is_straight() {
+            return curve.point(place, &start);
+        }
+        // In integers: off the line by rounding, points would be a jolt of cells that know of none.
+        let (finish, share) = (self.finish(span), (place * S::of(WHOLE)).to_i64());
+        from_fn(|i| start[i].towards(finish[i], share))
     }
 
     /// The sum of three control points from `first` on; the factors add up to one.

@@ -10,8 +10,13 @@ use core::array::from_fn;
 /// which follows a cubic closely as long as it does not turn much: twice as much would leave it by more than the budget
 /// has for rounding. (Half: 6 % more cells, no path by more than 0.2 %.)
 const TURN: f64 = 0.25;
+/// Turn of a span, rad, that is cut where pieces of lines end: with lines that are hardly a part of a bend. (Ten times as much: of short lines with noise
+/// a program in pieces takes up to a tenth longer.)
+const GENTLE: f64 = 0.02;
 /// Most cells of a span.
 const PARTS: u32 = 8;
+/// Steps to a place beside the poly-line.
+const STEPS: usize = 4;
 
 /// A cubic by its first derivative, a parabola in Bezier form.
 #[derive(Clone, Copy)]
@@ -20,6 +25,8 @@ pub struct SpanCurve<S, const N: usize> {
     /// Length of the parameter, mm.
     step: S,
     straight: bool,
+    /// Whether it hardly turns.
+    gentle: bool,
     parts: u32,
 }
 
@@ -41,7 +48,8 @@ impl<S: Scalar, const N: usize> SpanCurve<S, N> {
         let gathered = most * S::of(0.5) > least && turn > S::of(0.1);
         let parts = 1 + (turn * S::of(1.0 / TURN)).to_i64().clamp(0, i64::from(PARTS) - 1) as u32;
         let straight = still && turn <= S::EPSILON * S::of(8.0);
-        Self { first, step, straight, parts: if gathered { PARTS } else { parts } }
+        let gentle = turn < S::of(GENTLE);
+        Self { first, step, straight, gentle, parts: if gathered { PARTS } else { parts } }
     }
 
     /// Cells it is cut into.
@@ -49,7 +57,18 @@ impl<S: Scalar, const N: usize> SpanCurve<S, N> {
         self.parts
     }
 
-    fn place(&self, part: u32) -> S {
+    /// Whether it hardly turns.
+    pub fn is_gentle(&self) -> bool {
+        self.gentle
+    }
+
+    /// Whether it is a straight line.
+    pub fn is_straight(&self) -> bool {
+        self.straight
+    }
+
+    /// Where a part begins, by the parameter from 0 to 1.
+    pub fn place(&self, part: u32) -> S {
         S::from_u32(part) / S::from_u32(self.parts)
     }
 
@@ -74,39 +93,57 @@ impl<S: Scalar, const N: usize> SpanCurve<S, N> {
         integral(from, to, |u| norm(&self.first(u))) * self.step
     }
 
-    /// Share of a part's length that lies before a share of its parameter.
-    #[cfg(feature = "outputs")]
-    pub fn share_before(&self, part: u32, share: S) -> S {
-        let (from, to) = (self.place(part), self.place(part + 1));
-        let whole = self.length(from, to);
-        if whole > S::ZERO { self.length(from, from + (to - from) * share) / whole } else { share }
+    /// Which share of the poly-line beside it lies before a place, where it does not turn much: by the foot on the chord.
+    #[inline(never)]
+    pub fn beside(&self, u: S) -> S {
+        let chord = self.offset(S::ONE);
+        let square = dot(&chord, &chord);
+        if self.parts == 1 && square > S::ZERO { dot(&self.offset(u), &chord) / square } else { u }
     }
 
-    /// Direction and bend before a part.
+    /// The place beside a share of the poly-line.
+    pub fn place_beside(&self, share: S) -> S {
+        let mut u = share;
+        for _ in 0..STEPS {
+            // Nearly in proportion: a step by the mean slope takes off all but a small part of what is left.
+            u = (u + (share - self.beside(u))).greatest(S::ZERO).least(S::ONE);
+        }
+        u
+    }
+
+    /// Share of the length between two places that lies before a share of the poly-line beside.
+    #[cfg(feature = "outputs")]
+    pub fn share_before(&self, [from, to]: [S; 2], share: S) -> S {
+        let (first, last) = (self.beside(from), self.beside(to));
+        let place = self.place_beside(first + (last - first) * share).greatest(from);
+        let whole = self.length(from, to);
+        if whole > S::ZERO { self.length(from, place) / whole } else { share }
+    }
+
+    /// Direction and bend at a place.
     #[inline(never)]
-    pub fn frame(&self, part: u32) -> Frame<S, N> {
-        let u = self.place(part);
+    pub fn frame(&self, u: S) -> Frame<S, N> {
         let [a, b, c] = &self.first;
         let per = S::of(2.0) / self.step;
         let second = from_fn(|i| ((b[i] - a[i]) * (S::ONE - u) + (c[i] - b[i]) * u) * per);
         by_arc_length(&self.first(u), &second)
     }
 
-    /// The point before a part, given where the curve starts.
-    pub fn point(&self, part: u32, start: &[Coord; N]) -> [Coord; N] {
-        shifted(start, &self.offset(self.place(part)))
+    /// The point at a place, given where the curve starts.
+    pub fn point(&self, u: S, start: &[Coord; N]) -> [Coord; N] {
+        shifted(start, &self.offset(u))
     }
 
-    /// The cell over a part, between two nodes.
+    /// The cell between two places, with the nodes there.
     #[inline(never)]
     pub fn cell(
         &self,
-        part: u32,
+        [begin, end]: [S; 2],
         from: &Node<S, N>,
         to: &Node<S, N>,
         programmed: Programmed<S>,
     ) -> Cell<S, N> {
-        let mut length = self.length(self.place(part), self.place(part + 1));
+        let mut length = self.length(begin, end);
         let mut tangent_offset = [S::ZERO; N];
         if self.straight {
             let chord: Vector<S, N> = from_fn(|i| to.at[i].minus(from.at[i]));
