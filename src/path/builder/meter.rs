@@ -2,9 +2,9 @@
 //! of a block (feature `outputs`).
 //!
 //! Every cell is made from a stretch of the programmed path, known to the unit: of a line or an arc the same length, of a
-//! corner or a blend half of what the joint takes of either side for each of its halves, of a run the part of its
-//! poly-line between two knots. So a place between two blocks, counted as they are programmed, lies in one cell, or
-//! at a node; within a cell both lengths are taken in proportion. The end of a block with a rounded corner is the middle
+//! corner what lies beside its nodes, of a blend equal parts of what the joint takes of either side, of a run the part of its
+//! poly-line beside a span, which may have slipped along it. So a place between two blocks, counted as they are programmed, lies in one cell, or
+//! at a node; within a cell both lengths are taken in proportion, in a run by the foot on its chord. The end of a block with a rounded corner is the middle
 //! of the rounding.
 
 use crate::number::Length;

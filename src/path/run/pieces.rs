@@ -6,10 +6,10 @@ use heapless::Vec;
 
 /// Pieces that are remembered; of more, the tag of the next is shown.
 const PIECES: usize = 10;
-/// Part of a span by which its end is moved to that of a piece.
-const NEAR: i64 = 8;
 /// Longer than any piece, mm.
 const FAR: f64 = 1.0e12;
+/// Part of a span by which its end is moved to that of a piece.
+const NEAR: i64 = 8;
 /// Least part of a cell that the end of a piece cuts off at its beginning,
 const FIRST_PART: i64 = 16;
 /// and at its end.
@@ -31,7 +31,7 @@ impl<S: Scalar> TaggedPiece<S> {
     }
 }
 
-/// The pieces that no span has shown, in order.
+/// The pieces that no span has shown, in order, and before them those at whose ends cells may still end.
 pub struct Pieces<S> {
     list: Vec<TaggedPiece<S>, PIECES>,
     /// Where the first of those began for which there was no room since the last.
