@@ -163,7 +163,7 @@ fn straight_lines_end_where_they_end<S: Scalar>(exact: f64) {
 #[test]
 fn straight_lines_end_where_they_end_in_both_precisions() {
     straight_lines_end_where_they_end::<f64>(1.0e-6);
-    straight_lines_end_where_they_end::<f32>(5.0e-4);
+    straight_lines_end_where_they_end::<f32>(1.0e-4);
 }
 
 /// Whatever lines there are, at whatever feeds.

@@ -8,6 +8,13 @@ use core::array::from_fn;
 /// Shortest piece whose tag is shown, as a share of the length over which the feed is reached: every piece
 /// that is shown takes a node of the window.
 pub const SHOWN_SHARE: f64 = 1.0 / 32.0;
+/// Part of a cell by which its end is moved to that of a piece.
+pub const NEAR: i64 = 8;
+/// Least part of a cell that the end of a piece cuts off at its beginning: a cell is up to about twice as long as the one before, and the end of a
+/// piece that was too far behind that to be its end is not too near to be one of this.
+pub const FIRST_PART: i64 = 2 * NEAR;
+/// The same at the end of what is cut, which stays where it is.
+pub const LAST_PART: i64 = 32;
 /// Marks held per block of the look-ahead.
 const PER_BLOCK: usize = 2;
 

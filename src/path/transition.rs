@@ -54,13 +54,16 @@ impl<S: Scalar, const N: usize> Transition<S, N> {
 
     /// Offset from the vertex at node `index`, mm.
     fn offset(&self, index: u8) -> Vector<S, N> {
+        let (first, (x, y)) = self.on_leg(index);
+        let [leg, inside] = if first { &self.before } else { &self.after };
+        mix(x, leg, y, inside)
+    }
+
+    /// Whether node `index` lies before the apex or on it, and how far from the vertex along that leg and beside it, mm.
+    fn on_leg(&self, index: u8) -> (bool, (S, S)) {
         let (gap_before, gap_after) = self.gaps_at(index);
         let (first, [(x, y), ..]) = self.on_half(index);
-        if first {
-            mix(x - gap_before, &self.before[0], y, &self.before[1])
-        } else {
-            mix(gap_after - x, &self.after[0], y, &self.after[1])
-        }
+        (first, (if first { x - gap_before } else { gap_after - x }, y))
     }
 
     /// Whether node `index` lies before the apex or on it, and where on the half: place, first and second derivative.
@@ -91,10 +94,9 @@ impl<S: Scalar, const N: usize> Transition<S, N> {
         if index == self.middle() {
             return S::ZERO;
         }
-        let (gap_before, gap_after) = self.gaps_at(index);
-        let (first, [(x, _), ..]) = self.on_half(index);
+        let (first, (x, _)) = self.on_leg(index);
         let least = S::of(LEAST_ALONG);
-        if first { (x - gap_before).least(-least) } else { (gap_after - x).greatest(least) }
+        if first { x.least(-least) } else { x.greatest(least) }
     }
 
     /// Node number `index`, 0 to [`Transition::cells`].

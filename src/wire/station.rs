@@ -442,7 +442,6 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
             if held {
                 planner.controls().hold();
             }
-            self.lost &= !held;
             self.close(Refusal::Aborted);
         }
         #[cfg(feature = "jog")]

@@ -270,9 +270,7 @@ fn off_at_a_straight_joint<S: Scalar>(
         let progress = planner.settle();
         let setpoint = interpolator.tick();
         interpolator.switch(&setpoint, |switched| {
-            let u = switched.fraction.to_f64();
-            let at = [0, 1]
-                .map(|i| last.position_mm(i) + (setpoint.position_mm(i) - last.position_mm(i)) * u);
+            let at = there((&last, &setpoint), switched.fraction.to_f64()).1;
             off = Some((at[0] - ends[1][0]) * cos + (at[1] - ends[1][1]) * sin);
         });
         if progress == Progress::Done && setpoint.activity == Activity::Idle {

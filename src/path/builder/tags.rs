@@ -5,14 +5,7 @@ use super::{Builder, Front};
 use crate::machine::Config;
 use crate::number::{Interval, Length, Scalar};
 use crate::path::node::Programmed;
-
-/// Part of a cell by which its end is moved to that of a piece.
-const NEAR: i64 = 8;
-/// Least part of a cell that the end of a piece cuts off at its beginning: a cell is up to about twice as long as the one before, and the end of a
-/// piece that was too far behind that to be its end is not too near to be one of this.
-const FIRST_PART: i64 = 2 * NEAR;
-/// The same at the end of what is cut, which stays where it is.
-const LAST_PART: i64 = 32;
+use crate::path::straight::{FIRST_PART, LAST_PART, NEAR};
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
     /// What is asked of a cell of the joint behind the front block, of `cells` in all: of the first `middle` by the

@@ -3,6 +3,7 @@
 use super::{Run, Tie};
 use crate::number::{Interval, Length, Scalar};
 use crate::path::cut::{EndSizes, LONGEST_CELL_TIME, NextPiece, next_piece};
+use crate::path::straight::LAST_PART;
 
 /// How far the spline has come.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -19,15 +20,13 @@ pub enum KnotState {
 
 /// Longest span where more of the path comes slowly, as a share of the longest.
 const BRIEF_SHARE: f64 = 0.125;
-/// The last of so many parts of a span is what it ends on: what is shorter is not shown.
-const ENDS_ON: i64 = 32;
 /// A vertex this part of a span behind a knot is no place for the next: the span between the two would be crept through, for a cell takes
 /// its time however short it is.
 const BESIDE: i64 = 16;
 
-/// The place whose tag a span shows.
+/// The place whose tag a span shows: what it ends on, if that is not too short to be a part of its own.
 pub(super) fn ends_on(Interval { from, to }: Interval) -> Length {
-    to - (to - from) / ENDS_ON
+    to - (to - from) / LAST_PART
 }
 
 impl<S: Scalar, const N: usize> Run<S, N> {

@@ -2,18 +2,13 @@
 
 use crate::number::optional::Optional;
 use crate::number::{Interval, Length, Scalar};
+use crate::path::straight::{FIRST_PART, LAST_PART, NEAR};
 use heapless::Vec;
 
 /// Pieces that are remembered; of more, the tag of the next is shown.
 const PIECES: usize = 10;
 /// Longer than any piece, mm.
 const FAR: f64 = 1.0e12;
-/// Part of a span by which its end is moved to that of a piece.
-const NEAR: i64 = 8;
-/// Least part of a cell that the end of a piece cuts off at its beginning,
-const FIRST_PART: i64 = 16;
-/// and at its end.
-const LAST_PART: i64 = 32;
 
 /// A piece of a line with a tag of its own.
 #[derive(Clone, Copy)]

@@ -51,7 +51,7 @@ pub struct Switches<S> {
     to: (i64, ArcLength),
     /// End of the last standstill that was cut.
     floor: ArcLength,
-    /// End of the last standstill that was pushed.
+    /// End of the last standstill that was pushed, and its tag.
     stand: Option<(Milestone, u32)>,
     /// Whether something is to switch at the end of one.
     rests: bool,
@@ -87,6 +87,11 @@ impl<S: Scalar> Switches<S> {
     pub fn are_used(&self) -> bool {
         let written = self.lines.iter().chain([&self.powers]);
         self.power.level > S::ZERO || written.into_iter().any(|line| line.next != EntrySerial::ZERO)
+    }
+
+    /// Whether what was pushed last is a standstill, of which this is the end.
+    fn stands_at(&self, here: Milestone) -> bool {
+        self.stand.is_some_and(|(stand, _)| stand == here)
     }
 
     /// The place on the path of one on the programmed path within the last cell, or at its end.
@@ -236,9 +241,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     fn set_milestone(&mut self, item: &mut Item<S, 1>, offset: Offset<S>) {
         let here = self.builder.meter().taken();
         (item.place, item.order) = (here.length, here.stands);
-        if self.switches.stand.is_some_and(|(stand, _)| stand == here)
-            && item.passing == Passing::Arriving
-        {
+        if self.switches.stands_at(here) && item.passing == Passing::Arriving {
             // What is behind a standstill is not before it.
             item.passing = Passing::Ending;
             self.switches.rests = true;
@@ -277,23 +280,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             self.put_behind(from, taken);
             let is_event = matches!(block.motion, Motion::Event { .. });
             self.switches.events = self.switches.events.wrapping_add(u32::from(is_event));
-            if let Some(values) = self.power_at_rest() {
-                // Behind another standstill the machine is there already: at the event.
-                let behind = self.switches.stand.is_some_and(|(stand, _)| stand == from);
-                let (passing, order) = if is_event && behind {
-                    (Passing::Event, self.switches.events)
-                } else {
-                    (Passing::Arriving, from.stands)
-                };
-                self.write_power(&Item {
-                    passing,
-                    place: from.length,
-                    order,
-                    wait: 0,
-                    part: S::ZERO,
-                    values,
-                });
-            }
+            self.change_power_at_rest(from, is_event);
             self.switches.stand = Some((taken, block.tag));
         } else if self.builder.meter().from() != taken {
             let values = level(&self.switches.power, self.builder.asked());
@@ -303,6 +290,19 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 self.write_power(&Item { passing, place, order, wait: 0, part: S::ZERO, values });
             }
         }
+    }
+
+    /// A standstill has been pushed, behind a place. The power changes when the motion arrives there; behind another standstill it is there already, and the
+    /// power changes at an event.
+    fn change_power_at_rest(&mut self, from: Milestone, is_event: bool) {
+        let Some(values) = self.power_at_rest() else { return };
+        let (passing, order) = if is_event && self.switches.stands_at(from) {
+            (Passing::Event, self.switches.events)
+        } else {
+            (Passing::Arriving, from.stands)
+        };
+        let place = from.length;
+        self.write_power(&Item { passing, place, order, wait: 0, part: S::ZERO, values });
     }
 
     /// What power is put on in a standstill that is pushed now, if that is another one. One that is the same at every speed may be on in it: not one
@@ -316,9 +316,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// The event between a dwell that is to be taken and another standstill before it, if the power changes between them.
     pub(super) fn power_between(&self, block: &Block<S, N>) -> Option<Block<S, N>> {
         let dwells = matches!(block.motion, Motion::Dwell { seconds } if seconds > S::ZERO && seconds.is_finite());
-        let here = self.builder.meter().taken();
-        let (stand, tag) = self.switches.stand?;
-        (dwells && stand == here && self.power_at_rest().is_some()).then(|| Block::event(tag))
+        let (_, tag) = self.switches.stand?;
+        let behind = self.switches.stands_at(self.builder.meter().taken());
+        (dwells && behind && self.power_at_rest().is_some()).then(|| Block::event(tag))
     }
 
     /// Adds a change of power, for which there is room.
