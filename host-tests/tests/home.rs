@@ -264,6 +264,13 @@ proptest! {
     }
 }
 
+/// Where pieces are few they are long, 65 mm here, and places far from where their piece begins are rounded to 4 nm and more.
+#[test]
+fn long_pieces_in_f32_are_rounded_by_no_more_than_their_length_asks_for() {
+    let fault = random_homing::<f32>(16_935_004_806_110_416_258).unwrap_err();
+    assert_eq!((fault.axis, fault.fault), (0, HomeFault::Missing));
+}
+
 /// All ends are met.
 #[test]
 fn random_homings_end_in_every_way() {

@@ -83,7 +83,10 @@ impl<S: Scalar> Between<S> {
             // Where an axis waits for its share of a motor, what others do is cut off and taken up again in many cycles, and each time a
             // place is rounded to a unit: by no more than a motion may be off its end.
             let shared = if config.limits.motor(0).is_some() { 1.0e-9 } else { 0.0 };
-            let most = off_most::<S>(v * h) + shared;
+            // A product and a sum are rounded for either place, to its distance from where its piece begins.
+            let ulps = if S::NAME == "f32" { f64::from(f32::EPSILON) } else { f64::EPSILON };
+            let far = self.from.offset[i].to_f64().abs() + self.to.offset[i].to_f64().abs();
+            let most = off_most::<S>(v * h) + shared + ulps * far;
             assert!(off < most, "axis {i}: {off} mm beside its derivatives");
         }
     }
@@ -91,7 +94,7 @@ impl<S: Scalar> Between<S> {
 
 /// What a position may be off by rounding, mm: of a way that ends in it, and of the longest way in a cycle.
 pub fn off_most<S: Scalar>(way: f64) -> f64 {
-    // A piece of 8 mm in an `f32`, or where pieces are few, of 100.
+    // A piece of 8 mm in an `f32`.
     if S::NAME == "f32" { 1.0e-5 + 1.0e-6 * way } else { 2.0e-11 + 1.0e-12 * way }
 }
 
