@@ -246,10 +246,11 @@ fn what_a_sender_without_a_watchdog_runs_can_be_stopped() {
 /// What an operator holds stays held, whoever comes next and whatever that one drops; what is held for a lost sender does not.
 #[test]
 fn a_hold_outlasts_the_session_and_its_abort() {
-    for (held, lost, closes) in (0..8).map(|k| (k & 1 > 0, k & 2 > 0, k & 4 > 0)) {
+    let cases = (0..16).map(|k| (k & 1 > 0, k & 2 > 0, k & 4 > 0, k & 8 > 0));
+    for (held, lost, closes, late) in cases {
         with_rig::<f32, _>([Coord::ZERO; 3], |rig| {
             begin(rig, if lost { 200 } else { 0 });
-            if held {
+            if held && !late {
                 rig.say(&command(1, 0, Command::Hold));
                 rig.run(STOP);
             }
@@ -257,21 +258,26 @@ fn a_hold_outlasts_the_session_and_its_abort() {
                 rig.say(&Request::Close { session: 1 });
             }
             rig.run(200 + STOP);
+            // At a panel, while the controller holds for the sender.
+            if held && late {
+                rig.planner.controls().hold();
+                rig.run(STOP);
+            }
             let abort = Opening { abort: true, ..opening(2, 0) };
             let mut opened = rig.open(abort);
             if opened == Err(Denial::Stopping) {
                 rig.run(STOP);
                 opened = rig.open(abort);
             }
-            assert_eq!(opened, Ok(()), "{held} {lost} {closes}");
+            assert_eq!(opened, Ok(()), "{held} {lost} {closes} {late}");
             rig.run(2);
             let expected = if held { State::Held } else { State::Idle };
-            assert_eq!(rig.state(), expected, "{held} {lost} {closes}");
+            assert_eq!(rig.state(), expected, "{held} {lost} {closes} {late}");
             let place = rig.position();
             rig.say(&item(2, 0, line(mm(0), None, 1)));
             rig.say(&item(2, 1, Item::End));
             rig.run(1000);
-            assert_eq!(rig.position() == place, held, "{held} {lost} {closes}");
+            assert_eq!(rig.position() == place, held, "{held} {lost} {closes} {late}");
             rig.say(&command(2, 0, Command::Resume));
             rig.run(3000);
             assert_eq!((rig.state(), rig.setpoint.position_nm(0)), (State::Idle, 0));

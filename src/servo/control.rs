@@ -51,7 +51,7 @@ pub struct Requests {
     #[cfg(feature = "jog")]
     cancels: AtomicU32,
     /// Holds that have been pressed, the same one again too.
-    #[cfg(feature = "jog")]
+    #[cfg(any(feature = "jog", feature = "wire"))]
     holds: AtomicU32,
 }
 
@@ -112,7 +112,7 @@ impl Requests {
             rested: AtomicU32::new(0),
             #[cfg(feature = "jog")]
             cancels: AtomicU32::new(0),
-            #[cfg(feature = "jog")]
+            #[cfg(any(feature = "jog", feature = "wire"))]
             holds: AtomicU32::new(0),
         }
     }
@@ -124,7 +124,7 @@ impl Requests {
     }
 
     /// Number of the last hold.
-    #[cfg(feature = "jog")]
+    #[cfg(any(feature = "jog", feature = "wire"))]
     pub fn holds(&self) -> u32 {
         self.holds.load(Relaxed)
     }
@@ -240,7 +240,7 @@ impl<'a> Controls<'a> {
     /// once, and dwell for what is left of it when resumed.
     pub fn hold(self) {
         self.requests.pressed.fetch_or(HOLD, Release);
-        #[cfg(feature = "jog")]
+        #[cfg(any(feature = "jog", feature = "wire"))]
         self.requests.holds.fetch_add(1, Relaxed);
     }
 
@@ -258,10 +258,10 @@ impl<'a> Controls<'a> {
         self.requests.cancels.fetch_add(1, Relaxed);
     }
 
-    /// Whether a hold has been pressed and not been ended.
+    /// Whether a hold has been pressed and not been ended, and the number of the last.
     #[cfg(feature = "wire")]
-    pub(crate) fn holds(self) -> bool {
-        self.requests.read().hold
+    pub(crate) fn held(self) -> (bool, u32) {
+        (self.requests.read().hold, self.requests.holds())
     }
 
     /// Ends a hold or a stop, and the rest at a pause; in single block mode, runs the next block.

@@ -47,8 +47,7 @@
 //!   the machine stands, and acknowledges the abort
 //!   ([`Planner::acknowledge_abort`](crate::Planner::acknowledge_abort)).
 //! - Overrides, single block mode and holds that an operator has pressed outlast the session, and the abort that the next one may open with: that
-//!   finds [`State::Held`] and has to resume. (An abort by command ends a hold that was pressed before, and one that is pressed while the
-//!   controller holds for a lost sender is that.)
+//!   finds [`State::Held`] and has to resume. (An abort by command ends a hold that was pressed before.)
 //!
 //! A move names the axes that move ([`Target`]); the others stay exactly where they are, to the last of
 //! the core's units.

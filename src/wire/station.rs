@@ -17,7 +17,7 @@ use crate::block::{Power, SwitchError};
 use crate::number::{Coord, Scalar};
 use crate::planner::{Planner, Progress};
 use crate::servo::events::{Event, Events};
-use crate::servo::{Activity, Setpoint};
+use crate::servo::{Activity, Controls, Setpoint};
 use heapless::Deque;
 
 /// What waits for the planner.
@@ -69,6 +69,21 @@ struct Session {
     events: u32,
 }
 
+/// The hold that the station has pressed for a sender that is lost.
+#[derive(Clone, Copy, Debug)]
+struct OwnHold {
+    /// Its number, if none that an operator had pressed was in force.
+    alone: Option<u32>,
+}
+
+impl OwnHold {
+    fn press(controls: Controls<'_>) -> Self {
+        let (held, last) = controls.held();
+        controls.hold();
+        Self { alone: (!held).then_some(last.wrapping_add(1)) }
+    }
+}
+
 /// Replies that are due.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Due {
@@ -111,9 +126,7 @@ pub struct Station<S: Scalar, const N: usize, const QUEUE: usize> {
     /// An abort that no command of the session has asked for.
     alarm: bool,
     /// The machine is held because the sender has fallen silent.
-    lost: bool,
-    /// It was held before: by an operator.
-    held: bool,
+    lost: Option<OwnHold>,
     /// Blocks are left that have not been run.
     left: bool,
     progress: Progress,
@@ -144,8 +157,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
             seeking: Seeking::NONE,
             aborting: false,
             alarm: false,
-            lost: false,
-            held: false,
+            lost: None,
             left: false,
             progress: Progress::NeedsBlocks,
             starved: 0,
@@ -207,7 +219,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
         }
         match command {
             Command::Abort | Command::QuickAbort => self.close(Refusal::Aborted),
-            Command::Resume => self.lost = false,
+            Command::Resume => self.lost = None,
             Command::Jog(jog) => self.jog = Some(jog),
             Command::Hold | Command::QuickHold | Command::CancelJog => self.jog = None,
             _ => {}
@@ -305,7 +317,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
     pub fn close(&mut self, reason: Refusal) {
         self.queue.clear();
         self.seeking.drop_waiting();
-        (self.aborting, self.lost, self.jog) = (true, false, None);
+        (self.aborting, self.lost, self.jog) = (true, None, None);
         self.alarm |= reason == Refusal::Alarm;
         self.no_more(reason);
     }
@@ -405,8 +417,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
             planner.controls().cancel_jog();
         }
         if watched && self.left && !self.aborting {
-            (self.lost, self.held) = (true, planner.controls().holds());
-            planner.controls().hold();
+            self.lost = Some(OwnHold::press(planner.controls()));
         }
     }
 
@@ -432,14 +443,15 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
                 return Err(Denial::Busy);
             }
         }
+        let (held, last) = planner.controls().held();
+        let operated = held && self.lost.is_none_or(|own| own.alone != Some(last));
         if self.left && !self.aborting {
             if !opening.abort {
                 return Err(Denial::Left);
             }
             // What an operator has pressed is not for the line to end.
-            let held = if self.lost { self.held } else { planner.controls().holds() };
             planner.controls().abort();
-            if held {
+            if operated {
                 planner.controls().hold();
             }
             self.close(Refusal::Aborted);
@@ -452,7 +464,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
         if self.left || (planner.is_aborted() && !planner.acknowledge_abort()) {
             return Err(Denial::Stopping);
         }
-        if core::mem::take(&mut self.lost) && !self.held {
+        if self.lost.take().is_some() && !operated {
             // It came to rest by itself before the hold could be obeyed, which is in force still.
             planner.controls().resume();
         }
@@ -636,7 +648,7 @@ impl<S: Scalar, const N: usize, const QUEUE: usize> Station<S, N, QUEUE> {
         let rests = setpoint.activity == Activity::Idle;
         match self.progress {
             _ if self.alarm => State::Alarm,
-            Progress::Held if self.lost => State::SenderLost,
+            Progress::Held if self.lost.is_some() => State::SenderLost,
             Progress::Held => State::Held,
             Progress::Aborted => State::Aborted,
             Progress::Done | Progress::NeedsBlocks if rests && !self.left => State::Idle,
