@@ -3,7 +3,7 @@
 #[path = "common/cycles.rs"]
 mod cycles;
 
-use cycles::{AXES, Between, Draw, Point, at, machine, off_most, soak};
+use cycles::{AXES, Between, Draw, Point, at, cases, machine, off_most};
 use proptest::prelude::*;
 use splineway::{
     Activity, AxisHome, Block, Config, Coord, HomeFailure, HomeFault, HomePhase, Input,
@@ -251,7 +251,7 @@ fn check_homed<S: Scalar>(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 150 * soak(), ..ProptestConfig::default() })]
+    #![proptest_config(cases::config(150))]
 
     #[test]
     fn random_homings(seed in any::<u64>()) {

@@ -1,5 +1,7 @@
 //! Jogs: random commands at random servo cycles, against a check of the limits that knows setpoints alone.
 
+#[path = "common/cases.rs"]
+mod cases;
 #[path = "common/motors.rs"]
 mod motors;
 
@@ -210,7 +212,7 @@ fn rest<S: Scalar, const N: usize>(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 60 * soak(), ..ProptestConfig::default() })]
+    #![proptest_config(cases::config(60))]
 
     #[test]
     fn random_jogs_keep_every_limit(seed in any::<u64>()) {
@@ -221,10 +223,6 @@ proptest! {
     fn random_jogs_keep_every_limit_in_f32(seed in any::<u64>()) {
         random_jogs::<f32>(seed, 4000);
     }
-}
-
-fn soak() -> u32 {
-    std::env::var("SOAK").ok().and_then(|factor| factor.parse().ok()).unwrap_or(1)
 }
 
 fn usual<S: Scalar>() -> Config<S, AXES> {

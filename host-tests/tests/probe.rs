@@ -4,7 +4,7 @@
 #[path = "common/cycles.rs"]
 mod cycles;
 
-use cycles::{AXES, Between, Draw, Point, at, machine, off_most, soak};
+use cycles::{AXES, Between, Draw, Point, at, cases, machine, off_most};
 use proptest::prelude::*;
 use splineway::{
     Activity, AxisLimits, AxisTravel, Block, Config, Coord, Input, Interpolator, Jog, JogError,
@@ -245,7 +245,7 @@ fn one_probe<S: Scalar>(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 100 * soak(), ..ProptestConfig::default() })]
+    #![proptest_config(cases::config(100))]
 
     #[test]
     fn random_probes_keep_every_limit(seed in any::<u64>()) {

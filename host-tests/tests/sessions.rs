@@ -1,5 +1,8 @@
 //! Who may move the machine: sessions that die, overlap, repeat and lie, sender watchdog, events.
 
+#[path = "common/cases.rs"]
+mod cases;
+
 use proptest::prelude::*;
 use splineway::wire::{
     Command, Denial, Event, Events, FRAME, Inlet, Item, Move, Opening, Path, Refusal, Reply,
@@ -728,14 +731,22 @@ fn judge<S: Scalar>(rig: &Rig<'_, S>, observer: &mut Observer) -> Result<(), Tes
     Ok(())
 }
 
-/// Cases: `SOAK` times as many if it is set.
-fn cases(count: u32) -> ProptestConfig {
-    let times = std::env::var("SOAK").ok().and_then(|times| times.parse().ok()).unwrap_or(1);
-    ProptestConfig { cases: count * times, ..ProptestConfig::default() }
+/// What was found once.
+#[test]
+fn a_session_behind_two_others_is_heard() {
+    let open = |session, silence| Word::Open { session, silence, abort: false };
+    let item = Word::Item { session: 3, skip: 0, kind: 1 };
+    let [long, short] = [open(3, 100), open(1, 20)];
+    let words = [
+        &[short.clone(), Word::Wait(20), long, item],
+        &[Word::Wait(2), Word::Wait(22), Word::Wait(76), short],
+        &[Word::Wait(20), open(3, 0)][..],
+    ];
+    listen::<f32>(&words.concat()).unwrap();
 }
 
 proptest! {
-    #![proptest_config(cases(150))]
+    #![proptest_config(cases::config(150))]
 
     #[test]
     fn nothing_moves_that_the_live_session_has_not_sent(

@@ -1,10 +1,12 @@
 //! The wire protocol over a line that cuts, garbles, doubles and delays: no block is lost, none runs
 //! twice, and every command is obeyed once.
 
+#[path = "common/cases.rs"]
+mod cases;
 #[path = "common/line.rs"]
 mod line;
 
-use line::{Line, answer, fault, speak};
+use line::{Fault, Line, answer, fault, speak};
 use proptest::prelude::*;
 use splineway::wire::{
     Command, Events, FRAME, HomeAxis, HomeFault, HomeMove, HomeReport, HomeStep, HomeTrouble,
@@ -116,8 +118,41 @@ fn direct(items: &[Item]) -> [i64; 3] {
     }
 }
 
+type Faults = [(u16, Fault)];
+
+/// A program over a line with faults both ways, with overrides at given times.
+fn a_bad_line(
+    forth: &Faults,
+    back: &Faults,
+    count: u32,
+    mut times: Vec<u64>,
+) -> Result<(), TestCaseError> {
+    let items = program(count);
+    times.sort_unstable();
+    // Overrides do not stop the run, and differ from each other.
+    let commands: Vec<(u64, Command)> = times
+        .iter()
+        .enumerate()
+        .map(|(k, &time)| (time, Command::FeedOverride(50 + k as u16 * 10)))
+        .collect();
+    let lines = [Line::new(forth), Line::new(back)];
+    let outcome = stream(&items, lines, &commands, 20_000);
+    prop_assert!(outcome.done);
+    prop_assert_eq!(*outcome.positions.last().unwrap(), direct(&items));
+    let wanted: Vec<Command> = commands.iter().map(|(_, command)| *command).collect();
+    prop_assert_eq!(outcome.commands, wanted);
+    Ok(())
+}
+
+/// What was found once.
+#[test]
+fn an_override_behind_lost_bytes_is_heard() {
+    let back = [(100, Fault::Double), (269, Fault::Cut)];
+    a_bad_line(&[(35, Fault::Cut)], &back, 1, vec![114]).unwrap();
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
+    #![proptest_config(cases::config(60))]
 
     #[test]
     fn a_bad_line_loses_nothing(
@@ -126,21 +161,7 @@ proptest! {
         count in 1u32..60,
         times in prop::collection::vec(0u64..1500, 0..6),
     ) {
-        let items = program(count);
-        let mut times = times;
-        times.sort_unstable();
-        // Overrides do not stop the run, and differ from each other.
-        let commands: Vec<(u64, Command)> = times
-            .iter()
-            .enumerate()
-            .map(|(k, &time)| (time, Command::FeedOverride(50 + k as u16 * 10)))
-            .collect();
-        let lines = [Line::new(&forth), Line::new(&back)];
-        let outcome = stream(&items, lines, &commands, 20_000);
-        prop_assert!(outcome.done);
-        prop_assert_eq!(*outcome.positions.last().unwrap(), direct(&items));
-        let wanted: Vec<Command> = commands.iter().map(|(_, command)| *command).collect();
-        prop_assert_eq!(outcome.commands, wanted);
+        a_bad_line(&forth, &back, count, times)?;
     }
 }
 
@@ -396,7 +417,7 @@ fn request() -> impl Strategy<Value = Request> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
+    #![proptest_config(cases::config(2000))]
 
     #[test]
     fn frames_are_those_of_postcard_and_cobs(request in request()) {

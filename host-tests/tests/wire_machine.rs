@@ -1,5 +1,7 @@
 //! Probes, homing and outputs over a line that cuts, garbles and doubles: each is done once, in its place, and what comes of it is told.
 
+#[path = "common/cases.rs"]
+mod cases;
 #[path = "common/line.rs"]
 mod line;
 
@@ -281,7 +283,7 @@ fn everything_is_done_in_its_place() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 30, ..ProptestConfig::default() })]
+    #![proptest_config(cases::config(30))]
 
     #[test]
     fn a_bad_line_does_nothing_twice(

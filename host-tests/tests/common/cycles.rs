@@ -1,5 +1,7 @@
 //! Random machines, and every limit between two setpoints of constant jerk.
 
+#[path = "cases.rs"]
+pub mod cases;
 #[path = "motors.rs"]
 mod motors;
 
@@ -124,5 +126,5 @@ pub fn at(mm: f64) -> Coord {
 }
 
 pub fn soak() -> u32 {
-    std::env::var("SOAK").ok().and_then(|factor| factor.parse().ok()).unwrap_or(1)
+    cases::soak().unwrap_or(1)
 }

@@ -2,8 +2,11 @@
 
 #![allow(dead_code)] // Every test uses a part of it.
 
+mod cases;
+
+#[allow(unused_imports)] // As above.
+pub use cases::{config, soak};
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use splineway_simulator::judge::{self, Verdict, violations};
 use splineway_simulator::machine::Machine;
 use splineway_simulator::program::Program;
@@ -54,11 +57,6 @@ pub fn draws(axes: usize, count: std::ops::Range<usize>) -> impl Strategy<Value 
     prop::collection::vec(one, count)
 }
 
-/// How many times as many cases are asked for by `SOAK`.
-pub fn soak() -> Option<u32> {
-    std::env::var("SOAK").ok().and_then(|factor| factor.parse().ok())
-}
-
 /// Time of a run, and the tags in the order of their setpoints with the count of each.
 #[derive(Default)]
 pub struct Watch {
@@ -83,19 +81,6 @@ pub fn watched(program: &Program, machine: &Machine, precision: Precision) -> Wa
     let mut watch = Watch::default();
     run(program, machine, precision, &mut [&mut watch]).unwrap();
     watch
-}
-
-/// The same cases in every run, so that a check is repeatable; `SOAK=20 cargo test --release --test
-/// limits` draws twenty times as many new ones.
-pub fn config(cases: u32) -> ProptestConfig {
-    let soak = soak();
-    ProptestConfig {
-        cases: cases * soak.unwrap_or(1),
-        rng_seed: if soak.is_some() { RngSeed::Random } else { RngSeed::Fixed(2023) },
-        failure_persistence: None,
-        max_shrink_iters: 200,
-        ..ProptestConfig::default()
-    }
 }
 
 pub fn stretches(count: std::ops::Range<usize>) -> impl Strategy<Value = Vec<Stretch>> {
