@@ -30,7 +30,7 @@ int main(void)
     failures += splineway_config_init(&own.config, 200.0f, 2000.0f, 50000.0f) != SPLINEWAY_RESULT_AXES;
     failures += touched((const unsigned char *)&own, sizeof own);
     /* Of its own size but another version. */
-    failures += splineway_config_init_sized(&own.config, sizeof own.config, SPLINEWAY_INTERFACE + 1, 1.0f, 1.0f, 1.0f)
+    failures += splineway_config_init_sized(&own.config, sizeof own.config, SPLINEWAY_INTERFACE, 1.0f, 1.0f, 1.0f)
                 != SPLINEWAY_RESULT_HEADER;
     failures += touched((const unsigned char *)&own, sizeof own);
     /* A caller that does not look at results. */

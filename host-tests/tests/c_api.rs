@@ -52,9 +52,10 @@ const PRELUDE: &str = "\
 #ifndef SPLINEWAY_HISTORY
 #define SPLINEWAY_HISTORY 64
 #endif
-/* With this header's size and version, so that a library of another touches nothing. */
+/* With this header's size and version, and the compiler's size of an enumeration, so that a library of another touches nothing. */
 #define splineway_config_init(config, velocity, acceleration, jerk) \\
-    splineway_config_init_sized((config), sizeof(splineway_config), SPLINEWAY_INTERFACE, (velocity), \\
+    splineway_config_init_sized((config), sizeof(splineway_config), \\
+                                SPLINEWAY_INTERFACE + ((uint32_t)sizeof(splineway_activity) << 8), (velocity), \\
                                 (acceleration), (jerk))
 ";
 

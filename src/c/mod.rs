@@ -108,8 +108,8 @@ fn inputs(storage: *mut splineway_core) -> Option<Inputs<'static>> {
 
 /// Fills in sensible settings: 1 ms servo cycle, 0.01 mm tolerance, and the same limits for every axis,
 /// mm/s, mm/s2 and mm/s3. To be called as `splineway_config_init(config, velocity, acceleration, jerk)`, which
-/// passes the header's size of a configuration, `bytes`, and its version, `interface`: if they are not the
-/// library's, nothing is written.
+/// passes the header's size of a configuration, `bytes`, and its version with the size of an enumeration (which compilers choose, and
+/// `-fshort-enums` does), `interface`: if they are not the library's, nothing is written.
 ///
 /// Context: any.
 #[unsafe(no_mangle)]
@@ -124,7 +124,7 @@ pub unsafe extern "C" fn splineway_config_init_sized(
     if config.is_null() {
         return splineway_result::NULL;
     }
-    if interface != SPLINEWAY_INTERFACE {
+    if interface != SPLINEWAY_INTERFACE + ((size_of::<splineway_activity>() as u32) << 8) {
         return splineway_result::HEADER;
     }
     if bytes != size_of::<splineway_config>() {

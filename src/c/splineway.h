@@ -48,9 +48,10 @@
 #ifndef SPLINEWAY_HISTORY
 #define SPLINEWAY_HISTORY 64
 #endif
-/* With this header's size and version, so that a library of another touches nothing. */
+/* With this header's size and version, and the compiler's size of an enumeration, so that a library of another touches nothing. */
 #define splineway_config_init(config, velocity, acceleration, jerk) \
-    splineway_config_init_sized((config), sizeof(splineway_config), SPLINEWAY_INTERFACE, (velocity), \
+    splineway_config_init_sized((config), sizeof(splineway_config), \
+                                SPLINEWAY_INTERFACE + ((uint32_t)sizeof(splineway_activity) << 8), (velocity), \
                                 (acceleration), (jerk))
 
 
@@ -762,8 +763,8 @@ extern "C" {
 /*
  Fills in sensible settings: 1 ms servo cycle, 0.01 mm tolerance, and the same limits for every axis,
  mm/s, mm/s2 and mm/s3. To be called as `splineway_config_init(config, velocity, acceleration, jerk)`, which
- passes the header's size of a configuration, `bytes`, and its version, `interface`: if they are not the
- library's, nothing is written.
+ passes the header's size of a configuration, `bytes`, and its version with the size of an enumeration (which compilers choose, and
+ `-fshort-enums` does), `interface`: if they are not the library's, nothing is written.
 
  Context: any.
  */
