@@ -196,6 +196,45 @@ fn a_stop_on_a_straight_line_rests_at_an_end() {
     }
 }
 
+/// In a wide rounding, too: beside the end of a line that it leads over, and at the corner itself in its middle. But spans that turn much are not
+/// cut, and rests are where they end.
+#[test]
+fn a_stop_in_a_corner_rests_beside_an_end() {
+    let mut draw = Rng::with_seed(12);
+    let tolerance = 0.2;
+    let (cases, mut beyond) = (300 * soak().unwrap_or(1), 0);
+    for case in 0..cases {
+        let turn = (20.0 + 80.0 * draw.f64()).to_radians();
+        let legs = [(1.0, 0.0), (turn.cos(), turn.sin())];
+        let (mut here, mut blocks, mut ends) = ((0.0, 0.0), Vec::<Line<f64>>::new(), Vec::new());
+        for (x, y) in legs {
+            for _ in 0..=draw.u32(0..4) {
+                let length = 1.0 + 9.0 * draw.f64();
+                here = (here.0 + length * x, here.1 + length * y);
+                ends.push(here);
+                let tag = ends.len() as u32;
+                blocks.push(Block::line(at(here.0, here.1), 60.0, tag));
+            }
+        }
+        let mut config = config();
+        config.tolerance = tolerance;
+        let plain = run(config, &blocks, Polls::All, |_, _, _| {}).len();
+        let when = (draw.f64() * plain as f64) as usize;
+        let command = if draw.bool() { STOP } else { SINGLE };
+        let seen = run(config, &blocks, Polls::All, |n, _, controls| {
+            if n == when {
+                command(controls);
+            }
+        });
+        let rest = seen.last().unwrap().place;
+        let off = |to: &(f64, f64)| (to.0 - rest[0]).hypot(to.1 - rest[1]);
+        let least = ends.iter().map(off).fold(rest[0].hypot(rest[1]), f64::min);
+        beyond += u32::from(least > 3.0 * tolerance);
+        assert!(least < 20.0 * tolerance, "case {case}: {rest:?} of {ends:?}, {when}");
+    }
+    assert!(beyond * 50 < cases, "{beyond} of {cases} rest elsewhere");
+}
+
 /// What else is pressed before a stop has come to its end does not end it: from a rest within a block the motion goes on to the end of that.
 #[test]
 fn a_stop_goes_on_to_the_end_of_the_block() {

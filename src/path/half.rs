@@ -22,6 +22,31 @@ pub struct Half<S> {
     ends: [End<S>; 2],
 }
 
+/// A place on a transition or a half of one.
+#[derive(Clone, Copy, Debug)]
+pub struct Spot<S> {
+    /// Node before it, or there.
+    pub node: u8,
+    /// Share of the cell behind that node that lies before it, by the curve's parameter.
+    pub share: S,
+}
+
+impl<S: Scalar> Spot<S> {
+    /// Where a node is.
+    pub const fn at(node: u8) -> Self {
+        Self { node, share: S::ZERO }
+    }
+
+    /// The same place as seen from the other end of `cells` cells.
+    pub fn mirrored(self, cells: u8) -> Self {
+        if self.share > S::ZERO {
+            Self { node: cells - 1 - self.node, share: S::ONE - self.share }
+        } else {
+            Self::at(cells - self.node)
+        }
+    }
+}
+
 /// What the outer cell of a half has besides its part of the curve.
 #[derive(Clone, Copy, Debug)]
 pub struct End<S> {
@@ -131,9 +156,23 @@ impl<S: Scalar> Half<S> {
         most
     }
 
+    /// Span and parameter in it of a place on the half.
+    fn place(&self, Spot { node, share }: Spot<S>, halvings: u8) -> (usize, S) {
+        let (span, u) = self.node(node, halvings);
+        if share <= S::ZERO {
+            return (span, u);
+        }
+        let sum = |(span, u): (usize, S)| S::from_u32(span as u32) + u;
+        let (from, to) = (sum((span, u)), sum(self.node(node + 1, halvings)));
+        let place = from + (to - from) * share;
+        let last = usize::from(self.spans).saturating_sub(1);
+        let span = (span..last).find(|&span| place < sum((span + 1, S::ZERO))).unwrap_or(last);
+        (span, place - sum((span, S::ZERO)))
+    }
+
     /// Span and parameter in it of a node of the half, 0 to `cells` and the `halvings` of the outer cell, which lies
     /// in the first span.
-    fn place(&self, node: u8, halvings: u8) -> (usize, S) {
+    fn node(&self, node: u8, halvings: u8) -> (usize, S) {
         if node > 0 && node <= halvings {
             let parts = u32::from(self.cells).max(1) << (halvings + 1 - node).min(End::<S>::MOST);
             return (0, S::from_u32(u32::from(self.spans)) / S::from_u32(parts));
@@ -146,16 +185,16 @@ impl<S: Scalar> Half<S> {
         (usize::from(span), S::from_u32(u32::from(rest)) / S::from_u32(u32::from(cells)))
     }
 
-    /// Point and derivatives by the span's parameter at a node.
-    pub fn at(&self, node: u8, halvings: u8) -> (Planar<S>, Planar<S>, Planar<S>) {
-        let (span, u) = self.place(node, halvings);
+    /// Point and derivatives by the span's parameter at a place.
+    pub fn at(&self, spot: Spot<S>, halvings: u8) -> (Planar<S>, Planar<S>, Planar<S>) {
+        let (span, u) = self.place(spot, halvings);
         bezier(&self.span(span), u)
     }
 
-    /// Arc length between a node and the next, mm.
-    pub fn length(&self, node: u8, halvings: u8) -> S {
-        let (first, from) = self.place(node, halvings);
-        let (last, to) = self.place(node + 1, halvings);
+    /// Arc length between two places, mm.
+    pub fn length(&self, from: Spot<S>, to: Spot<S>, halvings: u8) -> S {
+        let (first, from) = self.place(from, halvings);
+        let (last, to) = self.place(to, halvings);
         let mut sum = S::ZERO;
         for index in first..=last {
             let u0 = if index == first { from } else { S::ZERO };

@@ -4,7 +4,7 @@ use super::blend::Blend;
 use super::budget;
 use super::corner::{Corner, Legs};
 use super::cut::rest_cell;
-use super::half::{End, Half};
+use super::half::{End, Half, Spot};
 use super::node::{Frame, Node};
 use super::queued::{Entrance, Joint, QueuedBlock};
 use super::segment::{Segment, Shape};
@@ -339,7 +339,7 @@ fn paper_reach<S: Scalar>(
     let whole = |leg: Length| if leg - reach <= reach / PAPER_BODY { leg } else { reach };
     // What is left behind it is the next corner's.
     let (before, after) = (whole(left), if legs.last { whole(ahead) } else { reach });
-    let outer = half.length(0, 0);
+    let outer = half.length(Spot::at(0), Spot::at(1), 0);
     let end = |taken: Length, leg: Length, rest: Option<S>| {
         End::new((taken - reach).to_mm(), outer, rest.filter(|_| taken == leg))
     };

@@ -31,7 +31,7 @@ pub(crate) mod cut;
 #[cfg(feature = "travel")]
 mod extent;
 pub(crate) mod feed;
-mod half;
+pub(crate) mod half;
 mod helix;
 pub(crate) mod hermite;
 pub(crate) mod joint;

@@ -2,7 +2,7 @@
 //! their tags.
 
 use super::budget::Straightened;
-use crate::number::{Coord, Scalar};
+use crate::number::{Coord, Interval, Length, Scalar};
 use core::array::from_fn;
 
 /// Shortest piece whose tag is shown, as a share of the length over which the feed is reached: every piece
@@ -17,6 +17,18 @@ pub const FIRST_PART: i64 = 2 * NEAR;
 pub const LAST_PART: i64 = 32;
 /// Marks held per block of the look-ahead.
 const PER_BLOCK: usize = 2;
+
+/// Where a cell over an interval is cut, and what tag it shows before: at the first of the ends of pieces, in order, that leaves no part that is too small,
+/// nor one shorter than `least`.
+pub fn end_in(
+    Interval { from, to }: Interval,
+    least: Length,
+    mut ends: impl Iterator<Item = (Length, u32)>,
+) -> Option<(Length, u32)> {
+    let part = |of: i64| least.max((to - from) / of);
+    let (first, last) = (part(FIRST_PART), part(LAST_PART));
+    ends.find(|(at, _)| *at - from > first).filter(|(at, _)| to - *at > last)
+}
 
 /// Least and greatest value of a component.
 #[derive(Clone, Copy, Debug)]

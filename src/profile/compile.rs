@@ -86,6 +86,7 @@ mod tests {
     use crate::number::{Coord, Interval, Length};
     use crate::path::blend::{self, Blend};
     use crate::path::corner::Corner;
+    use crate::path::half::Spot;
     use crate::path::joint::{BentLengths, mean_node, passes};
     use crate::path::node::Programmed;
     use crate::path::segment::Segment;
@@ -130,10 +131,19 @@ mod tests {
             for room in [0.1, 0.3, 0.5, 0.8, 1.2, 2.0, 5.0, 20.0] {
                 let half = swing::half(&corner, swing::CornerBand::around(band), room);
                 let transition = Transition::new([Coord::ZERO; 2], (&a, &b), &corner, half);
-                for index in 0..transition.cells() {
-                    let (from, to) = (transition.node(index), transition.node(index + 1));
+                // Whole, or in two.
+                let part = |node: u8, cut: f64| {
+                    let cut = Spot { node, share: cut };
+                    [(Spot::at(node), cut), (cut, Spot::at(node + 1))]
+                };
+                let parts = (0..transition.cells()).flat_map(|node| {
+                    let whole = (Spot::at(node), Spot::at(node + 1));
+                    [part(node, 0.1), part(node, 0.5), part(node, 0.9), [whole; 2]].concat()
+                });
+                for ends in parts {
+                    let (from, to) = (transition.node(ends.0), transition.node(ends.1));
                     let programmed = Programmed::feed(1.0);
-                    let cell = transition.cell(index, &from, programmed);
+                    let cell = transition.cell(ends, &from, programmed);
                     let view = View::unbound([&from, &to], &cell, &limits);
                     see_motions(&view, |p| {
                         let off = |d: &[f64; 2], sign: f64| {
@@ -142,7 +152,7 @@ mod tests {
                             if along > 0.0 { p[0].hypot(p[1]) } else { beside }
                         };
                         let off = off(&a, 1.0).min(off(&b, -1.0));
-                        assert!(off <= band * 0.999, "{degrees} {room} {index}: {off}");
+                        assert!(off <= band * 0.999, "{degrees} {room} {ends:?}: {off}");
                     });
                 }
             }

@@ -8,6 +8,7 @@ use crate::number::{Interval, Length, Scalar};
 use crate::path::blend::{self, Blend};
 use crate::path::corner::Corner;
 use crate::path::cut::{Cut, Emitted, dwell_part, dwell_time, next_cut, standstill};
+use crate::path::half::Spot;
 use crate::path::joint::{BentLengths, mean_node};
 use crate::path::node::{Cell, Node};
 use crate::path::queued::{Entrance, Joint, QueuedBlock};
@@ -91,8 +92,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
                     self.start_run(&front, body.s, config);
                 }
                 Stage::Body(_) => self.start_joint(&front, config),
-                Stage::Corner { transition, index } if index < transition.cells() => {
-                    return self.emit_corner(&front, &transition, index, last).map(Cut::Cell);
+                Stage::Corner { transition, at } if at.node < transition.cells() => {
+                    return self
+                        .emit_corner(&front, &transition, at, (last, config))
+                        .map(Cut::Cell);
                 }
                 Stage::Blend { blend, index } if index < blend::CELLS => {
                     return self.emit_blend(&front, &blend, index, last).map(Cut::Cell);
@@ -119,30 +122,41 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         cut
     }
 
-    /// The next cell of the corner behind the front segment.
+    /// The next cell of the corner behind the front segment: one of the transition's, or a part of that up to where a piece of a line ends.
     #[inline(never)]
     fn emit_corner(
         &mut self,
         front: &Front<S, N>,
         transition: &Transition<S, N>,
-        index: u8,
-        last: &Node<S, N>,
+        at: Spot<S>,
+        (last, config): (&Node<S, N>, &Config<S, N>),
     ) -> Option<Emitted<S, N>> {
-        self.stage = Stage::Corner { transition: *transition, index: index + 1 };
-        let (cells, middle) = (transition.cells(), transition.middle());
-        let programmed = self.programmed_beside(index, (cells, middle), front.segment.length)?;
+        let (cells, whole) = (transition.cells(), Spot::at(at.node + 1));
+        let before = at.node < transition.middle();
+        // Places on the legs are counted from the vertex, those on a segment from its start.
+        let (item, origin) =
+            if before { (0, front.segment.exact_length) } else { (1, Length::ZERO) };
+        let [from, to] =
+            [at, whole].map(|spot| origin + Length::from_mm(transition.foot(spot, before)));
+        let mark = self.mark_beside(item, Interval { from, to }, config);
+        let end = mark.map_or(whole, |(s, _)| transition.beside(at, (s - origin).to_mm()));
+        self.stage = Stage::Corner { transition: *transition, at: end };
+        let mut programmed = self.programmed_at(item, from.midpoint(to).to_mm())?;
+        if let Some((_, tag)) = mark {
+            programmed.tag = tag;
+        }
         // A transition of the paper may begin where the path does, and end where it ends.
-        let from = if self.rested { Node { at: last.at, ..transition.node(index) } } else { *last };
-        let cell = transition.cell(index, &from, programmed);
+        let from = if self.rested { Node { at: last.at, ..transition.node(at) } } else { *last };
+        let cell = transition.cell((at, end), &from, programmed);
         let next = self.queue.get(1).and_then(|next| next.segment)?;
-        let node = transition.node(index + 1);
+        let node = transition.node(end);
         #[cfg(feature = "outputs")]
         {
-            let inner = index + 1 < cells;
-            let end = if inner { Length::from_mm(transition.along(index + 1)) } else { self.given };
+            let inner = end.node < cells;
+            let end = if inner { Length::from_mm(transition.along(end)) } else { self.given };
             self.meter_joint(front, end);
         }
-        if index + 1 == cells && self.given >= next.exact_length {
+        if end.node == cells && self.given >= next.exact_length {
             self.rested = true;
             return Some(Emitted { from, cell, node: Node { at: next.end, ..node }, rest: true });
         }
@@ -159,8 +173,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         last: &Node<S, N>,
     ) -> Option<Emitted<S, N>> {
         self.stage = Stage::Blend { blend: *blend, index: index + 1 };
-        let programmed =
-            self.programmed_beside(index, (blend::CELLS, blend::CELLS / 2), front.segment.length)?;
+        let programmed = self.programmed_beside(index, front.segment.length)?;
         #[cfg(feature = "outputs")]
         {
             // Of either side by equal parts.
@@ -322,7 +335,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
             (Joint::Corner, Some(half)) => {
                 let (a, b) = (segment.end_frame().tangent, ahead.start_frame().tangent);
                 let transition = Transition::new(segment.end, (&a, &b), &Corner::new(&a, &b), half);
-                self.stage = Stage::Corner { transition, index: 0 };
+                self.stage = Stage::Corner { transition, at: Spot::at(0) };
             }
             (Joint::Blend, _) => {
                 self.stage = Stage::Blend { blend: Blend::new(segment, &ahead, reach), index: 0 };

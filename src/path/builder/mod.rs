@@ -20,7 +20,7 @@ mod tests;
 use super::blend::Blend;
 use super::chords::Chords;
 use super::cut::EndSizes;
-use super::half::Half;
+use super::half::{Half, Spot};
 use super::joint;
 use super::queued::{Entrance, QueuedBlock};
 use super::run::Run;
@@ -47,8 +47,8 @@ enum Stage<S, const N: usize> {
     /// A run of lines from the front segment on. Once its end is known, the front segment is its last
     /// line, which it leaves at `until`.
     Run { until: Option<Length> },
-    /// The corner behind the front segment.
-    Corner { transition: Transition<S, N>, index: u8 },
+    /// The corner behind the front segment, from a place on.
+    Corner { transition: Transition<S, N>, at: Spot<S> },
     /// The blend behind the front segment.
     Blend { blend: Blend<S, N>, index: u8 },
 }

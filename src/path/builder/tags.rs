@@ -4,33 +4,50 @@ use super::intake::least_piece;
 use super::{Builder, Front};
 use crate::machine::Config;
 use crate::number::{Interval, Length, Scalar};
+use crate::path::blend;
 use crate::path::node::Programmed;
-use crate::path::straight::{FIRST_PART, LAST_PART, NEAR};
+use crate::path::straight::{self, FIRST_PART, LAST_PART, Mark, NEAR};
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
-    /// What is asked of a cell of the joint behind the front block, of `cells` in all: of the first `middle` by the
-    /// front block, `length` mm long, at the place beside it, of the others by the next.
-    pub(super) fn programmed_beside(
-        &self,
-        index: u8,
-        (cells, middle): (u8, u8),
-        length: S,
-    ) -> Option<Programmed<S>> {
-        let per = self.kept.to_mm::<S>() / S::from_u32(u32::from(cells));
-        // From the middle of the joint to the middle of the cell.
-        let s = S::from_i64(2 * i64::from(index) + 1 - 2 * i64::from(middle)) * per;
-        let (item, s) = if s < S::ZERO { (0, length + s) } else { (1, s) };
+    /// What is asked of a cell of the joint behind the front block, at a place of the front block (0) or the next (1), mm from its start.
+    pub(super) fn programmed_at(&self, item: usize, s: S) -> Option<Programmed<S>> {
         Some(Programmed { tag: self.tag_at(item, s), ..self.queue.get(item)?.programmed() })
+    }
+
+    /// The same of cell `index` of a blend, with the tag of the place that lies beside it by equal parts; the front block is `length` mm long.
+    pub(super) fn programmed_beside(&self, index: u8, length: S) -> Option<Programmed<S>> {
+        let per = self.kept.to_mm::<S>() / S::from_u32(u32::from(blend::CELLS));
+        // From the middle of the joint to the middle of the cell.
+        let s = S::from_i64(2 * i64::from(index) + 1 - i64::from(blend::CELLS)) * per;
+        if s < S::ZERO { self.programmed_at(0, length + s) } else { self.programmed_at(1, s) }
+    }
+
+    /// The marks of the front block (0) or the next (1).
+    fn marks_of(&self, item: usize) -> impl Iterator<Item = Mark<S>> {
+        let count = |index: usize| self.queue.get(index).map_or(0, |item| usize::from(item.marks));
+        let first = if item == 0 { 0 } else { count(0) };
+        (first..first + count(item)).filter_map(|index| self.marks.get(index))
     }
 
     /// The tag at a place of the front block (0) or the next (1), mm from its start.
     #[inline(never)]
     pub(super) fn tag_at(&self, item: usize, s: S) -> u32 {
-        let count = |index: usize| self.queue.get(index).map_or(0, |item| usize::from(item.marks));
-        let first = if item == 0 { 0 } else { count(0) };
-        let marks = (first..first + count(item)).filter_map(|index| self.marks.get(index));
         let own = self.queue.get(item).map_or(0, |item| item.tag);
-        marks.into_iter().find(|mark| mark.s > s).map_or(own, |mark| mark.tag)
+        self.marks_of(item).find(|mark| mark.s > s).map_or(own, |mark| mark.tag)
+    }
+
+    /// Where a cell of the corner behind the front block ends that is beside so much of that (0) or the next (1), if a piece of it ends there; and the tag
+    /// of that piece.
+    pub(super) fn mark_beside(
+        &self,
+        item: usize,
+        beside: Interval,
+        config: &Config<S, N>,
+    ) -> Option<(Length, u32)> {
+        let block = self.queue.get(item).filter(|block| block.marks > 0)?;
+        let least = Length::from_mm(least_piece(block.segment.as_ref()?, block.feed, config)) * 4;
+        let ends = self.marks_of(item).map(|mark| (Length::from_mm(mark.s), mark.tag));
+        straight::end_in(beside, least, ends)
     }
 
     /// Where a cell of the front block ends, of which the interval is uncut, that would end at `next`, and where the next one would begin without
@@ -50,9 +67,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
         let least = Length::from_mm(least_piece(segment, block.feed, config)) / 2;
         let part = |of: i64| least.max((next - s) / of);
         let (near, first, last) = (part(NEAR), part(FIRST_PART), part(LAST_PART));
-        let count = usize::from(block.marks);
-        let mut ends =
-            (0..count).filter_map(|index| self.marks.get(index)).map(|m| Length::from_mm(m.s));
+        let mut ends = self.marks_of(0).map(|mark| Length::from_mm(mark.s));
         match ends.find(|&at| at - s > first) {
             Some(at) if until - at <= last => (next, next),
             Some(at) if next < until && at - next < near && next - at < near => (at, at),
@@ -74,10 +89,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize> Builder<S, N, BLOCKS> {
 
     /// Shows a run the marks of the front block, over what it takes of it.
     pub(super) fn mark_run(&mut self, Interval { from, to: until }: Interval) {
-        let count = self.queue.front().map_or(0, |front| usize::from(front.marks));
         let origin = self.run.reach() - from;
         let mut begins = from;
-        for mark in (0..count).filter_map(|index| self.marks.get(index)) {
+        for index in 0..self.queue.front().map_or(0, |front| usize::from(front.marks)) {
+            let Some(mark) = self.marks.get(index) else { break };
             let ends = Length::from_mm(mark.s);
             if ends > from && begins < until {
                 let piece = Interval { from: origin + begins, to: origin + ends };

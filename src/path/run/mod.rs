@@ -54,6 +54,8 @@ const VERTICES: usize = 2 + sliding::NEEDED_BEHIND * APART + (WAITING - 3) * APA
 const SMOOTH_SHARE: f64 = 0.49;
 /// Shortest piece of a line at whose end a cell ends, as a share of the length over which the feed is reached.
 const ENDS_SHARE: f64 = 0.125;
+/// So many times as long at least in a bend.
+const LONGER_IN_BENDS: f64 = 4.0;
 
 /// How a run begins.
 pub struct Start<S, const N: usize> {
@@ -355,14 +357,15 @@ impl<S: Scalar, const N: usize> Run<S, N> {
     /// poly-line, and the tag of the piece. Where it turns a span shows what it ends on.
     fn mark_in(&self, span: usize, curve: &SpanCurve<S, N>, begin: S) -> Option<(S, Length, u32)> {
         let shown = ends_on(self.spline.interval(span));
-        if !curve.is_gentle() || !self.pieces.ends_before(shown) {
+        if curve.parts() > 1 || !self.pieces.ends_before(shown) {
             return None;
         }
         let beside = self.spline.beside(span);
         let length: S = (beside.to - beside.from).to_mm();
         let done = Length::from_mm(length * curve.beside(begin));
         let left = Interval { from: beside.from + done, ..beside };
-        let (s, tag) = self.pieces.end_in(left, self.least_end())?;
+        let longer = S::of(if curve.is_gentle() { 1.0 } else { LONGER_IN_BENDS });
+        let (s, tag) = self.pieces.end_in(left, self.least_end() * longer)?;
         // What ends behind the place whose tag the span shows is not shown before that.
         let place = curve.place_beside((s - beside.from).to_mm::<S>() / length);
         (s <= shown).then_some((place, s, tag))

@@ -2,7 +2,7 @@
 
 use crate::number::optional::Optional;
 use crate::number::{Interval, Length, Scalar};
-use crate::path::straight::{FIRST_PART, LAST_PART, NEAR};
+use crate::path::straight::{self, NEAR};
 use heapless::Vec;
 
 /// Pieces that are remembered; of more, the tag of the next is shown.
@@ -86,10 +86,9 @@ impl<S: Scalar> Pieces<S> {
 
     /// The end of a piece of at least so many mm that a cell over an interval is cut at, and its tag, if there is one.
     #[inline(never)]
-    pub fn end_in(&self, Interval { from, to }: Interval, least: S) -> Option<(Length, u32)> {
-        let (first, last) = ((to - from) / FIRST_PART, (to - from) / LAST_PART);
-        let piece = self.list.iter().find(|p| p.to - from > first && p.length >= least)?;
-        (to - piece.to > last).then_some((piece.to, piece.tag))
+    pub fn end_in(&self, interval: Interval, least: S) -> Option<(Length, u32)> {
+        let pieces = self.list.iter().filter(|piece| piece.length >= least);
+        straight::end_in(interval, Length::ZERO, pieces.map(|piece| (piece.to, piece.tag)))
     }
 
     /// The end of a piece of at least so many mm that is near enough to where an interval ends to be its end.
