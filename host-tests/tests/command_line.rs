@@ -391,6 +391,7 @@ fn what_cannot_be_written_is_said_first() {
         vec!["thesis", "--plots", &blocked],
         vec!["paper", "--plots", &blocked],
         vec!["controller", "--protocol", "grbl", "--settings", &inside],
+        vec!["controller", "--protocol", "grbl", "--settings", &line],
         vec!["controller", "--protocol", "grbl", "--machine", &machine, "--settings", &machine],
         vec!["simulate", &line, "--plot", &inside],
         // No file of that name: who writes this means standard output.
@@ -404,6 +405,7 @@ fn what_cannot_be_written_is_said_first() {
     assert!(!Path::new("-").exists());
     assert_eq!(fs::read(&blocked).unwrap(), b"");
     assert!(fs::read_to_string(&machine).unwrap().contains("tolerance"));
+    assert!(fs::read_to_string(&line).unwrap().ends_with("3 0 0 100\n"));
     assert_eq!(fs::read_dir(&folder).unwrap().count(), 3);
 }
 

@@ -566,6 +566,63 @@ fn a_jog_after_a_cancel_counts() {
     assert_eq!([0, 1, 2].map(|i| setpoint.position(i)), to);
 }
 
+/// What is asked for in every servo cycle, or every few, is reached all the same.
+#[test]
+fn a_place_that_is_asked_for_again_and_again_is_reached() {
+    for every in [1, 2, 3, 7] {
+        let config = usual();
+        let mut link: Link<f64, AXES> = Link::new();
+        let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; AXES]).unwrap();
+        let to: Point = [at(10.0), at(-3.0), at(0.7)];
+        let mut ended = false;
+        for k in 0..2000 {
+            if k % every == 0 {
+                planner.jog(&Jog::To { to, feed: 50.0 }).unwrap();
+            }
+            planner.settle();
+            let setpoint = interpolator.tick();
+            ended = setpoint.activity == Activity::Idle;
+            if ended {
+                assert_eq!([0, 1, 2].map(|i| setpoint.position(i)), to);
+                break;
+            }
+        }
+        assert!(ended, "every {every} cycles: no end");
+    }
+}
+
+/// A machine that stands outside its limits of travel leaves and comes back to where its program was held.
+#[test]
+fn back_leads_out_of_the_limits_of_travel_if_the_program_is_there() {
+    for cycles in [0, 10, 60, 150, 400] {
+        let mut config = usual::<f64>();
+        let free = AxisTravel { least: None, greatest: None };
+        let narrow = AxisTravel { least: Some(at(-2.0)), greatest: Some(at(2.0)) };
+        config.travel = Travel::new([narrow, free, free]).unwrap();
+        let start = [at(-4.0), at(0.0), at(0.0)];
+        let mut link: Link<f64, AXES> = Link::new();
+        let (mut planner, mut interpolator) = link.split(config, start).unwrap();
+        planner.controls().hold();
+        planner.push(&Block::line([at(1.0), at(1.0), at(0.0)], 50.0, 1)).unwrap();
+        planner.finish();
+        while planner.settle() != Progress::Held {
+            interpolator.tick();
+        }
+        let to = [at(1.0), at(0.5), at(0.0)];
+        planner.jog(&Jog::To { to, feed: 20.0 }).unwrap();
+        for _ in 0..cycles {
+            planner.settle();
+            interpolator.tick();
+        }
+        planner.jog(&Jog::Back { feed: 20.0 }).unwrap();
+        let setpoint = rest(&mut planner, &mut interpolator, |_| {});
+        assert_eq!([0, 1, 2].map(|i| setpoint.position(i)), start, "{cycles}");
+        planner.controls().resume();
+        let setpoint = rest(&mut planner, &mut interpolator, |_| {});
+        assert_eq!(setpoint.position(0), at(1.0));
+    }
+}
+
 #[test]
 fn what_is_sent_again_does_not_outrun_a_hold() {
     for held_before in [false, true] {

@@ -39,7 +39,7 @@ pub enum Jog<S, const N: usize> {
         /// Speed along the line, mm/s, as of a block: [`Quantity::Feed`].
         feed: S,
     },
-    /// To the point of the program at which the machine was held: as [`Jog::To`].
+    /// To the point of the program at which the machine was held: as [`Jog::To`]; also where that lies outside the limits of travel.
     Back {
         /// Speed along the line, mm/s, as of a block: [`Quantity::Feed`].
         feed: S,

@@ -27,6 +27,9 @@ use crate::servo::control::{Requests, Wish};
 use crate::servo::link::Branch;
 use core::array::from_fn;
 
+/// Servo cycles before the end of a jog to a place from which on the same place is not planned for anew, if that is no sooner.
+const ENDING: u32 = 8;
+
 /// What is asked for.
 // With a number of its own: nothing asked for is all zeros then, as the memory of a core must be.
 #[derive(Clone, Copy, Debug)]
@@ -452,6 +455,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         let Planned { plan, whole } = planned;
         let jogging = &mut *self.jogging;
+        if let Aim::Place(to, _) = aim
+            && jogging.moves
+            && whole
+            && from.end() == to
+            && from.total() <= ENDING.min(plan.total())
+        {
+            // Asked for again and again, it would come nearer for ever.
+            return Progress::Waiting;
+        }
         let nothing = plan.total() == 0;
         if nothing || plan.is_too_long() || !plan.fits(NODES) {
             if jogging.moves && !whole {

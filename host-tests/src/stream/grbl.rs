@@ -3,7 +3,7 @@
 
 use super::line::{Heard, Line};
 use super::pace::Pace;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use splineway::grbl::{Accessories, Event, Events, Inputs, Settings, State, Store, words};
 use splineway::{BLOCKS, Coord, Input, Link, NODES, Output, Progress, Setpoint, Switched, Travel};
 use splineway_controller::grbl::{Background, Port};
@@ -33,7 +33,7 @@ impl Kept {
     /// For a machine of so many axes, in a file, which is made if it is not there.
     ///
     /// # Errors
-    /// The file cannot be opened.
+    /// The file cannot be opened, or is one of something else, which would be lost.
     pub fn new(axes: usize, path: Option<&Path>) -> Result<Self> {
         let open = |path: &Path| {
             File::options()
@@ -45,7 +45,25 @@ impl Kept {
                 .with_context(|| format!("cannot open {}", path.display()))
         };
         let file = path.map(open).transpose()?;
-        Ok(Self { file, words: words(axes), memory: [Vec::new(), Vec::new()] })
+        let kept = Self { file, words: words(axes), memory: [Vec::new(), Vec::new()] };
+        if let (Some(path), Some(file)) = (path, &kept.file) {
+            ensure!(
+                kept.are_settings(file),
+                "--settings {}: not the settings of grbl for {axes} axes",
+                path.display()
+            );
+        }
+        Ok(kept)
+    }
+
+    /// Whether either copy is one, of whatever layout, has been erased, or has never been written.
+    fn are_settings(&self, file: &File) -> bool {
+        [0, 1].into_iter().all(|copy| {
+            let mut mark = [0xFF; 4];
+            let read = file.read_at(&mut mark, self.place(copy, 0));
+            read.is_ok()
+                && matches!(mark, [0, 0, 0, 0] | [0xFF, 0xFF, 0xFF, 0xFF] | [b'S', b'W', b'G', _])
+        })
     }
 
     fn place(&self, copy: usize, at: usize) -> u64 {
