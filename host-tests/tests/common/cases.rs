@@ -1,5 +1,7 @@
 //! How many cases a property test draws, and which.
 
+#![allow(dead_code)] // Every test uses a part of it.
+
 use proptest::prelude::ProptestConfig;
 use proptest::test_runner::RngSeed;
 

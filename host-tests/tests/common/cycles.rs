@@ -125,6 +125,7 @@ pub fn at(mm: f64) -> Coord {
     Coord::from_mm(mm).unwrap()
 }
 
+#[allow(dead_code)] // Not every test counts its own.
 pub fn soak() -> u32 {
     cases::soak().unwrap_or(1)
 }
