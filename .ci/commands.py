@@ -71,10 +71,10 @@ ELSEWHERE = {
     "cargo build --profile firmware -p splineway-stm32h743 --features f64 --target thumbv7em-none-eabihf":
         "image stm32h743 --features f64",
     # There with folders of its own.
-    "cmake -S splineway -B build -DSPLINEWAY_CONFIG=$PWD/splineway_config.h -DCMAKE_TOOLCHAIN_FILE=arm.cmake -DCMAKE_INSTALL_PREFIX=$PWD/motion":
+    "cmake -S splineway -B build -DSPLINEWAY_CONFIG=$PWD/splineway_config.h -DCMAKE_TOOLCHAIN_FILE=$PWD/arm.cmake -DCMAKE_INSTALL_PREFIX=$PWD/motion":
         "SPLINEWAY_REQUIRE_TARGET=1 .ci/c.sh",
     "cmake --build build && cmake --install build": "SPLINEWAY_REQUIRE_TARGET=1 .ci/c.sh",
-    "cc $(PKG_CONFIG_PATH=motion/lib/pkgconfig pkg-config --cflags --libs splineway) ...":
+    "cc main.c $(PKG_CONFIG_PATH=motion/lib/pkgconfig pkg-config --cflags --libs splineway)":
         "SPLINEWAY_REQUIRE_TARGET=1 .ci/c.sh",
 }
 
