@@ -23,13 +23,16 @@ int main(void)
     struct { splineway_setpoint setpoint; splineway_report report; unsigned char guard[256]; } out;
     static const int64_t start[SPLINEWAY_AXES] = {0};
     const splineway_block options = {50.0f, 0.0f, -1.0f, false, 1};
+    const uint32_t interface = SPLINEWAY_INTERFACE + ((uint32_t)sizeof(splineway_activity) << 8);
     int failures = 0;
 
     memset(&own, 0xAA, sizeof own);
     memset(&out, 0xAA, sizeof out);
     failures += splineway_config_init(&own.config, 200.0f, 2000.0f, 50000.0f) != SPLINEWAY_RESULT_AXES;
     failures += touched((const unsigned char *)&own, sizeof own);
-    /* Of its own size but another version. */
+    /* Of its own size but another version, or other enumerations. */
+    failures += splineway_config_init_sized(&own.config, sizeof own.config, interface + 1, 1.0f, 1.0f, 1.0f)
+                != SPLINEWAY_RESULT_HEADER;
     failures += splineway_config_init_sized(&own.config, sizeof own.config, SPLINEWAY_INTERFACE, 1.0f, 1.0f, 1.0f)
                 != SPLINEWAY_RESULT_HEADER;
     failures += touched((const unsigned char *)&own, sizeof own);

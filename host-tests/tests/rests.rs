@@ -170,7 +170,7 @@ fn straight_lines_end_where_they_end_in_both_precisions() {
 #[test]
 fn a_stop_on_a_straight_line_rests_at_an_end() {
     let mut draw = Rng::with_seed(11);
-    for case in 0..400 * soak().unwrap_or(1) {
+    for case in 0..400 * soak() {
         let (mut to, mut blocks, mut ends) = (0.0, Vec::<Line<f64>>::new(), Vec::new());
         let mut feed = 30.0;
         for tag in 1..=(3 + (draw.f64() * 9.0) as u32) {
@@ -202,7 +202,7 @@ fn a_stop_on_a_straight_line_rests_at_an_end() {
 fn a_stop_in_a_corner_rests_beside_an_end() {
     let mut draw = Rng::with_seed(12);
     let tolerance = 0.2;
-    let (cases, mut beyond) = (300 * soak().unwrap_or(1), 0);
+    let (cases, mut beyond) = (300 * soak(), 0);
     for case in 0..cases {
         let turn = (20.0 + 80.0 * draw.f64()).to_radians();
         let legs = [(1.0, 0.0), (turn.cos(), turn.sin())];

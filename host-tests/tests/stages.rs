@@ -290,7 +290,7 @@ impl Seen {
 /// Holds on random paths: in nine of ten cases it shows at most so many servo cycles later, and so many in a hundred may rest later than the goal.
 fn holds<S: Scalar>(slices: u32, shows: usize, beyond: usize) {
     let mut seen = Seen::default();
-    for seed in 1..=40 * u64::from(soak().unwrap_or(1)) {
+    for seed in 1..=40 * u64::from(soak()) {
         seen.see::<S>(seed, slices);
     }
     seen.shows.sort_unstable();
@@ -308,7 +308,7 @@ fn holds<S: Scalar>(slices: u32, shows: usize, beyond: usize) {
 fn stops_beyond_holds<S: Scalar>(slices: u32) -> [f64; 2] {
     let paths = splineway_studies::paths::all().unwrap();
     let mut beyond = Vec::new();
-    for seed in 1..=60 * u64::from(soak().unwrap_or(1)) {
+    for seed in 1..=60 * u64::from(soak()) {
         let draw = &mut Draw::new(seed);
         let of = &paths[(draw.share() * paths.len() as f64) as usize];
         let path = Path::stretch(draw, of, CYCLE);
@@ -360,7 +360,7 @@ fn presses(draw: &mut Draw) -> Vec<(u32, Press)> {
 /// Real tool paths find what random lines and bends do not.
 fn on_tool_paths<S: Scalar>() {
     let paths = splineway_studies::paths::all().unwrap();
-    for seed in 1..=200 * u64::from(soak().unwrap_or(1)) {
+    for seed in 1..=200 * u64::from(soak()) {
         let draw = &mut Draw::new(seed);
         let of = &paths[(draw.share() * paths.len() as f64) as usize];
         let cycles = if S::NAME == "f32" { &CYCLES[..1] } else { &CYCLES };

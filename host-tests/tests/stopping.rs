@@ -105,7 +105,7 @@ fn case(number: u64) -> (Program, Machine, Precision) {
 }
 
 fn count(least: u64) -> u64 {
-    least * u64::from(soak().unwrap_or(1))
+    least * u64::from(soak())
 }
 
 #[test]

@@ -1,10 +1,13 @@
 //! Programs whose tolerance changes between blocks: every block is kept to within its own, and the place where two meet to
 //! within the lesser.
 
+#[path = "common/cases.rs"]
+mod cases;
 #[path = "common/ways.rs"]
 #[allow(dead_code)] // A part of it is for other tests.
 mod ways;
 
+use cases::soak;
 use fastrand::Rng;
 use splineway::{
     Activity, AxisLimits, Block, Config, Coord, Feed, Limits, Link, Progress, PushError, Scalar,
@@ -214,14 +217,10 @@ fn program(rng: &mut Rng, ways: u8) -> Vec<Step> {
     draft.steps
 }
 
-fn soak() -> u64 {
-    std::env::var("SOAK").ok().and_then(|factor| factor.parse().ok()).unwrap_or(1)
-}
-
 fn search<S: Scalar>(ways: u8, cases: u64) {
     let first = std::env::var("FIRST").ok().and_then(|x| x.parse().ok()).unwrap_or(0);
     let (mut worst, mut bad, mut time) = (0.0f64, Vec::new(), 0.0);
-    for seed in first..first + cases * soak() {
+    for seed in first..first + cases * u64::from(soak()) {
         let mut rng = Rng::with_seed(seed);
         let steps = program(&mut rng, ways);
         let cycle = if rng.u8(..4) == 0 { 1.0e-4 } else { 1.0e-3 };

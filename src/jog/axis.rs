@@ -41,6 +41,13 @@ pub struct Room {
     pub greatest: Coord,
 }
 
+impl Room {
+    /// With a place that is allowed, too.
+    pub fn with(self, at: Coord) -> Self {
+        Self { least: self.least.min(at), greatest: self.greatest.max(at) }
+    }
+}
+
 /// Where an axis shall be at rest, and how fast it may go there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Goal {

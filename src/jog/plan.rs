@@ -128,20 +128,20 @@ impl<const N: usize> Plan<N> {
         for (i, axis) in planned.plan.axes.iter_mut().enumerate() {
             let (Some(caps), Some(Some(most))) = (caps.get(i), most.get(i)) else { continue };
             let from = axis.start();
-            let bounds = |also: Coord| room(config, i, [from.at, axis.end(), also]);
+            let room = room(config, i, [from.at, axis.end()]);
             let turned = match aim {
                 Aim::Velocity(velocity, hold) => {
                     let wanted = velocity.get(i).copied().unwrap_or(0.0);
                     let velocity = wanted.max(-most).min(*most);
-                    at_velocity::<S>(axis, velocity, *hold, caps, bounds(from.at))
+                    at_velocity::<S>(axis, velocity, *hold, caps, room)
                 }
                 Aim::Place(to, feed) => {
                     let at = to.get(i).copied().unwrap_or(axis.end());
                     let goal = Goal { at, speed: feed.min(*most) };
                     // It has been looked at, or is where a program was held.
-                    AxisMotion::to_place::<S>(from, goal, caps, bounds(at))
+                    AxisMotion::to_place::<S>(from, goal, caps, room.with(at))
                 }
-                Aim::Stop => at_velocity::<S>(axis, 0.0, 0, caps, bounds(from.at)),
+                Aim::Stop => at_velocity::<S>(axis, 0.0, 0, caps, room),
                 #[cfg(feature = "home")]
                 Aim::Each(aims) => match aims.get(i) {
                     Some(AxisAim::Place(at, speed)) => {
@@ -495,12 +495,9 @@ pub(super) fn caps_along<S: Scalar, const N: usize>(
 }
 
 /// How far an axis may go; from outside the limits of travel, no further out than it is, or is bound for.
-fn room<S: Scalar, const N: usize>(config: &Config<S, N>, axis: usize, inside: [Coord; 3]) -> Room {
-    let (mut least, mut greatest) = travel(config, axis);
-    for at in inside {
-        (least, greatest) = (least.min(at), greatest.max(at));
-    }
-    Room { least, greatest }
+fn room<S: Scalar, const N: usize>(config: &Config<S, N>, axis: usize, inside: [Coord; 2]) -> Room {
+    let (least, greatest) = travel(config, axis);
+    inside.into_iter().fold(Room { least, greatest }, Room::with)
 }
 
 /// Limits of travel of an axis: all coordinates that are accepted, if there are none.

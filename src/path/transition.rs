@@ -183,14 +183,19 @@ mod tests {
     use crate::path::half::End;
     use crate::path::swing;
 
+    /// The directions before and behind a turn, and its corner.
+    fn turned(degrees: f64) -> ([f64; 2], [f64; 2], Corner<f64>) {
+        let turn = degrees.to_radians();
+        let (a, b) = ([1.0, 0.0], [turn.cos(), turn.sin()]);
+        (a, b, Corner::new(&a, &b))
+    }
+
     /// Curvature is zero where the transition meets the legs, continuous at the apex, and the
     /// cells add up to a curve from one leg to the other.
     #[test]
     fn transitions_are_g2_and_closed() {
-        for degrees in [4.0f64, 30.0, 90.0, 140.0] {
-            let turn = degrees.to_radians();
-            let (a, b) = ([1.0, 0.0], [turn.cos(), turn.sin()]);
-            let corner = Corner::new(&a, &b);
+        for degrees in [4.0, 30.0, 90.0, 140.0] {
+            let (a, b, corner) = turned(degrees);
             for half in
                 [corner.paper_half(0.3), swing::half(&corner, swing::CornerBand::around(0.05), 2.0)]
             {
@@ -223,10 +228,8 @@ mod tests {
     /// Nodes within cells lie on the same curve, with its direction and bend, and the parts of a cell are as long as that.
     #[test]
     fn a_cell_may_be_cut_anywhere() {
-        for degrees in [4.0f64, 30.0, 90.0, 140.0] {
-            let turn = degrees.to_radians();
-            let (a, b) = ([1.0, 0.0], [turn.cos(), turn.sin()]);
-            let corner = Corner::new(&a, &b);
+        for degrees in [4.0, 30.0, 90.0, 140.0] {
+            let (a, b, corner) = turned(degrees);
             let ends = [End::new(0.01, 0.1, None), End::new(0.0, 0.1, Some(0.02))];
             let band = swing::CornerBand::around(0.05);
             let halves = [corner.paper_half(0.3).with_ends(ends), swing::half(&corner, band, 2.0)];

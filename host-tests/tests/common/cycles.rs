@@ -5,6 +5,8 @@ pub mod cases;
 #[path = "motors.rs"]
 mod motors;
 
+#[allow(unused_imports)] // Not every test counts its own.
+pub use cases::soak;
 use motors::{motor_shares, with_motors, with_stops};
 use splineway::{Activity, AxisLimits, Config, Coord, Limits, Scalar, Setpoint};
 
@@ -123,9 +125,4 @@ pub fn machine<S: Scalar>(draw: &mut Draw) -> Config<S, AXES> {
 
 pub fn at(mm: f64) -> Coord {
     Coord::from_mm(mm).unwrap()
-}
-
-#[allow(dead_code)] // Not every test counts its own.
-pub fn soak() -> u32 {
-    cases::soak().unwrap_or(1)
 }

@@ -291,7 +291,7 @@ fn the_end_of_a_block_near_a_corner_is_where_it_is() {
         assert!(off_at_a_straight_joint::<f32>(lines, right, 0.2) < 1.0, "{lines:?}");
     }
     let mut draw = Rng::with_seed(5);
-    for _ in 0..300 * soak().unwrap_or(1) {
+    for _ in 0..300 * soak() {
         let size = 0.3 * 60f64.powf(draw.f64());
         let lines = [0; 3].map(|_| (size * (0.3 + draw.f64()) * 1.0e3).round() / 1.0e3);
         let (turn, tolerance) = (3.0 * draw.f64(), 0.01 * 10f64.powf(draw.f64()));
