@@ -1,6 +1,7 @@
 //! The `splineway` program.
 
 use splineway_host::commands::Arguments;
+use splineway_host::commands::numbers::Usage;
 use splineway_host::out;
 use std::process::ExitCode;
 
@@ -14,7 +15,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error:#}");
-            ExitCode::FAILURE
+            if error.is::<Usage>() { ExitCode::from(Usage::CODE) } else { ExitCode::FAILURE }
         }
     }
 }

@@ -94,9 +94,11 @@ fn wrong_files_are_explained() {
     let bad = file("bad.ngc", "G1 X1 F60\nG1 Xfoo\n").display().to_string();
     assert!(error_of(&["simulate", &bad], 1).contains("bad.ngc: line 2, column 4"));
     let arc = file("arc.ngc", "G2 X10 I1 F60\n").display().to_string();
-    assert!(
-        error_of(&["simulate", &arc], 1).contains("line 1: arc starts 1.000000 mm from its centre")
-    );
+    let error = error_of(&["simulate", &arc], 1);
+    let words = "line 1: arc starts 1.000000 mm from its centre but ends 9.000000 mm from it; they may differ by 0.005";
+    assert!(error.contains(words), "{error}");
+    let arc = file("ray.ngc", "G2 X0.004 I-5 F60\n").display().to_string();
+    assert!(error_of(&["simulate", &arc], 1).contains("on the same ray"));
     let odd = file("odd.xyz", "").display().to_string();
     assert!(error_of(&["simulate", &odd], 1).contains("unknown kind of file"));
     assert!(error_of(&["simulate", "nowhere.ngc"], 1).contains("cannot read nowhere.ngc"));
@@ -204,13 +206,6 @@ fn errors_name_the_file_that_has_the_value() {
         let error = error_of(&["simulate", &program, "--machine", &machine], 1);
         assert!(error.contains("blame.toml: ") && error.contains(words), "{error}");
     }
-    for (flag, value, words) in [
-        ("--tolerance", "-1", "--tolerance -1: it must be 0 to 1000 mm"),
-        ("--cycle", "5", "--cycle 5: it must be 0.000001 to 0.01 s"),
-    ] {
-        let error = error_of(&["simulate", &program, flag, value], 1);
-        assert!(error.contains(words), "{error}");
-    }
 }
 
 #[test]
@@ -226,7 +221,6 @@ fn other_speed_laws_and_corners_are_compared() {
     let output = splineway(&["corners", "--turns", "90"]);
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success() && text.contains("Guo 2023"), "{text}");
-    let error = error_of(&["corners", "--turns", "180"], 1);
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("paper");
     let output = splineway(&["paper", "--plots", &folder.display().to_string()]);
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
@@ -234,7 +228,6 @@ fn other_speed_laws_and_corners_are_compared() {
     assert!(output.status.success() && text.contains(counts), "{text}");
     let curves = std::fs::read_to_string(folder.join("hexagon-curvature.svg")).unwrap();
     assert!(curves.contains("transitions as printed"));
-    assert!(error.contains("15 to 155"), "{error}");
 }
 
 #[test]
@@ -242,11 +235,11 @@ fn the_papers_lambda_counts_in_its_mode() {
     let path =
         file("short.txt", "0 0 0 100\n0.2 0 0 100\n0.3 0.17 0 100\n0.2 0.34 0 100\n0 0.34 0 100\n");
     let path = path.display().to_string();
-    let error = error_of(&["simulate", &path, "--lambda", "0.3"], 1);
+    let error = error_of(&["simulate", &path, "--lambda", "0.3"], 2);
     assert!(error.contains("--mode paper"), "{error}");
     let error = error_of(&["simulate", &path, "--mode", "paper", "--reshape"], 1);
     assert!(error.contains("in paper mode"), "{error}");
-    let error = error_of(&["simulate", &path, "--mode", "paper", "--lambda", "1"], 1);
+    let error = error_of(&["simulate", &path, "--mode", "paper", "--lambda", "1"], 2);
     assert!(error.contains("lambda"), "{error}");
     let deviation = |lambda: &str| -> f64 {
         let arguments = ["simulate", &path, "--mode", "paper", "--lambda", lambda, "--json"];

@@ -408,6 +408,8 @@ fn numbers_and_lines() {
         ("M3e1", "word E"),
         ("T1e1 M6", "word E"),
         ("G1 X1.2.3", "column 4"),
+        ("G10 L2 P1 R45", "column 11: R45: it must be 0"),
+        ("G1.01 X1", "G1.01: it must be from 0 to 5999.9, with at most one decimal"),
         ("G1 X--1", "is not a number"),
         ("G1 X-", "is not a number"),
         ("G1 X.", "is not a number"),
@@ -426,7 +428,7 @@ fn numbers_and_lines() {
         ("G1 (a (b) X1)", "a comment in a comment"),
         ("G1 ) X1", "unexpected character ')'"),
         ("G1 X1 !", "column 7: unexpected character '!'"),
-        ("$H", "unexpected character '$'"),
+        ("$H", "$H homes, which needs the machine"),
         ("G1 X1\u{a0}Y1", "unexpected character"),
         ("(\u{e9}) G1 X!", "column 9: unexpected character"),
         ("G0 X1*84", "the sum behind \"*\" is 84, that of the line is 62"),
@@ -784,5 +786,20 @@ fn a_share_of_the_feed_is_handed_on_and_said_to_be() {
         assert_eq!(notes.len(), said, "{notes:?}");
         assert!(notes.iter().all(|note| note.contains("M220 S50 is handed on")), "{notes:?}");
         assert!(story(&program).contains("M220"), "{text}");
+    }
+}
+
+/// What stands behind the end may have been meant: it is told, but for subprograms, which belong there, and remarks.
+#[test]
+fn lines_behind_the_end_are_told() {
+    let told = |text: &str| {
+        let (_, found) = examine(text, options(Dialect::LinuxCnc));
+        found.iter().map(|found| (found.line, found.message.clone())).collect::<Vec<_>>()
+    };
+    let end = "the program ends in line 2: nothing behind it is read";
+    assert_eq!(told("G1 X1 F1\nM2\n\n(x)\nG1 X3\nG1 X4\n"), [(5, end.to_owned())]);
+    assert_eq!(told("%\nG1 X1 F1\n%\nG1 X3\n").len(), 1);
+    for text in ["G1 X1 F1\nM2\n%\n", "G1 X1 F1\nM30\n", "M98 P1\nM30\nO1\nG1 X1 F1\nM99\n"] {
+        assert!(told(text).is_empty(), "{text}");
     }
 }

@@ -351,7 +351,18 @@ fn the_end_of_a_pipe_is_no_operator_who_is_gone_but_that_of_a_terminal_is() {
     let (code, _, complaints) = Process::new("pipe", program, &port, &[]).end();
     assert_eq!(code, Some(0), "{complaints}");
     assert!(run(&happenings, TEN).is_some());
-    // The same at a terminal, which hangs up.
+    // Nobody is left to say resume: that is told, and an interrupt ends it.
+    let mut process = Process::new("held", LONG, &port, &[]);
+    state(&happenings, TEN, State::Running).expect("it runs");
+    process.say("hold");
+    process.input = None;
+    state(&happenings, TEN, State::Held).expect("it is held");
+    thread::sleep(Duration::from_millis(300));
+    process.signal("INT");
+    let (code, _, complaints) = process.end();
+    assert_eq!(code, Some(1), "{complaints}");
+    assert!(complaints.contains("is held; standard input has ended"), "{complaints}");
+    // The end of a terminal, which hangs up.
     // The child must not have it too.
     let terminal = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC).unwrap();
     grantpt(&terminal).unwrap();

@@ -8,6 +8,18 @@ const SLACK: f64 = 0.005;
 /// The same as a share of the radius, whichever is less.
 const SLACK_SHARE: f64 = 0.1;
 
+/// Greatest difference of an arc's two radii, mm; `LinuxCNC` has the same three.
+const RADIUS_SLACK: f64 = 0.005;
+/// The same as a share of the radius at the start, whichever is more.
+const RADIUS_SLACK_SHARE: f64 = 1.0e-3;
+/// The same in any case, mm.
+const RADIUS_SLACK_MOST: f64 = 0.5;
+
+/// By how much the radius at the end may differ from `start`, that at the start, mm.
+pub const fn radius_slack(start: f64) -> f64 {
+    (RADIUS_SLACK_SHARE * start).max(RADIUS_SLACK).min(RADIUS_SLACK_MOST)
+}
+
 /// The centre of the arc of `radius` mm (negative: the long way round, more than half a circle)
 /// from `start` to `end`, both in the plane's two axes.
 ///

@@ -1,5 +1,6 @@
 //! Why a block was not taken.
 
+use super::arc::radius_slack;
 use crate::machine::Quantity;
 use crate::number::RangeError;
 use core::fmt;
@@ -80,7 +81,13 @@ impl fmt::Display for BlockError {
                 write!(f, "arc plane of axes {p} and {q} does not exist")
             }
             Self::ArcRadius { start, end } => {
-                write!(f, "arc starts {start:.6} mm from its centre but ends {end:.6} mm from it")
+                write!(f, "arc starts {start:.6} mm from its centre but ends {end:.6} mm from it")?;
+                let slack = radius_slack(start);
+                if (start - end).abs() > slack {
+                    write!(f, "; they may differ by {slack:.3}")
+                } else {
+                    f.write_str(", on the same ray: no turn and a full one cannot be told apart")
+                }
             }
             Self::TooLong { length, greatest } => {
                 write!(f, "block is {length} mm long; it must be at most {greatest}")

@@ -10,6 +10,7 @@ pub(crate) mod range;
 mod switch;
 
 pub use arc::centre_from_radius;
+pub(crate) use arc::radius_slack;
 pub use error::{BlockError, PushError};
 #[cfg(feature = "outputs")]
 pub use switch::{Offset, Output, Power, Switch, SwitchError, Trigger};
@@ -49,7 +50,7 @@ pub enum Motion<S, const N: usize> {
     /// whether that is no turn or a full one. It is followed within the tolerance, at the finest
     /// within [`FINEST_BAND`].
     Arc {
-        /// End point, absolute. Equal to the start in the plane within a nanometre: one full circle.
+        /// End point, absolute. Equal to the start within a nanometre in either axis of the plane: one full circle.
         to: [Coord; N],
         /// The plane's two axes, in the order in which a quarter turn takes the first to the
         /// second: G17 is (0, 1), G18 is (2, 0), G19 is (1, 2).

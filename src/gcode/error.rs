@@ -187,8 +187,15 @@ impl fmt::Display for Reason {
             Self::Missing { code, what } => write!(f, "{code} needs {what}"),
             Self::Context { code, what } => write!(f, "{code} {what}"),
             Self::Range { letter, value, least, greatest, whole } => {
+                write!(f, "{letter}{value}: it must be ")?;
+                if least >= greatest {
+                    return write!(f, "{least}");
+                }
                 let kind = if whole { "a whole number from" } else { "from" };
-                write!(f, "{letter}{value}: it must be {kind} {least} to {greatest}")
+                write!(f, "{kind} {least} to {greatest}")?;
+                // Numbers of codes.
+                let is_code = matches!(letter, 'G' | 'M');
+                f.write_str(if is_code { ", with at most one decimal" } else { "" })
             }
             Self::Coordinate { axis, value } => {
                 let letter = LETTERS.get(axis).copied().unwrap_or('?');

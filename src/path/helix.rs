@@ -12,7 +12,7 @@
 //!   full one: it is refused, because neither may be run by mistake.
 
 use super::node::Frame;
-use crate::block::{BlockError, Turn};
+use crate::block::{BlockError, Turn, radius_slack};
 use crate::number::quadrature::integral;
 use crate::number::trig::sin_cos;
 use crate::number::{Coord, Scalar};
@@ -25,13 +25,6 @@ const EQUAL: f64 = 1.5e-6;
 /// Ends lie on the same ray if they are apart along the circle by less than this share of the difference of
 /// their radii.
 const SAME_RAY: f64 = 0.1;
-
-/// Greatest difference of an arc's two radii, mm; `LinuxCNC` has the same three.
-const RADIUS_SLACK: f64 = 0.005;
-/// The same as a share of the radius at the start, whichever is more.
-const RADIUS_SLACK_SHARE: f64 = 1.0e-3;
-/// The same in any case, mm.
-const RADIUS_SLACK_MOST: f64 = 0.5;
 
 /// Growth of the radius over its least value up to which one quadrature over the whole arc gives its
 /// length to 1e-9.
@@ -87,8 +80,7 @@ impl Helix {
         let (r0, r1) = (length(from), length(to));
         let gap = (r0 - r1).abs();
         let misfit = BlockError::ArcRadius { start: r0, end: r1 };
-        let slack = gap <= RADIUS_SLACK || gap <= RADIUS_SLACK_SHARE * r0;
-        if gap > RADIUS_SLACK_MOST || !slack {
+        if gap > radius_slack(r0) {
             return Err(misfit);
         }
         let chord = (end[p].minus::<f64>(start[p]), end[q].minus::<f64>(start[q]));

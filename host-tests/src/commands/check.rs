@@ -1,11 +1,12 @@
 //! `splineway check`: a program before it is run.
 
 use super::files::check_stdin;
-use super::numbers::whole;
+use super::numbers::{setting, whole};
 use super::reading::Reading;
 use crate::lint::{Extent, Findings, Listing, Moves, Shares, look};
 use crate::view::Busy;
 use anyhow::{Context, Result};
+use splineway::machine::Quantity;
 use splineway_simulator::program::{self, Loaded, Tape};
 use splineway_simulator::run::sharp_corners;
 use std::io::IsTerminal;
@@ -22,7 +23,7 @@ pub struct Check {
     pub reading: Reading,
     /// Greatest distance from the programmed path, mm, in place of the machine's, and of those that the program names (G64 P)
     /// [default: those]
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", value_parser = setting(Quantity::Tolerance, "mm"))]
     pub tolerance: Option<f64>,
     /// How many slow places are shown
     #[arg(long, value_name = "COUNT", default_value_t = 10, value_parser = whole(0_usize, 1_000_000))]
@@ -41,7 +42,6 @@ impl Check {
     /// # Errors
     /// The file cannot be read, or not be run on this machine.
     pub fn execute(&self) -> Result<()> {
-        self.reading.check()?;
         check_stdin(&[Some(("the program", &self.file)), self.reading.file()])?;
         let mut machine = self.reading.machine()?;
         let setup = machine.setup();

@@ -1,12 +1,12 @@
 //! `splineway controller`: a controller without a machine, for `splineway stream` and for senders of grbl.
 
 use super::files::{self, named};
-use super::numbers::whole;
+use super::numbers::{Usage, above_zero, between, one_of};
 use crate::stream::{
     Controller, Doing, Faults, Grbl, Happening, Kept, Line, describe_event, describe_place,
     describe_state,
 };
-use anyhow::{Result, ensure};
+use anyhow::Result;
 use splineway::Output;
 use splineway::grbl::{Accessories, Spindle};
 use splineway_simulator::machine::Machine;
@@ -28,7 +28,7 @@ pub enum Protocol {
 #[derive(Clone, Debug, clap::Args)]
 pub struct ControllerCommand {
     /// Axes: 3, 6 or 9
-    #[arg(long, value_name = "COUNT", default_value_t = 3, value_parser = whole(3_usize, 9))]
+    #[arg(long, value_name = "COUNT", default_value_t = 3, value_parser = one_of(&[3, 6, 9]))]
     pub axes: usize,
     /// What it speaks
     #[arg(long, value_enum, default_value_t)]
@@ -50,10 +50,10 @@ pub struct ControllerCommand {
     #[arg(long, value_name = "PLACE")]
     pub surface: Vec<String>,
     /// How many times faster than the clock it runs
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = above_zero(1.0e6, ""))]
     pub speed: f64,
     /// Share of the bytes that are lost, garbled or doubled, in either direction
-    #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = between(0.0, 0.5, ""))]
     pub faults: f64,
     /// End after the first program
     #[arg(long)]
@@ -70,29 +70,24 @@ impl ControllerCommand {
             &[named("--machine", self.machine.as_ref())],
             &[named("--settings", self.settings.as_ref())],
         )?;
-        ensure!(self.speed > 0.0, "speed is {}; it must be above 0", self.speed);
-        ensure!(
-            (0.0..=0.5).contains(&self.faults),
-            "faults is {}; it must be 0 to 0.5",
-            self.faults
-        );
         let mut machine =
             self.machine.as_deref().map(Machine::read).transpose()?.unwrap_or_default();
         machine.switches.extend_from_slice(&self.switch);
         machine.surfaces.extend_from_slice(&self.surface);
         machine.check()?;
         let is_grbl = self.protocol == Protocol::Grbl;
-        ensure!(is_grbl || self.settings.is_none(), "settings are kept with --protocol grbl only");
-        ensure!(
-            !is_grbl || self.faults <= 0.0,
-            "faults are for the protocol of splineway stream only"
-        );
-        ensure!(
-            !is_grbl || !self.once,
-            "--once ends after a program, and grbl knows no end of one"
-        );
-        let axes = self.axes;
-        ensure!(matches!(axes, 3 | 6 | 9), "axes is {axes}; this controller has 3, 6 or 9");
+        if self.settings.is_some() && !is_grbl {
+            return Err(Usage::error("--settings: they are kept with --protocol grbl only"));
+        }
+        if self.faults > 0.0 && is_grbl {
+            let words = "they are for the protocol of splineway stream only";
+            return Err(Usage::error(format!("--faults {}: {words}", self.faults)));
+        }
+        if self.once && is_grbl {
+            return Err(Usage::error(
+                "--once: it ends after a program, and grbl knows no end of one",
+            ));
+        }
         let line = self.tcp.map_or_else(Line::terminal, Line::network)?;
         println!("port: {}", line.name());
         std::io::stdout().flush()?;

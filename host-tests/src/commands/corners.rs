@@ -1,7 +1,8 @@
 //! `splineway corners`: corner transitions of the literature beside this core's.
 
+use super::numbers::{above_zero, between};
 use crate::view::Busy;
-use anyhow::{Result, bail};
+use anyhow::Result;
 use serde::Serialize;
 use splineway_simulator::machine::Machine;
 use splineway_studies::corners::{Continuity, table};
@@ -11,10 +12,11 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, clap::Args)]
 pub struct Corners {
     /// True deviation of every transition from the corner's legs, mm, up to 0.2
-    #[arg(long, value_name = "MM", default_value_t = 0.05)]
+    #[arg(long, value_name = "MM", default_value_t = 0.05, value_parser = above_zero(0.2, "mm"))]
     pub tolerance: f64,
     /// Turns, 15 to 155 degrees, with commas between: 30,60
-    #[arg(long, value_name = "DEGREES", value_delimiter = ',', default_values_t = [30.0, 60.0, 90.0, 120.0, 150.0])]
+    #[arg(long, value_name = "DEGREES", value_delimiter = ',', value_parser = between(15.0, 155.0, "degrees"),
+        default_values_t = [30.0, 60.0, 90.0, 120.0, 150.0])]
     pub turns: Vec<f64>,
     /// Machine description (TOML), whose default axis counts [default: a small milling machine, which `splineway machine` prints]
     #[arg(long, value_name = "TOML")]
@@ -47,18 +49,12 @@ impl Corners {
     /// # Errors
     /// Values out of range, a machine that cannot be read, a speed law that cannot be solved.
     pub fn execute(&self) -> Result<()> {
-        if !(self.tolerance > 0.0 && self.tolerance <= 0.2) {
-            bail!("--tolerance {}: it must be greater than 0 and at most 0.2 mm", self.tolerance);
-        }
         let machine = match &self.machine {
             Some(path) => Machine::read(path)?,
             None => Machine::default(),
         };
         let mut all = Vec::new();
         for &turn in &self.turns {
-            if !(15.0..=155.0).contains(&turn) {
-                bail!("--turns {turn}: turns of 15 to 155 degrees can be compared");
-            }
             let busy = Busy::new(format!("turn of {turn} degrees"), false);
             let rows = table(turn, self.tolerance, &machine)?;
             drop(busy);

@@ -1,8 +1,8 @@
 //! `splineway limit`: how much faster any motion could be.
 
 use super::files::{self, named};
-use super::numbers::whole;
-use super::reading::{Reading, check_setting};
+use super::numbers::{Usage, above_zero, between, setting, whole};
+use super::reading::Reading;
 use anyhow::{Context, Result, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
@@ -27,16 +27,16 @@ pub struct Limit {
     pub reading: Reading,
     /// Greatest distance from the programmed path, mm, in place of the machine's, and of those that the program names (G64 P)
     /// [default: those]
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", value_parser = setting(Quantity::Tolerance, "mm"))]
     pub tolerance: Option<f64>,
     /// Time between the knots of the motion, ms
-    #[arg(long, value_name = "MS", default_value_t = 2.0)]
+    #[arg(long, value_name = "MS", default_value_t = 2.0, value_parser = between(0.25, 50.0, "ms"))]
     pub step: f64,
     /// Most rounds
     #[arg(long, value_name = "COUNT", default_value_t = 20, value_parser = whole(0_usize, 1_000_000))]
     pub rounds: usize,
     /// Longest motion that is looked at, s
-    #[arg(long, value_name = "S", default_value_t = 60.0)]
+    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = above_zero(f64::MAX, "s"))]
     pub longest: f64,
     /// Writes the setpoints of the motion found (CSV; one file only) [default: not written]
     #[arg(long, value_name = "CSV")]
@@ -67,19 +67,10 @@ impl Limit {
     /// # Errors
     /// A file cannot be read or run, no motion is found, or the one found breaks a limit.
     pub fn execute(&self) -> Result<()> {
-        ensure!(
-            (0.25..=50.0).contains(&self.step),
-            "step is {}; it must be 0.25 to 50 ms",
-            self.step
-        );
-        ensure!(self.longest > 0.0, "longest is {} s; it must be above 0", self.longest);
-        ensure!(
-            self.setpoints.is_none() || self.files.len() == 1,
-            "--setpoints is for one file; there are {}",
-            self.files.len()
-        );
-        self.reading.check()?;
-        check_setting("--tolerance", Quantity::Tolerance, (self.tolerance, "mm"))?;
+        let files = self.files.len();
+        if self.setpoints.is_some() && files > 1 {
+            return Err(Usage::error(format!("--setpoints is for one file; there are {files}")));
+        }
         let mut inputs: Vec<_> =
             self.files.iter().map(|file| Some(("a tool path", file.as_path()))).collect();
         inputs.push(self.reading.file());

@@ -1,9 +1,34 @@
 //! Numbers of the command line: what is out of range is refused by value and range, as everywhere.
 
+use anyhow::Error;
 use clap::Command;
+use splineway::machine::Quantity;
+use splineway::number::Range;
 use std::ffi::OsString;
-use std::fmt::Display;
+use std::fmt::{self, Display};
 use std::str::FromStr;
+
+/// Options that do not go together: wrong usage, as what clap itself refuses.
+#[derive(Debug)]
+pub struct Usage(String);
+
+impl Usage {
+    /// The exit code, which is clap's.
+    pub const CODE: u8 = 2;
+
+    /// As what commands return.
+    pub fn error(words: impl Into<String>) -> Error {
+        Error::new(Self(words.into()))
+    }
+}
+
+impl Display for Usage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Usage {}
 
 /// Reads a whole number from `least` to `greatest`.
 pub fn whole<T>(
@@ -17,6 +42,59 @@ where
         let number = text.parse().ok().filter(|number| (least..=greatest).contains(number));
         number.ok_or_else(|| format!("it must be a whole number from {least} to {greatest}"))
     }
+}
+
+/// Reads one of some numbers.
+pub fn one_of(
+    numbers: &'static [usize],
+) -> impl Fn(&str) -> Result<usize, String> + Clone + Send + Sync + 'static {
+    move |text: &str| {
+        let number = text.parse().ok().filter(|number| numbers.contains(number));
+        number.ok_or_else(|| format!("it must be one of {numbers:?}"))
+    }
+}
+
+/// Reads a number that is `fits`, in `words`.
+fn number(
+    fits: impl Fn(f64) -> bool + Clone + Send + Sync + 'static,
+    words: String,
+) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    move |text: &str| {
+        let number = text.parse().ok().filter(|&number| fits(number));
+        number.ok_or_else(|| format!("it must be {words}").trim_end().to_owned())
+    }
+}
+
+/// Reads a number from `least` to `greatest`.
+pub fn between(
+    least: f64,
+    greatest: f64,
+    unit: &str,
+) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    let words = format!("{least} to {greatest} {unit}");
+    number(move |number| (least..=greatest).contains(&number), words)
+}
+
+/// Reads a number above 0 and at most `greatest`.
+pub fn above_zero(
+    greatest: f64,
+    unit: &str,
+) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    let words = if greatest < f64::MAX {
+        format!("above 0 and at most {greatest} {unit}")
+    } else {
+        "above 0".to_owned()
+    };
+    number(move |number| number > 0.0 && number <= greatest, words)
+}
+
+/// Reads a value of a setting of the core: its range is the core's.
+pub fn setting(
+    quantity: Quantity,
+    unit: &str,
+) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    let Range { least, greatest } = quantity.range();
+    between(least, greatest, unit)
 }
 
 /// Takes `-1` behind an option for its value, that it may be refused as such, and not for an argument that nobody knows.

@@ -1,10 +1,10 @@
 //! Flags of every command that reads a program: how, at which feed, and for which machine.
 
 use super::files::{Named, named};
-use anyhow::{Result, ensure};
+use super::numbers::setting;
+use anyhow::Result;
 use clap::ValueEnum;
 use splineway::machine::Quantity;
-use splineway::number::Range;
 use splineway_simulator::machine::Machine;
 use splineway_simulator::program::{Dialect, Overriding, ReadOptions, Setup, Tape};
 use std::path::PathBuf;
@@ -41,7 +41,7 @@ pub struct Reading {
     #[arg(long, value_name = "TOML")]
     pub machine: Option<PathBuf>,
     /// Feed of all moves but rapids, mm/s, in place of what the file says [default: the file's; 50 where it says nothing]
-    #[arg(long, value_name = "MM_PER_S")]
+    #[arg(long, value_name = "MM_PER_S", value_parser = setting(Quantity::Feed, "mm/s"))]
     pub feed: Option<f64>,
     /// Whose G-code it is [default: told by comments and codes of the first 1000 lines where that is plain, else linuxcnc]
     #[arg(long, value_enum)]
@@ -54,33 +54,7 @@ pub struct Reading {
     pub block_delete: bool,
 }
 
-/// Whether the value of a flag for a setting of the core is one that it takes.
-///
-/// # Errors
-/// Names the flag, the value and the range.
-pub fn check_setting(
-    flag: &str,
-    quantity: Quantity,
-    (value, unit): (Option<f64>, &str),
-) -> Result<()> {
-    let Range { least, greatest } = quantity.range();
-    let value = value.unwrap_or(least);
-    let fits = (least..=greatest).contains(&value);
-    ensure!(fits, "{flag} {value}: it must be {least} to {greatest} {unit}");
-    Ok(())
-}
-
 impl Reading {
-    /// Before anything is read: the flags themselves.
-    ///
-    /// # Errors
-    /// Names the flag and its value.
-    pub fn check(&self) -> Result<()> {
-        let feed = self.feed.unwrap_or(FEED);
-        ensure!(feed > 0.0 && feed.is_finite(), "--feed {feed}: it must be greater than 0");
-        Ok(())
-    }
-
     /// The machine's file, if there is one.
     pub fn file(&self) -> Option<Named<'_>> {
         named("--machine", self.machine.as_ref())

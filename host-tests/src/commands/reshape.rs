@@ -2,7 +2,8 @@
 
 use super::files::{self, named};
 use super::limit::write;
-use super::reading::{Reading, check_setting};
+use super::numbers::{Usage, setting};
+use super::reading::Reading;
 use anyhow::{Context, Result, ensure};
 use serde::Serialize;
 use splineway::machine::Quantity;
@@ -25,7 +26,7 @@ pub struct Reshape {
     pub reading: Reading,
     /// Greatest distance from the programmed path, mm, in place of the machine's, and of those that the program names (G64 P)
     /// [default: those]
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", value_parser = setting(Quantity::Tolerance, "mm"))]
     pub tolerance: Option<f64>,
     /// Scalar of the windows; the planned motion is of double precision
     #[arg(long, value_enum, default_value_t)]
@@ -61,13 +62,10 @@ impl Reshape {
     /// # Errors
     /// A file cannot be read or run, or a motion breaks a limit.
     pub fn execute(&self) -> Result<()> {
-        ensure!(
-            self.setpoints.is_none() || self.files.len() == 1,
-            "--setpoints is for one file; there are {}",
-            self.files.len()
-        );
-        self.reading.check()?;
-        check_setting("--tolerance", Quantity::Tolerance, (self.tolerance, "mm"))?;
+        let files = self.files.len();
+        if self.setpoints.is_some() && files > 1 {
+            return Err(Usage::error(format!("--setpoints is for one file; there are {files}")));
+        }
         let mut inputs: Vec<_> =
             self.files.iter().map(|file| Some(("a tool path", file.as_path()))).collect();
         inputs.push(self.reading.file());

@@ -1,16 +1,16 @@
 //! `splineway simulate`: a file through the core, cycle by cycle.
 
 use super::files::{self, named};
-use super::numbers::whole;
+use super::numbers::{Usage, one_of, setting, whole};
 use super::page;
-use super::reading::{Reading, check_setting};
+use super::reading::Reading;
 use super::recorded::{self, Places, Recorded, is_page};
 use crate::view::page::Overlay;
 use crate::view::{Busy, Curve, Progress, Scene, plot, plot_speeds};
 use anyhow::{Context, Result, bail, ensure};
 use splineway::machine::Quantity;
 use splineway_simulator::judge::{Judge, Track, violations};
-use splineway_simulator::machine::{Axis, Machine, Mode};
+use splineway_simulator::machine::{Axis, LOOKAHEADS, Machine, Mode};
 use splineway_simulator::program::{self, LETTERS, Loaded, ReadOptions, Tape};
 use splineway_simulator::record::recording::Watched;
 use splineway_simulator::record::{CsvOut, Report, Trace};
@@ -40,13 +40,13 @@ pub struct Simulate {
     pub reading: Reading,
     /// Greatest distance from the programmed path, mm, in place of the machine's, and of those that the program names (G64 P)
     /// [default: those]
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", value_parser = setting(Quantity::Tolerance, "mm"))]
     pub tolerance: Option<f64>,
     /// Servo cycle, s [default: the machine's]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = setting(Quantity::Cycle, "s"))]
     pub cycle: Option<f64>,
     /// Look-ahead depth, blocks: 16, 64 or 256 [default: the machine's]
-    #[arg(long, value_name = "BLOCKS", value_parser = whole(16_usize, 256))]
+    #[arg(long, value_name = "BLOCKS", value_parser = one_of(&LOOKAHEADS))]
     pub lookahead: Option<usize>,
     /// Smoothing sweeps over runs of short lines; 0 leaves them as they are laid [default: the machine's]
     #[arg(long, value_name = "COUNT", value_parser = whole(0_u16, 100))]
@@ -62,7 +62,7 @@ pub struct Simulate {
     pub mode: Option<Mode>,
     /// Share of what is left of a line that stays straight between two of its corners, in paper mode, 0 to 0.99 [default: the
     /// machine's]
-    #[arg(long, value_name = "SHARE")]
+    #[arg(long, value_name = "SHARE", value_parser = setting(Quantity::Lambda, ""))]
     pub lambda: Option<f64>,
     /// Runs a NURBS curve as so many chords of equal parameter steps [default: as the curve itself]
     #[arg(long, value_name = "COUNT", value_parser = whole(1_usize, 1_000_000))]
@@ -118,7 +118,8 @@ impl Simulate {
         }
         if let Some(lambda) = self.lambda {
             if machine.mode != Mode::Paper {
-                bail!("--lambda {lambda}: it counts in paper mode only (--mode paper)");
+                let words = "it counts in paper mode only (--mode paper)";
+                return Err(Usage::error(format!("--lambda {lambda}: {words}")));
             }
             machine.lambda = lambda;
         }
@@ -141,9 +142,6 @@ impl Simulate {
     /// # Errors
     /// What cannot be read, run or written, and limits broken by the run.
     pub fn execute(&self) -> Result<()> {
-        self.reading.check()?;
-        check_setting("--tolerance", Quantity::Tolerance, (self.tolerance, "mm"))?;
-        check_setting("--cycle", Quantity::Cycle, (self.cycle, "s"))?;
         let plotted = self.plot.clone().or_else(|| self.open.then(|| page::place(&self.file)));
         self.check_files(plotted.as_ref())?;
         let machine = self.reading.machine()?;

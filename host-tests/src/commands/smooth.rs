@@ -1,8 +1,9 @@
 //! `splineway smooth`: lowers the curvature of a spline file inside a tube.
 
 use super::files::{self, named};
+use super::numbers::above_zero;
 use crate::view::{Busy, TubeScene, plot_tube};
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use splineway_simulator::input::{self, is_stdin};
 use splineway_simulator::program::Kind;
@@ -43,13 +44,13 @@ pub struct Smooth {
     #[arg(long, value_enum, default_value = "bounded")]
     method: Method,
     /// Feed of the motion along it, mm/s, in place of what the file says [default: the file's; 400 where it says nothing]
-    #[arg(long, value_name = "MM_PER_S")]
+    #[arg(long, value_name = "MM_PER_S", value_parser = above_zero(f64::MAX, ""))]
     feed: Option<f64>,
     /// Its acceleration, mm/s2
-    #[arg(long, value_name = "MM_PER_S2", default_value_t = 4000.0)]
+    #[arg(long, value_name = "MM_PER_S2", default_value_t = 4000.0, value_parser = above_zero(f64::MAX, ""))]
     acceleration: f64,
     /// Its jerk, mm/s3
-    #[arg(long, value_name = "MM_PER_S3", default_value_t = 20_000.0)]
+    #[arg(long, value_name = "MM_PER_S3", default_value_t = 20_000.0, value_parser = above_zero(f64::MAX, ""))]
     jerk: f64,
     /// How section 4.5 of the thesis is read
     #[arg(long, value_enum, default_value = "free")]
@@ -142,13 +143,6 @@ impl Smooth {
             bail!("{name}: no tolerance in the file; give one with --tolerance");
         };
         let feed = self.feed.or(file.feed).unwrap_or(FEED);
-        for (what, value) in
-            [("feed", feed), ("acceleration", self.acceleration), ("jerk", self.jerk)]
-        {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(anyhow!("--{what} {value} must be greater than 0"));
-            }
-        }
         let trajectory = Trajectory { feed, acceleration: self.acceleration, jerk: self.jerk };
         let mut request = Request::new(self.method, radius);
         request.precision = self.precision.or(file.precision).unwrap_or(request.precision);

@@ -1,6 +1,7 @@
 //! `splineway stream`: a program to a controller over a serial line.
 
 use super::files::check_stdin;
+use super::numbers::above_zero;
 use super::reading::Reading;
 use crate::stream::{
     Controlled, News, Order, Settings, Summary, check, describe_place, describe_state, open_port,
@@ -31,7 +32,8 @@ If the program itself comes from there (-), there are none: Ctrl-C aborts.
 
 The machine is aborted - it brakes on the path and drops the rest - and this program waits until it stands:
   on Ctrl-C, SIGTERM and SIGHUP (a second one does not wait), on every error, and when standard input ends if
-  that is a terminal. The end of a pipe or a file is only the end of its commands.
+  that is a terminal. The end of a pipe or a file is only the end of its commands: a machine that is held then
+  waits for a resume of its own, or for Ctrl-C.
 If this program dies otherwise, or the cable comes off, the controller holds the machine after --watchdog
 seconds. The next `stream` is refused then, unless --abort drops what is left.
 
@@ -58,7 +60,7 @@ pub struct Stream {
     #[arg(long, value_name = "BITS_PER_S", default_value_t = 921_600)]
     pub baud: u32,
     /// Silence of this program after which the controller stops the machine, s, 0.1 to 60; 0: never
-    #[arg(long, value_name = "S", default_value_t = 1.0)]
+    #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = silence)]
     pub watchdog: f64,
     /// Move straight to the first point of a path that does not begin where the machine stands
     #[arg(long)]
@@ -74,7 +76,7 @@ pub struct Stream {
     #[arg(long)]
     pub outputs: bool,
     /// S and M3 to M5 are those of a laser with this greatest power [default: none]
-    #[arg(long, value_name = "POWER")]
+    #[arg(long, value_name = "POWER", value_parser = above_zero(f64::MAX, ""))]
     pub laser: Option<f64>,
     /// Print what came of it as JSON
     #[arg(long)]
@@ -93,18 +95,7 @@ impl Stream {
     /// # Errors
     /// What the file, the port or the controller has against it.
     pub fn execute(&self) -> Result<()> {
-        ensure!(
-            self.watchdog == 0.0 || (0.1..=60.0).contains(&self.watchdog),
-            "watchdog is {} s; it must be 0.1 to 60, or 0 for none",
-            self.watchdog
-        );
-        self.reading.check()?;
         check_stdin(&[Some(("the program", &self.file)), self.reading.file()])?;
-        let laser = self.laser.unwrap_or(1.0);
-        ensure!(
-            laser > 0.0 && laser.is_finite(),
-            "--laser {laser}: the greatest power must be above 0"
-        );
         let homing = self.home.as_deref().map(Homing::parse).transpose().context("--home")?;
         let setup = self.reading.machine()?.setup();
         // All of it, before the port is anybody's: standard input may be slow.
@@ -114,7 +105,9 @@ impl Stream {
         let mut port = open_port(&self.port, self.baud)?;
         let (sender, orders) = channel();
         obey_signals(sender.clone())?;
-        if !is_stdin(&self.file) {
+        if is_stdin(&self.file) {
+            sender.send(Order::NoMore)?;
+        } else {
             listen(sender);
         }
         let bar = bar(0, self.quiet, "{bar:30} {pos}/{len}  {msg}");
@@ -211,6 +204,12 @@ impl Stream {
     }
 }
 
+/// Reads a time without a word from here.
+fn silence(text: &str) -> Result<f64, String> {
+    let time = text.parse().ok().filter(|&time| time == 0.0 || (0.1..=60.0).contains(&time));
+    time.ok_or_else(|| "it must be 0.1 to 60 s, or 0 for never".to_owned())
+}
+
 /// Writes a line to standard output. If nobody reads it, the machine is of more importance.
 fn say(line: &str) {
     let _ = writeln!(std::io::stdout(), "{line}");
@@ -255,10 +254,9 @@ fn listen(sender: Sender<Order>) {
                 Err(error) => complain(&format!("{error}")),
             }
         }
-        if terminal {
-            // Nobody listens any more only when the program has ended.
-            let _ = sender.send(Order::Leave("the terminal has ended"));
-        }
+        let end = if terminal { Order::Leave("the terminal has ended") } else { Order::NoMore };
+        // Nobody listens any more only when the program has ended.
+        let _ = sender.send(end);
     });
 }
 

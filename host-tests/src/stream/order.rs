@@ -10,4 +10,6 @@ pub enum Order {
     /// Abort, wait until the machine stands, and end: the operator is gone, or wants to be. A second one
     /// does not wait.
     Leave(&'static str),
+    /// No command comes any more; the program is run to its end.
+    NoMore,
 }

@@ -81,10 +81,11 @@ where
     let sender = if settings.abort { sender.aborting() } else { sender };
     let mut talk = Talk::new(port, sender)?;
     let mut controlled = Controlled::default();
-    let begun = begin(&mut talk, &mut controlled, &mut make, orders);
+    let mut alone = false;
+    let begun = begin(&mut talk, &mut controlled, &mut make, orders, &mut alone);
     let end = begun.and_then(|early| match early {
         Some(reason) => Ok(End::Leaves(reason)),
-        None => run(&mut talk, &mut controlled, &mut make, orders, watch),
+        None => run(&mut talk, &mut controlled, &mut make, (orders, alone), watch),
     });
     let aborted = match end {
         Ok(End::Run) => None,
@@ -120,7 +121,7 @@ where
 }
 
 /// Orders before the program runs: the reason of the first to leave; commands wait for the machine.
-fn leaves(talk: &mut Talk<'_>, orders: &Receiver<Order>) -> Option<&'static str> {
+fn leaves(talk: &mut Talk<'_>, orders: &Receiver<Order>, alone: &mut bool) -> Option<&'static str> {
     for order in orders.try_iter() {
         match order {
             Order::Leave(reason) => return Some(reason),
@@ -128,6 +129,7 @@ fn leaves(talk: &mut Talk<'_>, orders: &Receiver<Order>) -> Option<&'static str>
             Order::Command(command) => {
                 talk.sender.command(command);
             }
+            Order::NoMore => *alone = true,
         }
     }
     None
@@ -139,6 +141,7 @@ fn begin<F>(
     controlled: &mut Controlled,
     make: &mut F,
     orders: &Receiver<Order>,
+    alone: &mut bool,
 ) -> Result<Option<&'static str>>
 where
     F: FnMut(&Controlled) -> Result<Vec<Item>> + Send,
@@ -147,7 +150,7 @@ where
         if let Some(axes) = talk.greet()? {
             break axes;
         }
-        if let Some(reason) = leaves(talk, orders) {
+        if let Some(reason) = leaves(talk, orders, alone) {
             return Ok(Some(reason));
         }
     };
@@ -166,7 +169,7 @@ where
         {
             break situation.clone();
         }
-        if let Some(reason) = leaves(talk, orders) {
+        if let Some(reason) = leaves(talk, orders, alone) {
             return Ok(Some(reason));
         }
     };
@@ -177,7 +180,7 @@ where
     let start = situation.position.to_vec();
     *controlled = Controlled { axes, situation, start, stops: Vec::new() };
     add_items(talk, controlled, make)?;
-    Ok(leaves(talk, orders))
+    Ok(leaves(talk, orders, alone))
 }
 
 /// Gets items. The controller hears from here while a long program is read.
@@ -202,7 +205,7 @@ fn run<F>(
     talk: &mut Talk<'_>,
     controlled: &mut Controlled,
     make: &mut F,
-    orders: &Receiver<Order>,
+    (orders, mut alone): (&Receiver<Order>, bool),
     watch: &mut dyn FnMut(News<'_>),
 ) -> Result<End>
 where
@@ -226,7 +229,7 @@ where
             if situation.state != before {
                 let held = [before, situation.state].contains(&State::Held);
                 before = situation.state;
-                if let Some(notice) = notice(before, paused) {
+                if let Some(notice) = notice(before, paused, alone) {
                     watch(News::Notice(&notice));
                 }
                 // The pause may have been told before the controller shows that it rests there.
@@ -265,6 +268,13 @@ where
         for order in orders.try_iter() {
             match order {
                 Order::Leave(reason) => return Ok(End::Leaves(reason)),
+                Order::NoMore => {
+                    alone = true;
+                    // It may have been said to go on by a command.
+                    if let Some(notice) = notice(before, paused, alone) {
+                        watch(News::Notice(&notice));
+                    }
+                }
                 Order::Command(Command::Abort) => talk.sender.abort(),
                 // Whoever goes on to write commands does not keep a program from its end.
                 Order::Command(_) if over => {}
@@ -325,23 +335,25 @@ fn found(situation: &Situation, number: u32) -> String {
     }
 }
 
-/// What the operator should know of a state.
-fn notice(state: State, paused: Option<u32>) -> Option<String> {
-    match (state, paused) {
+/// What the operator should know of a state; `alone` if no command comes any more.
+fn notice(state: State, paused: Option<u32>, alone: bool) -> Option<String> {
+    let (what, commands) = match (state, paused) {
         (State::Held, Some(line)) => {
-            Some(format!("line {line}: the program pauses; \"resume\" goes on"))
+            (format!("line {line}: the program pauses"), "\"resume\" goes on")
         }
-        (State::Held, None) => Some(
-            "the machine is held; \"resume\" goes on, and \"feed 100\" where an override of 0 holds it"
-                .to_owned(),
+        (State::Held, None) => (
+            "the machine is held".to_owned(),
+            "\"resume\" goes on, and \"feed 100\" where an override of 0 holds it",
         ),
-        (State::SenderLost, _) => Some(
-            "the controller has not heard from here for too long and has stopped the machine; \"resume\" goes on, \
-             \"abort\" ends the program"
+        (State::SenderLost, _) => (
+            "the controller has not heard from here for too long and has stopped the machine"
                 .to_owned(),
+            "\"resume\" goes on, \"abort\" ends the program",
         ),
-        _ => None,
-    }
+        _ => return None,
+    };
+    let ended = "standard input has ended: it goes on by a resume at the machine; Ctrl-C ends it";
+    Some(format!("{what}; {}", if alone { ended } else { commands }))
 }
 
 /// What is known where an abort was not answered.

@@ -166,10 +166,15 @@ impl<'a> Run<'a> {
 
     /// So is `$H`. `false`: this line is another.
     fn homes(&mut self, line: &[u8]) -> bool {
-        let Some(attended) = self.attended else { return false };
         if !line.trim_ascii().eq_ignore_ascii_case(b"$H") {
             return false;
         }
+        let Some(attended) = self.attended else {
+            let text =
+                "$H homes, which needs the machine: what follows depends on where it then stands";
+            self.refuse(Some(1), text.to_owned());
+            return true;
+        };
         let Some(home) = attended.home else {
             self.refuse(Some(1), "$H: nothing says how the axes are homed".to_owned());
             return true;
@@ -213,9 +218,29 @@ impl<'a> Run<'a> {
         }
     }
 
+    /// Tells that there is more behind the end of the program, where a motion may have been meant. Subprograms belong there.
+    fn tell_rest(&mut self) {
+        let is_empty = |line: &[u8]| matches!(line.trim_ascii(), [] | [b'%' | b'(' | b';', ..]);
+        let mut at = self.at;
+        while let Some((line, next)) = at.line(self.bytes) {
+            at = next;
+            if !is_empty(line) {
+                if !matches!(line.trim_ascii(), [b'O' | b'o' | b':', ..]) {
+                    let end = self.line_number();
+                    let text = format!("the program ends in line {end}: nothing behind it is read");
+                    self.findings.push(Finding::warning(at.lines as u32, text));
+                }
+                return;
+            }
+        }
+    }
+
     /// Behind the last line.
     fn end(&mut self) {
         self.is_over = true;
+        if self.reader.has_ended() {
+            self.tell_rest();
+        }
         if let Err(refusal) = self.reader.finish() {
             self.refuse(None, refusal.reason.to_string());
         }
