@@ -10,8 +10,19 @@
 //! | 2 | `line`, `emergency`, `limit` | a byte from the line, or for it; inputs |
 //! | 0 | `idle` | the line, planning, the watchdog |
 
+use cortex_m_rt::{ExceptionFrame, exception};
 use defmt_rtt as _;
 use panic_probe as _;
+
+/// A fault, which is the end of a panic too: nothing of this program can be trusted any more. What moves and what burns does not stay on
+/// until the watchdog has waited for its time.
+#[exception]
+unsafe fn HardFault(_: &ExceptionFrame) -> ! {
+    crate::board::switch_off();
+    loop {
+        core::hint::spin_loop();
+    }
+}
 
 macro_rules! stm32_tasks {
     (

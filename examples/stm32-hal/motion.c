@@ -65,6 +65,10 @@ splineway_result motion_start(void)
     if (stopped || HAL_GPIO_ReadPin(STOP_BUTTON_GPIO_Port, STOP_BUTTON_Pin) == GPIO_PIN_SET) {
         stop();
     }
+    /* Neither does a hold that is pressed already give an edge. */
+    if (HAL_GPIO_ReadPin(HOLD_BUTTON_GPIO_Port, HOLD_BUTTON_Pin) == GPIO_PIN_SET) {
+        splineway_hold(&core);
+    }
     return SPLINEWAY_RESULT_OK;
 }
 

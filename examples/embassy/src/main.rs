@@ -3,7 +3,7 @@
 //! changed.
 //!
 //! Build it, in this folder: `cargo build --release --target thumbv7em-none-eabihf`. Pins: velocity of the drive PE9 (a duty cycle of a
-//! half is standstill), encoder PA5 and PB3, button PA0, lamp PD12.
+//! half is standstill), its enable PE8, with a resistor to ground, encoder PA5 and PB3, button PA0, lamp PD12.
 #![no_std]
 #![no_main]
 
@@ -15,11 +15,12 @@ use embassy_stm32::exti::{self, ExtiInput};
 use embassy_stm32::gpio::{Level, Output, OutputType, Pull, Speed};
 use embassy_stm32::interrupt::{InterruptExt, Priority};
 use embassy_stm32::mode::Async;
-use embassy_stm32::peripherals::{TIM1, TIM2};
+use embassy_stm32::peripherals::{IWDG, TIM1, TIM2};
 use embassy_stm32::time::Hertz;
 use embassy_stm32::timer::low_level::CountingMode;
 use embassy_stm32::timer::qei::{self, Qei};
 use embassy_stm32::timer::simple_pwm::{PwmPin, SimplePwm, SimplePwmChannel};
+use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{bind_interrupts, interrupt, rcc};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::channel::Channel;
@@ -46,6 +47,9 @@ const COUNT: i64 = 1_250;
 /// Motion: 1/s; and how far the axis may be from its setpoint, mm.
 const CONTROL: PositionLoop<f32> = PositionLoop { gain: 20.0, most_error: 0.5 };
 
+/// Motion: without a servo cycle for so long, us, the chip is reset, and the drive loses its enable: it would go on with the velocity it had.
+const WATCHDOG_US: u32 = 20_000;
+
 /// Motion: planner and interpolator, and what they share.
 static LINK: ConstStaticCell<Link<f32, 1>> = ConstStaticCell::new(Link::new());
 /// Motion: tasks above the others, in an interrupt that is not used for anything else.
@@ -67,12 +71,15 @@ async fn blink(mut lamp: Output<'static>) {
 async fn press(mut button: ExtiInput<'static, Async>) {
     let mut forth = true;
     loop {
-        button.wait_for_rising_edge().await;
+        button.wait_for_high().await;
         let to = if forth { 40_000_000 } else { 0 };
         forth = !forth;
         if let Ok(to) = Coord::from_nm(to) {
             WANTED.send(to).await;
         }
+        // Its contact bounces, also when it is let go.
+        Timer::after_millis(50).await;
+        button.wait_for_low().await;
         Timer::after_millis(50).await;
     }
 }
@@ -83,11 +90,16 @@ async fn servo(
     mut interpolator: Interpolator<'static, f32, 1>,
     encoder: Qei<'static, TIM2>,
     mut drive: Analogue<SimplePwmChannel<'static, TIM1>, f32>,
+    mut enable: Output<'static>,
+    mut watchdog: IndependentWatchdog<'static, IWDG>,
 ) {
     let mut cycle = Ticker::every(Duration::from_hz(SERVO_HZ.into()));
     let (mut counted, mut place) = (encoder.count(), 0i64);
+    watchdog.unleash();
+    enable.set_high();
     loop {
         cycle.next().await;
+        watchdog.pet();
         let setpoint = interpolator.tick();
         let now = encoder.count();
         // Less than half of its range in a servo cycle.
@@ -175,9 +187,12 @@ async fn main(spawner: Spawner) {
     let half = pwm.max_duty_cycle() / 2;
     pwm.set_duty_cycle(half);
     pwm.enable();
+    let enable = Output::new(p.PE8, Level::Low, Speed::Low);
+    let watchdog = IndependentWatchdog::new(p.IWDG, WATCHDOG_US);
     interrupt::UART4.set_priority(Priority::P6);
     let above = SERVO.start(interrupt::UART4);
-    above.spawn(servo(interpolator, encoder, Analogue::bipolar(pwm, FULL)).expect("once"));
+    let drive = Analogue::bipolar(pwm, FULL);
+    above.spawn(servo(interpolator, encoder, drive, enable, watchdog).expect("once"));
     spawner.spawn(motion(planner).expect("once"));
 
     spawner.spawn(blink(lamp).expect("once"));

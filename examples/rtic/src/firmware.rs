@@ -11,7 +11,7 @@ mod app {
         AxisLimits, Block, Config, Coord, Interpolator, Limits, Link, Planner, Progress, PushError,
     };
     use splineway_controller::{Drives, Targets};
-    use stm32f4xx_hal::gpio::{Edge, Input, Output, PA0, PD0, PD1, PD12};
+    use stm32f4xx_hal::gpio::{Input, Output, PA0, PD0, PD1, PD12};
     use stm32f4xx_hal::pac::{Interrupt, TIM2, TIM3};
     use stm32f4xx_hal::prelude::*;
     use stm32f4xx_hal::rcc;
@@ -19,6 +19,8 @@ mod app {
 
     /// How often the button was pressed.
     static PRESSED: AtomicU32 = AtomicU32::new(0);
+    /// The button is looked at so often a second: less often than its contact bounces.
+    const LOOKS_HZ: u32 = 50;
 
     /// Motion: ticks of the step timer and servo cycles per second.
     const STEP_HZ: u32 = 100_000;
@@ -39,6 +41,7 @@ mod app {
         lamp: PD12<Output>,
         blink: CounterHz<TIM2>,
         button: PA0<Input>,
+        pressed: bool,
         // Motion.
         step_timer: CounterHz<TIM3>,
         drives: Drives<PD0<Output>, PD1<Output>, 1>,
@@ -48,16 +51,12 @@ mod app {
 
     #[init(local = [link: Link<f32, 1> = Link::new()])]
     fn init(context: init::Context) -> (Shared, Local) {
-        let mut device = context.device;
+        let device = context.device;
         let mut rcc = device.RCC.freeze(rcc::Config::hse(8.MHz()).sysclk(168.MHz()));
         let (a, d) = (device.GPIOA.split(&mut rcc), device.GPIOD.split(&mut rcc));
-        let mut syscfg = device.SYSCFG.constrain(&mut rcc);
-        let mut button = a.pa0.into_pull_down_input();
-        button.make_interrupt_source(&mut syscfg);
-        button.trigger_on_edge(&mut device.EXTI, Edge::Rising);
-        button.enable_interrupt(&mut device.EXTI);
+        let button = a.pa0.into_pull_down_input();
         let mut blink = device.TIM2.counter_hz(&mut rcc);
-        defmt::unwrap!(blink.start(2.Hz()).ok());
+        defmt::unwrap!(blink.start(LOOKS_HZ.Hz()).ok());
         blink.listen(Event::Update);
 
         // Motion.
@@ -82,20 +81,23 @@ mod app {
         let lamp = d.pd12.into_push_pull_output();
         (
             Shared { targets },
-            Local { lamp, blink, button, step_timer, drives, interpolator, planner },
+            Local { lamp, blink, button, pressed: true, step_timer, drives, interpolator, planner },
         )
     }
 
-    #[task(binds = TIM2, priority = 1, local = [lamp, blink])]
-    fn blink(context: blink::Context) {
-        context.local.blink.clear_flags(Flag::Update);
-        context.local.lamp.toggle();
-    }
-
-    #[task(binds = EXTI0, priority = 2, local = [button])]
-    fn button(context: button::Context) {
-        context.local.button.clear_interrupt_pending_bit();
-        PRESSED.store(PRESSED.load(Relaxed).wrapping_add(1), Relaxed);
+    #[task(binds = TIM2, priority = 1, local = [lamp, blink, button, pressed, looks: u32 = 0])]
+    fn look(context: look::Context) {
+        let look::LocalResources { lamp, blink, button, pressed, looks, .. } = context.local;
+        blink.clear_flags(Flag::Update);
+        *looks += 1;
+        if *looks == LOOKS_HZ / 4 {
+            *looks = 0;
+            lamp.toggle();
+        }
+        // One that is pressed when the board is switched on has not been pressed.
+        if !core::mem::replace(pressed, button.is_high()) && *pressed {
+            PRESSED.store(PRESSED.load(Relaxed).wrapping_add(1), Relaxed);
+        }
     }
 
     /// Motion: above all other tasks. A servo cycle begins with the targets that the servo task has left, and starts it for the next.

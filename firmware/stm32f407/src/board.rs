@@ -142,6 +142,14 @@ pub struct Board {
     pub watchdog: Watchdog,
 }
 
+/// Takes the drives' enable and the duty cycle away, whoever has the pins: behind a fault nobody else runs.
+pub fn switch_off() {
+    // SAFETY: each is one write, of what is written alone.
+    let (enable, duty) = unsafe { (&*pac::GPIOD::ptr(), &*TIM1::ptr()) };
+    enable.bsrr().write(|w| w.br8().reset());
+    duty.ccr1().write(|w| w.ccr().set(0));
+}
+
 /// An axis that stands at zero.
 fn stepper(step: Output, dir: Output) -> Stepper {
     match machine::stepper(step, dir) {

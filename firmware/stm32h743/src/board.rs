@@ -188,6 +188,14 @@ pub struct Board {
     pub watchdog: Watchdog,
 }
 
+/// Takes the drives' enable and the duty cycle away, whoever has the pins: behind a fault nobody else runs.
+pub fn switch_off() {
+    // SAFETY: each is one write, of what is written alone.
+    let (enable, duty) = unsafe { (&*pac::GPIOE::ptr(), &*TIM1::ptr()) };
+    enable.bsrr.write(|w| w.br4().reset());
+    duty.ccr1().write(|w| w.ccr().bits(0));
+}
+
 /// An axis that stands at zero.
 fn stepper(step: Output, dir: Output) -> Stepper {
     match machine::stepper(step, dir) {
