@@ -237,6 +237,12 @@ fn the_papers_lambda_counts_in_its_mode() {
     let path = path.display().to_string();
     let error = error_of(&["simulate", &path, "--lambda", "0.3"], 2);
     assert!(error.contains("--mode paper"), "{error}");
+    let turns = file("turns.ngc", "G1 X10 A90 F600\n").display().to_string();
+    for (program, told) in [(&turns, true), (&path, false)] {
+        let output = splineway(&["simulate", program, "--reshape"]);
+        let notes = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success() && notes.contains("gains nothing") == told, "{notes}");
+    }
     let error = error_of(&["simulate", &path, "--mode", "paper", "--reshape"], 1);
     assert!(error.contains("in paper mode"), "{error}");
     let error = error_of(&["simulate", &path, "--mode", "paper", "--lambda", "1"], 2);

@@ -10,7 +10,7 @@ use crate::view::{Busy, Curve, Progress, Scene, plot, plot_speeds};
 use anyhow::{Context, Result, bail, ensure};
 use splineway::machine::Quantity;
 use splineway_simulator::judge::{Judge, Track, violations};
-use splineway_simulator::machine::{Axis, LOOKAHEADS, Machine, Mode};
+use splineway_simulator::machine::{Axis, LOOKAHEADS, Machine, Mode, is_rotary};
 use splineway_simulator::program::{self, LETTERS, Loaded, ReadOptions, Tape};
 use splineway_simulator::record::recording::Watched;
 use splineway_simulator::record::{CsvOut, Report, Trace};
@@ -161,6 +161,13 @@ impl Simulate {
         found.extend(splineway_simulator::run::validate(program, &machine));
         if let Some(words) = sharp_corners(program, &machine) {
             eprintln!("note: {words}");
+        }
+        let plain =
+            machine.motor.is_empty() && machine.travel.is_empty() && machine.shaper.is_empty();
+        if machine.reshape && (!plain || program.axes().into_iter().any(is_rotary)) {
+            eprintln!(
+                "note: reshape gains nothing with rotary axes, motors that follow several axes, limits of travel or shapers"
+            );
         }
         program::refuse(&found).with_context(|| self.file.display().to_string())?;
         let events = match &self.events {

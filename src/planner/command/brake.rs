@@ -1,6 +1,6 @@
 //! Coming to rest on the path as soon as the limits allow.
 
-use super::slowing::{ATTEMPTS, Begun};
+use super::slowing::{ATTEMPTS, Begun, Goal};
 use super::stages::Start;
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
@@ -58,7 +58,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let begun = self.horizon.begin_slowing(
             start,
             (self.pressing.attempts, quick),
-            (Some(halt), None),
+            Goal::Rest(halt),
             staging,
         );
         if !soon && !matches!(begun, Begun::Attempt(_)) {

@@ -4,7 +4,7 @@
 //! as for a stop, a stage at a time ([`stages`](super::stages)), but for its end: a step is taken only if the clock, let go behind it, goes
 //! no slower than is asked for. When it nearly goes like that, the whole answer ([`retune`](super::retune)) follows, from where it goes evenly on.
 
-use super::slowing::Begun;
+use super::slowing::{Begun, Goal};
 use super::stages::LEAST_LEFT;
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
@@ -35,7 +35,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return false;
         }
         let start = self.start_of_stage(handover, needed);
-        let begun = self.horizon.begin_slowing(start, (0, false), (None, Some(asked)), staging);
+        let begun = self.horizon.begin_slowing(start, (0, false), Goal::Overrides(asked), staging);
         if let Begun::Attempt(begun) = begun {
             return self.make((Purpose::Falling(asked), at), Some(begun));
         }

@@ -72,6 +72,15 @@ const LEAST_CYCLES_LEFT: f64 = 2.0;
 const LATER: f64 = 1.05;
 const LATER_CYCLES: f64 = 3.0;
 
+/// What the motion slows down to.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Goal {
+    /// Rest.
+    Rest(Halt),
+    /// What overrides ask for.
+    Overrides(Overrides),
+}
+
 /// What the beginning of a stop has come to.
 #[derive(Clone, Copy, Debug)]
 pub enum Begun<S> {
@@ -179,12 +188,12 @@ pub(super) struct Stepped<S> {
 }
 
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
-    /// Begins a stop, or a stage of it, or one of slowing down to overrides that are asked for. There is a draft afterwards only if there is an attempt.
+    /// Begins a stop, or a stage of it, or one of slowing down to overrides. There is a draft afterwards only if there is an attempt.
     pub(super) fn begin_slowing(
         &mut self,
         start: Start<S>,
         (attempt, quick): (u8, bool),
-        (halt, asked): (Option<Halt>, Option<Overrides>),
+        goal: Goal,
         mut staging: Staging<S>,
     ) -> Begun<S> {
         let mut soon = false;
@@ -193,9 +202,13 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             let (first, branch, clock) = draft.branch_off(start, &mut staging)?;
             draft.window.measure(first);
             let stretch = draft.stretch_from(first);
-            if let Some(asked) = asked {
-                staging.floor = draft.rate_for(stretch, asked)?;
-            }
+            let halt = match goal {
+                Goal::Rest(halt) => Some(halt),
+                Goal::Overrides(asked) => {
+                    staging.floor = draft.rate_for(stretch, asked)?;
+                    None
+                }
+            };
             let from = clock.run(draft.window.get(first)?.state);
             let least = draft.stop_time(first, from, &draft.limits_over(first, quick));
             soon = draft.rests_soon(stretch, least);
