@@ -1,5 +1,11 @@
 //! A background that was late for long and is in time again: planning takes no time any more, and what it took before is no reason to wait.
 
+#[allow(dead_code)]
+#[path = "common/cycles.rs"]
+mod cycles;
+
+use cycles::{Draw, soak};
+
 use splineway::{
     Activity, AxisLimits, Block, Config, Controls, Coord, Interpolator, Limits, Link, Planner,
     Progress, Scalar, Setpoint,
@@ -222,4 +228,91 @@ fn a_hold_that_is_taken_back_leaves_no_crawl() {
             );
         }
     }
+}
+
+/// What a hold comes to that is given while the background is late.
+struct Held {
+    /// Servo cycles in which it is in time, to the rest.
+    took: u32,
+    /// Whether the machine has rested, and moved again.
+    again: bool,
+}
+
+/// Lines and dwells at random; for some cycles there is a slice in `slice` of them, and a hold is given in that time. `None` if the machine did
+/// not move when it was over.
+fn held_while_late<S: Scalar>(seed: u64, slice: u64, cycles: u64) -> Option<Held> {
+    let mut draw = Draw(seed | 1);
+    let axis = AxisLimits::linear(S::of(200.0), S::of(2000.0), S::of(50_000.0));
+    let mut config = Config::new(Limits::new([axis; AXES]).unwrap());
+    config.tolerance = S::of(0.02);
+    let mut link = Box::new(Link::<S, AXES, 16, 64>::new());
+    let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; AXES]).unwrap();
+    let controls = planner.controls();
+    let late = 50 + draw.between(0.0, 400.0) as u64;
+    let hold = late + draw.between(0.0, cycles as f64) as u64;
+    let (longest, dwells) = (draw.between(0.5, 8.0), draw.between(0.0, 0.3));
+    let feed = S::of(draw.between(10.0, 100.0));
+    let (mut at, mut course, mut tag) = ([0.0f64; AXES], 0.0f64, 0);
+    let mut blocks = std::iter::from_fn(|| {
+        tag += 1;
+        if draw.chance(dwells) {
+            return Some(Block::dwell(S::of(draw.between(0.0, 0.03)), tag));
+        }
+        course += draw.between(-1.5, 1.5);
+        let length = draw.between(0.2, longest.max(0.3));
+        at = [at[0] + length * course.cos(), at[1] + length * course.sin()];
+        Some(Block::line(at.map(|mm| Coord::from_mm(mm).unwrap()), feed, tag))
+    })
+    .peekable();
+    let (mut took, mut rested, mut again) = (0, false, false);
+    for cycle in 1..late + cycles + 2000 {
+        while blocks.next_if(|block| planner.push(block).is_ok()).is_some() {}
+        if cycle == hold {
+            controls.hold();
+        }
+        let is_late = (late..late + cycles).contains(&cycle);
+        let mut progress = Progress::Planning;
+        if !is_late {
+            progress = planner.settle();
+        } else if cycle % slice == 0 {
+            planner.poll();
+        }
+        let moves = interpolator.tick().path_speed > S::ZERO;
+        if cycle < late + cycles {
+            continue;
+        }
+        if took == 0 && !moves {
+            return None;
+        }
+        if progress == Progress::Held {
+            return Some(Held { took, again });
+        }
+        took += 1;
+        rested |= !moves;
+        again |= rested && moves;
+    }
+    panic!("seed {seed}, a slice in {slice} cycles: no rest, {:?}", planner.counters())
+}
+
+/// A hold that a background has begun to answer while it was late is answered anew when it is not: the machine does not run on to where the stop would have
+/// been by then, nor leave a rest that comes before.
+#[test]
+fn a_hold_is_answered_anew_by_a_background_that_is_in_time_again() {
+    let mut holds = 0;
+    for (slice, cycles) in [(3, 60), (5, 60), (5, 200), (10, 60), (10, 200), (20, 200), (40, 200)] {
+        for seed in 0..100 * u64::from(soak()) {
+            let seed = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15);
+            let both = [
+                held_while_late::<f64>(seed, slice, cycles),
+                held_while_late::<f32>(seed, slice, cycles),
+            ];
+            for Held { took, again } in both.into_iter().flatten() {
+                holds += 1;
+                let name = format!("seed {seed}, a slice in {slice} cycles for {cycles} cycles");
+                assert!(took < 200, "{name}: {took} servo cycles to the rest");
+                assert!(!again, "{name}: it moves again");
+            }
+        }
+    }
+    assert!(holds > 700, "{holds}");
 }

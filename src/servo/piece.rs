@@ -184,17 +184,19 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
             && self.tag.load(Relaxed) == piece.tag
             && self.time() == piece.time
             && self.sequel.load(Relaxed) == piece.sequel as u32;
-        let near = |share: S| {
-            let t = piece.time * share;
+        let times = [S::ZERO, piece.time * S::of(0.5), piece.time];
+        // What slows down to next to nothing is rounded as what it was.
+        let fastest = times.iter().fold(S::ZERO, |most, t| most.greatest(piece.at(*t).path_speed));
+        let slack = S::of(ROUNDED) * fastest;
+        let near = |t: S| {
             let (here, there) = (self.at(t, false), piece.at(t));
-            let slack = S::of(ROUNDED) * there.path_speed;
             (0..N).all(|i| {
                 let off = here.position(i).minus::<S>(there.position(i)).abs();
                 let faster = (here.velocity[i] - there.velocity[i]).abs();
                 off <= slack * piece.time && faster <= slack
             })
         };
-        same && [S::ZERO, S::of(0.5), S::ONE].into_iter().all(near)
+        same && times.into_iter().all(near)
     }
 
     /// Whether it has what comes over a cell that begins at a place, the motion goes on behind it, and it takes a time, s.

@@ -1,7 +1,8 @@
 //! Coming to rest on the path as soon as the limits allow.
 
+use super::reaction::Pressing;
 use super::slowing::{ATTEMPTS, Begun, Goal};
-use super::stages::Start;
+use super::stages::{SLICES, Start};
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::planner::Planner;
@@ -11,6 +12,11 @@ use crate::planner::making::Purpose;
 use crate::planner::phase::{Halt, Phase};
 use crate::profile::solver::Stretch;
 use crate::servo::link::Branch;
+
+/// Calls that wait for a stop from which it is told how often they come.
+const WAITS: u8 = 8;
+/// A stop is made anew if there is so many times as long until it as making one takes.
+const SOONER: f64 = 2.0;
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     Planner<'_, S, N, BLOCKS, NODES>
@@ -48,9 +54,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         let (needed, staging) = self.stage_of_stop(handover, at);
         let start = self.start_of_stage(handover, needed);
+        (self.pressing.reckoned, self.pressing.waits) = (needed.to_i64() as u32, 0);
         let soon = needed <= S::from_u32(self.near());
         if let Start::Moment(Some(moment)) = start
-            && soon
             && self.horizon.rests_before(moment)
         {
             return self.rest_as_agreed(halt);
@@ -71,6 +77,38 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             Begun::Soon => self.rest_as_agreed(halt),
             Begun::Nothing => self.rest_next(halt),
         }
+    }
+
+    /// Whether the stop that is waited for is so far off only because planning used to take long, as calls that wait for it tell: they come so much
+    /// more often than slices did that another can be made before. (Once: what it reckons with is what they have told.)
+    #[inline(never)]
+    pub(super) fn may_stop_sooner(&mut self, at: NodeSerial) -> bool {
+        let now = self.side.cycles();
+        let Pressing { waits, waiting, .. } = &mut self.pressing;
+        if *waits == 0 {
+            *waiting = now;
+        }
+        *waits += 1;
+        if *waits <= WAITS {
+            return false;
+        }
+        *waits = 0;
+        let mut work = Work::<S>::NONE;
+        work.learn(usize::from(WAITS), now.since(*waiting).unwrap_or(0));
+        let needed = (work.usual(SLICES) * S::of(SOONER)).to_i64() as u32;
+        // A dwell is cut short at once.
+        let needed = if self.horizon.stands(at) { needed } else { needed + self.near() };
+        let is_far = self.phase.offer().is_none_or(|offer| !offer.by_cycle)
+            || self.side.undecided_for() > needed;
+        if self.pressing.reckoned <= needed || !is_far {
+            return false;
+        }
+        (self.pressing.reckoned, self.pressing.attempts) = (0, 0);
+        (self.knows_stops, self.effort.stop) = (true, work);
+        if let Phase::Following(now) = &mut self.phase {
+            now.halt = None;
+        }
+        true
     }
 
     /// If the motion comes to rest at the end of the piece under way, lets it stay there.

@@ -151,7 +151,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         self.pressing.eased = self.pressing.eased.filter(stands);
         if brakes {
             let slows = self.phase.halt() == Some(Halt::Slowing);
-            if self.phase.halt() == Some(Halt::Hold) || (slows && self.phase.offer().is_some()) {
+            let answered = self.phase.halt() == Some(Halt::Hold);
+            if (answered || (slows && self.phase.offer().is_some())) && !self.may_stop_sooner(at) {
                 return Answer::Says(Progress::Waiting);
             }
             let quick = wish.quick != self.answered.quick;

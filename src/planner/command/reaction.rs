@@ -45,6 +45,11 @@ pub struct Pressing {
     pub attempts: u8,
     /// Servo cycle of the first of them.
     pub attempted: CycleSerial,
+    /// Servo cycles that planning was reckoned to take for the stop that is waited for.
+    pub reckoned: u32,
+    /// Calls that have waited for it since a servo cycle.
+    pub waits: u8,
+    pub waiting: CycleSerial,
     /// Whether a plan to the end of a block has come to nothing, or too late: for a stop that is still asked for the motion comes to rest as soon as it can,
     /// and goes on to the end of the block from there.
     pub short: bool,
@@ -67,6 +72,9 @@ impl Pressing {
         falls: 0,
         attempts: 0,
         attempted: CycleSerial::ZERO,
+        reckoned: 0,
+        waits: 0,
+        waiting: CycleSerial::ZERO,
         short: false,
         retunes: 0,
         refused: None,

@@ -40,7 +40,7 @@ use crate::servo::link::Branch;
 use crate::servo::piece::{Piece, Sequel};
 
 /// Slices of a stop in all.
-const SLICES: usize = 16;
+pub(super) const SLICES: usize = 16;
 /// Servo cycles within which it is made as a whole.
 const AT_ONCE: f64 = 1.5;
 /// Attempts at a stop that are made in stages.
