@@ -441,3 +441,50 @@ fn speed_and_power_are_numbers_in_every_cycle() {
         }
     }
 }
+
+/// Where axes are shaped unlike each other, one may stand while the shaper of another has not come to its end: a constant power is off there.
+#[test]
+fn power_is_off_where_the_machine_stands() {
+    let shape = |kind, frequency| Some(Shape { kind, frequency, damping: 0.05 });
+    let zv = ShaperKind::Zv;
+    for other in [shape(ShaperKind::Smooth, 13.0), shape(zv, 30.0), shape(zv, 100.0), None] {
+        for power in [Power::constant(500.0), Power::in_proportion(1000.0, 100.0, 1500.0)] {
+            let mut config = machine::<f64>(&mut Draw(1));
+            config.tolerance = 0.2;
+            let mut shaper = Box::new(Shaper::<f64, AXES, HISTORY>::new());
+            shaper.set([shape(zv, 100.0), other, None], &config).unwrap();
+            config.follower = shaper.follower(&config);
+            let mut link = Box::new(Link::<f64, AXES, 32, 96>::new());
+            let (mut planner, mut interpolator): Core<'_, f64> =
+                link.split(config, [Coord::ZERO; AXES]).unwrap();
+            let controls = planner.controls();
+            planner.set_power(&power).unwrap();
+            let to = |x: f64| [at(x), Coord::ZERO, Coord::ZERO];
+            planner.push(&Block::line(to(20.0), 100.0, 1)).unwrap();
+            let (mut before, mut stood, mut burned) = (shaper.shape(&interpolator.tick()), 0, 0);
+            for cycle in 0..2000 {
+                match cycle {
+                    100 => controls.hold(),
+                    500 => controls.resume(),
+                    // Blocks have run dry.
+                    900 => {
+                        planner.push(&Block::line(to(40.0), 100.0, 2)).unwrap();
+                        planner.finish();
+                    }
+                    _ => {}
+                }
+                planner.settle();
+                let now = shaper.shape(&interpolator.tick());
+                let power = interpolator.switch(&now, |_| ());
+                if now.position_nm(0) == before.position_nm(0) && now.path_speed == 0.0 {
+                    stood += 1;
+                    assert!(power == 0.0, "{other:?}, {cycle}: {power} at rest");
+                } else {
+                    burned += usize::from(power > 0.0);
+                }
+                before = now;
+            }
+            assert!(stood > 500 && burned > 400, "{other:?}: {stood} {burned}");
+        }
+    }
+}

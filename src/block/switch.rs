@@ -233,9 +233,18 @@ impl fmt::Display for SwitchError {
         match self {
             Self::Full => f.write_str("no room for another output now"),
             Self::Aborted => f.write_str("an abort has not been acknowledged"),
-            Self::Output(output) => write!(f, "there is no output {output:?}"),
-            Self::Value(value) => write!(f, "the value {value} is out of range"),
-            Self::Offset(offset) => write!(f, "the offset {offset} is out of range"),
+            Self::Output(output) => write!(
+                f,
+                "there is no output {output:?}; there are {DIGITAL} digital and {ANALOGUE} analogue ones, from 0"
+            ),
+            Self::Value(value) => write!(
+                f,
+                "the value {value} is out of range: 0 or 1 for a digital output, at least 0 for a power, whose least is not above its most; finite"
+            ),
+            Self::Offset(offset) => write!(
+                f,
+                "the offset {offset} is out of range: up to {MOST_MM} mm or {MOST_SECONDS} s either way, none at rest"
+            ),
         }
     }
 }

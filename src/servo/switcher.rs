@@ -38,9 +38,11 @@ struct Level<S> {
 impl<S: Scalar> Level<S> {
     const OFF: Self = Self { full: S::ZERO, slope: S::ZERO, least: S::ZERO, most: S::ZERO };
 
-    /// At a setpoint of this activity and speed.
-    fn at(&self, activity: Activity, speed: S) -> S {
+    /// At a setpoint of this activity and speed, `before` being that of the setpoint before.
+    fn at(&self, activity: Activity, [before, speed]: [S; 2]) -> S {
         match activity {
+            // Between a rest of the setpoints and that of what follows them an axis that stands already has none.
+            Activity::Running if !(speed > S::ZERO || before > S::ZERO) => S::ZERO,
             Activity::Running if self.slope > S::ZERO => {
                 (self.slope * speed).greatest(self.least).least(self.most)
             }
@@ -187,6 +189,10 @@ pub struct Switcher<'a, S: Scalar> {
     /// Servo cycles so far.
     count: u32,
     power: Level<S>,
+    /// Whether it has been put on for a rest, and the motion has not gone on.
+    at_rest: bool,
+    /// Whether it has gone off since because the motion came to rest unasked: then it is off until the motion goes on.
+    dark: bool,
 }
 
 impl<'a, S: Scalar> Switcher<'a, S> {
@@ -201,6 +207,8 @@ impl<'a, S: Scalar> Switcher<'a, S> {
             speed: S::ZERO,
             count: 0,
             power: Level::OFF,
+            at_rest: false,
+            dark: false,
         }
     }
 
@@ -226,8 +234,19 @@ impl<'a, S: Scalar> Switcher<'a, S> {
         if self.board.placed.load(Acquire) != self.done {
             self.look(at, (plan, cycle), sink);
         }
-        self.speed = at.path_speed;
-        self.power.at(at.activity, at.path_speed)
+        let speeds = [core::mem::replace(&mut self.speed, at.path_speed), at.path_speed];
+        let [before, speed] = speeds;
+        match at.activity {
+            Activity::Running => {
+                let starts = !(before > S::ZERO) && speed > S::ZERO;
+                (self.at_rest, self.dark) = (self.at_rest && !starts, false);
+            }
+            // What a dwell has on is on in what is left of it.
+            Activity::Dwelling | Activity::Event if self.dark => return S::ZERO,
+            Activity::Dwelling | Activity::Event => self.at_rest = true,
+            _ => self.dark = !self.at_rest,
+        }
+        self.power.at(at.activity, speeds)
     }
 
     /// Compares the first entry of every queue.
@@ -262,10 +281,13 @@ impl<'a, S: Scalar> Switcher<'a, S> {
                 sink(Switched { output, value, fraction });
             });
         }
-        let power = &mut self.power;
-        done += self.power_head.run(&self.board.powers, &now, |entry, fraction| {
+        let Self { board, power_head, power, at_rest, dark, .. } = self;
+        done += power_head.run(&board.powers, &now, |entry, fraction| {
             let [level, slope, least, most] = entry.values.each_ref().map(Shared::load);
             *power = Level { full: level, slope, least, most };
+            let passing = Passing::from_raw(entry.kind.load(Relaxed));
+            *at_rest = matches!(passing, Passing::Arriving | Passing::Event);
+            *dark &= !*at_rest;
             sink(Switched { output: Output::Power, value: level, fraction });
         });
         self.done = self.done.wrapping_add(done);

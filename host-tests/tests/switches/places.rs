@@ -357,3 +357,58 @@ fn power_changes_between_two_standstills() {
         assert_eq!(events, expected);
     }
 }
+
+/// A power that has gone off because nothing was there to be run does not come on in a dwell that comes late; one that is put on for it does, and what
+/// is left of a dwell behind a hold has what it had.
+#[test]
+fn a_dwell_that_comes_late_does_not_put_power_on() {
+    let machine = machine(0.05, (1.0, 1.0), AXES);
+    let at = |x: f64| [x, 0.0, 0.0].map(|x| Coord::from_mm(x).unwrap());
+    for (late, pierces, event) in [
+        (false, false, false),
+        (true, false, false),
+        (true, true, false),
+        (false, true, false),
+        (true, false, true),
+        (false, false, true),
+    ] {
+        let mut link = Box::new(Link::<f32, AXES, 16, 64>::new());
+        let (mut planner, mut interpolator) =
+            link.split(machine.config(&[0, 1, 2]).unwrap(), [Coord::ZERO; AXES]).unwrap();
+        let controls = planner.controls();
+        planner.set_power(&Power::constant(500.0)).unwrap();
+        planner.push(&Block::line(at(10.0), 100.0, 1)).unwrap();
+        let (mut dwelled, mut burned, mut held) = (0, 0, None);
+        for cycle in 0..3000 {
+            if cycle == (if late { 1000 } else { 0 }) {
+                if pierces {
+                    planner.push_power(&Power::constant(300.0), 2).unwrap();
+                }
+                planner.push(&if event { Block::event(3) } else { Block::dwell(0.2, 3) }).unwrap();
+                planner.push(&Block::line(at(20.0), 100.0, 4)).unwrap();
+            }
+            planner.finish();
+            planner.settle();
+            let setpoint = interpolator.tick();
+            let power = interpolator.switch(&setpoint, |_| {});
+            if matches!(setpoint.activity, Activity::Dwelling | Activity::Event) {
+                dwelled += 1;
+                burned += u32::from(power > 0.0);
+                if dwelled == 100 {
+                    controls.hold();
+                    held = Some(cycle);
+                }
+            } else {
+                assert!(power == 0.0 || setpoint.activity == Activity::Running, "{setpoint:?}");
+            }
+            if held.is_some_and(|held| cycle == held + 200) {
+                controls.resume();
+            }
+        }
+        let lit = pierces || !late;
+        let name = format!("late {late}, pierces {pierces}, event {event}: {burned} of {dwelled}");
+        assert!(dwelled >= if event { 1 } else { 195 }, "{name}");
+        assert!(burned == 0 || lit, "{name}");
+        assert!(!lit || burned + 5 > dwelled, "{name}");
+    }
+}

@@ -39,6 +39,8 @@ pub struct Shape {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ShaperError {
+    /// The machine moves, or has not settled: other weights would be a step. At rest they are none.
+    Moving,
     /// The servo cycle is not one that the core accepts.
     Cycle(RangeError),
     /// The damping of an axis.
@@ -69,6 +71,7 @@ pub enum ShaperError {
 impl fmt::Display for ShaperError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Moving => f.write_str("the machine moves; its shapers can be changed at rest"),
             Self::Cycle(RangeError { value, least, greatest }) => {
                 write!(f, "servo cycle is {value} s; it must be {least} to {greatest}")
             }
@@ -103,19 +106,23 @@ const LEFT: f64 = 0.05;
 impl Shape {
     /// How long its weights reach back, s.
     pub fn length(&self) -> f64 {
-        let periods = match self.kind {
+        self.periods() / self.frequency
+    }
+
+    /// The same in periods of the vibration.
+    const fn periods(&self) -> f64 {
+        match self.kind {
             ShaperKind::Zv => 0.5,
             ShaperKind::Mzv => 0.75,
             ShaperKind::Ei => 1.0,
             ShaperKind::Smooth => SMOOTH,
-        };
-        periods / self.frequency
+        }
     }
 
     pub(super) fn check(&self, axis: usize, cycle: f64, history: usize) -> Result<(), ShaperError> {
         DAMPING.check(self.damping).map_err(|error| ShaperError::Damping { axis, error })?;
         let room = (history.saturating_sub(2)) as f64 * cycle;
-        let least = self.length() * self.frequency / room;
+        let least = self.periods() / room;
         Range::new(least, 0.25 / cycle)
             .check(self.frequency)
             .map_err(|error| ShaperError::Frequency { axis, error })

@@ -171,8 +171,8 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
     }
 
     /// Shapes the axes that have a shape; the others wait as long as these do on the average, so that all stay together. To be done
-    /// before the machine moves, and before [`Config::follower`] is asked for; the machine rests where the next setpoint is, or where it
-    /// comes from, if that is already in motion.
+    /// while the machine rests, and before [`Config::follower`] is asked for; it then rests where the next setpoint is, or where that
+    /// comes from, if it is already in motion.
     ///
     /// Cost: some hundred thousand instructions, and little stack.
     ///
@@ -183,6 +183,9 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
         shapes: [Option<Shape>; N],
         config: &Config<S, N>,
     ) -> Result<(), ShaperError> {
+        if self.begun && self.rested <= self.span {
+            return Err(ShaperError::Moving);
+        }
         Quantity::Cycle.check(config.cycle).map_err(ShaperError::Cycle)?;
         let cycle = config.cycle.to_f64();
         for (axis, shape) in shapes.iter().enumerate() {
@@ -308,6 +311,7 @@ impl<S: Scalar, const N: usize, const HISTORY: usize> Shaper<S, N, HISTORY> {
             && zero(&now.acceleration);
         if rests && self.is_settled() {
             self.keep(now, 0);
+            self.rested = self.rested.max(self.span + 1);
         } else {
             self.keep(now, (self.known + 1).min(HISTORY.saturating_sub(1)));
             self.rested = if rests { self.rested + 1 } else { 0 };
@@ -537,6 +541,29 @@ mod tests {
                 before = now;
             }
             assert!(shaper.is_settled() && before.activity == Activity::Idle);
+        }
+    }
+
+    /// Other weights while any of the motion is still to be weighed would be a step: they are refused, and what was set goes on.
+    #[test]
+    fn shapers_are_changed_at_rest() {
+        let config =
+            Config::new(Limits::new([AxisLimits::linear(200.0, 2000.0, 1.0e5); 2]).unwrap());
+        let other = [Some(Shape { frequency: 30.0, ..SHAPE }), None];
+        for shapes in [[None; 2], [Some(SHAPE), None]] {
+            let mut shaper = Shaper::<f64, 2, 64>::new();
+            shaper.set(shapes, &config).unwrap();
+            let motion = motion(0.0);
+            let mut rested = 0;
+            for now in &motion {
+                let shaped = shaper.shape(now);
+                let rests = shaped.activity == Activity::Idle;
+                let changed = shaper.set(if rests { shapes } else { other }, &config);
+                assert_eq!(changed, if rests { Ok(()) } else { Err(ShaperError::Moving) });
+                rested += u32::from(rests);
+            }
+            assert!(rested > 30, "{rested}");
+            shaper.set(other, &config).unwrap();
         }
     }
 }
