@@ -179,6 +179,22 @@ fn a_hold_holds_and_a_resume_goes_on() {
     assert!(run(&happenings, TEN).is_some());
 }
 
+/// Nothing of a program could be run from where a jog has led that comes before it: there is none, and the program is run.
+#[test]
+fn a_jog_before_the_program_is_none() {
+    for wait in [0, 1, 3, 10, 30] {
+        let (port, happenings) = controller(3, 5.0, 0.0);
+        let mut process = Process::new(&format!("jog{wait}"), "G1 X20 F3000\nX0\n", &port, &[]);
+        process.say("jog-step X1 at 10");
+        thread::sleep(Duration::from_millis(wait));
+        process.say("jog Y5 for 1");
+        let (code, _, complaints) = process.end();
+        assert_eq!(code, Some(0), "{wait}: {complaints}");
+        assert!(complaints.contains("no jog"), "{wait}: {complaints}");
+        assert_eq!(run(&happenings, TEN).unwrap(), [0, 0, 0], "{wait}");
+    }
+}
+
 #[test]
 fn errors_say_what_is_wrong() {
     let (port, _happenings) = controller(3, 10.0, 0.0);

@@ -30,6 +30,8 @@ struct Identity(Vec<u8>);
 #[cfg(unix)]
 fn identity(path: &Path) -> Option<Identity> {
     use std::os::unix::fs::MetadataExt;
+    // It may be a file.
+    let path = if is_stdin(path) { Path::new("/dev/stdin") } else { path };
     let data = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
     Some(Identity([data.dev().to_ne_bytes(), data.ino().to_ne_bytes()].concat()))
 }

@@ -35,7 +35,7 @@ The machine is aborted - it brakes on the path and drops the rest - and this pro
   that is a terminal. The end of a pipe or a file is only the end of its commands: a machine that is held then
   waits for a resume of its own, or for Ctrl-C.
 If this program dies otherwise, or the cable comes off, the controller holds the machine after --watchdog
-seconds. The next `stream` is refused then, unless --abort drops what is left.
+seconds. Where something of the program is left there, the next `stream` is refused, unless --abort drops it.
 
 A G-code program begins where the machine stands. Poly-lines, splines and curves begin at their own first
 point: if the machine stands elsewhere, they are refused unless --approach says to move there first.

@@ -81,11 +81,11 @@ where
     let sender = if settings.abort { sender.aborting() } else { sender };
     let mut talk = Talk::new(port, sender)?;
     let mut controlled = Controlled::default();
-    let mut alone = false;
-    let begun = begin(&mut talk, &mut controlled, &mut make, orders, &mut alone);
+    let mut operator = Operator { orders, alone: false };
+    let begun = begin(&mut talk, &mut controlled, &mut make, &mut operator, watch);
     let end = begun.and_then(|early| match early {
         Some(reason) => Ok(End::Leaves(reason)),
-        None => run(&mut talk, &mut controlled, &mut make, (orders, alone), watch),
+        None => run(&mut talk, &mut controlled, &mut make, &mut operator, watch),
     });
     let aborted = match end {
         Ok(End::Run) => None,
@@ -120,19 +120,43 @@ where
     })
 }
 
-/// Orders before the program runs: the reason of the first to leave; commands wait for the machine.
-fn leaves(talk: &mut Talk<'_>, orders: &Receiver<Order>, alone: &mut bool) -> Option<&'static str> {
-    for order in orders.try_iter() {
-        match order {
-            Order::Leave(reason) => return Some(reason),
-            Order::Command(Command::Abort) => return Some("an abort"),
-            Order::Command(command) => {
-                talk.sender.command(command);
+/// Why the machine is not jogged before the program runs, and where it waits for more of it.
+const NO_JOG: &str = "no jog: the program is about to run; \"hold\" it first";
+
+/// Whether the machine has nothing to run, as far as is known, of a program that is under way.
+fn is_between(talk: &Talk<'_>) -> bool {
+    talk.situation().is_none_or(|situation| situation.state == State::Idle)
+}
+
+/// Who gives orders.
+struct Operator<'a> {
+    orders: &'a Receiver<Order>,
+    /// No command comes from there any more.
+    alone: bool,
+}
+
+impl Operator<'_> {
+    /// Orders before the program runs: the reason of the first to leave. Commands wait for the machine; it is not jogged any more.
+    fn leaves(
+        &mut self,
+        talk: &mut Talk<'_>,
+        watch: &mut dyn FnMut(News<'_>),
+    ) -> Option<&'static str> {
+        for order in self.orders.try_iter() {
+            match order {
+                Order::Leave(reason) => return Some(reason),
+                Order::Command(Command::Abort) => return Some("an abort"),
+                Order::Command(Command::Jog(_)) => {
+                    watch(News::Notice(NO_JOG));
+                }
+                Order::Command(command) => {
+                    talk.sender.command(command);
+                }
+                Order::NoMore => self.alone = true,
             }
-            Order::NoMore => *alone = true,
         }
+        None
     }
-    None
 }
 
 /// Opens the session, and gets the items. `Some` if the operator leaves before that is done.
@@ -140,8 +164,8 @@ fn begin<F>(
     talk: &mut Talk<'_>,
     controlled: &mut Controlled,
     make: &mut F,
-    orders: &Receiver<Order>,
-    alone: &mut bool,
+    operator: &mut Operator<'_>,
+    watch: &mut dyn FnMut(News<'_>),
 ) -> Result<Option<&'static str>>
 where
     F: FnMut(&Controlled) -> Result<Vec<Item>> + Send,
@@ -150,7 +174,7 @@ where
         if let Some(axes) = talk.greet()? {
             break axes;
         }
-        if let Some(reason) = leaves(talk, orders, alone) {
+        if let Some(reason) = operator.leaves(talk, watch) {
             return Ok(Some(reason));
         }
     };
@@ -169,7 +193,7 @@ where
         {
             break situation.clone();
         }
-        if let Some(reason) = leaves(talk, orders, alone) {
+        if let Some(reason) = operator.leaves(talk, watch) {
             return Ok(Some(reason));
         }
     };
@@ -180,7 +204,7 @@ where
     let start = situation.position.to_vec();
     *controlled = Controlled { axes, situation, start, stops: Vec::new() };
     add_items(talk, controlled, make)?;
-    Ok(leaves(talk, orders, alone))
+    Ok(operator.leaves(talk, watch))
 }
 
 /// Gets items. The controller hears from here while a long program is read.
@@ -205,7 +229,7 @@ fn run<F>(
     talk: &mut Talk<'_>,
     controlled: &mut Controlled,
     make: &mut F,
-    (orders, mut alone): (&Receiver<Order>, bool),
+    operator: &mut Operator<'_>,
     watch: &mut dyn FnMut(News<'_>),
 ) -> Result<End>
 where
@@ -229,7 +253,7 @@ where
             if situation.state != before {
                 let held = [before, situation.state].contains(&State::Held);
                 before = situation.state;
-                if let Some(notice) = notice(before, paused, alone) {
+                if let Some(notice) = notice(before, paused, operator.alone) {
                     watch(News::Notice(&notice));
                 }
                 // The pause may have been told before the controller shows that it rests there.
@@ -265,19 +289,23 @@ where
             add_items(talk, controlled, make)?;
             talk.forget();
         }
-        for order in orders.try_iter() {
+        for order in operator.orders.try_iter() {
             match order {
                 Order::Leave(reason) => return Ok(End::Leaves(reason)),
                 Order::NoMore => {
-                    alone = true;
+                    operator.alone = true;
                     // It may have been said to go on by a command.
-                    if let Some(notice) = notice(before, paused, alone) {
+                    if let Some(notice) = notice(before, paused, operator.alone) {
                         watch(News::Notice(&notice));
                     }
                 }
                 Order::Command(Command::Abort) => talk.sender.abort(),
                 // Whoever goes on to write commands does not keep a program from its end.
                 Order::Command(_) if over => {}
+                // From where a jog ends nothing of the program could be run.
+                Order::Command(Command::Jog(_)) if is_between(talk) => {
+                    watch(News::Notice(NO_JOG));
+                }
                 Order::Command(command) => {
                     if !talk.sender.command(command) {
                         watch(News::Notice("too many commands wait; the last one is not sent"));

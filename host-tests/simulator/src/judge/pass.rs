@@ -56,12 +56,18 @@ pub fn violations(verdict: &Verdict) -> Vec<String> {
     found
 }
 
-/// No trial takes that long.
+/// No trial takes that long, s.
+const LONGEST: f64 = 1000.0;
+
 struct Patience;
 
 impl Observer for Patience {
     fn setpoint(&mut self, sample: &Sample<'_>) -> Result<()> {
-        anyhow::ensure!(sample.time < 1000.0, "line {}: the run does not end", sample.tag);
+        anyhow::ensure!(
+            sample.time < LONGEST,
+            "line {}: the run has not come to its end after {LONGEST} s",
+            sample.tag
+        );
         Ok(())
     }
 }
@@ -69,7 +75,7 @@ impl Observer for Patience {
 /// Runs a program while an operator gives commands, and judges it.
 ///
 /// # Errors
-/// The run does not end, or a block is refused.
+/// The run does not end within 1000 s, or a block is refused.
 pub fn judged(
     program: &Program,
     machine: &Machine,

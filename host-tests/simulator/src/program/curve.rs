@@ -7,19 +7,18 @@ use splineway::spline::nurbs::ERROR;
 
 /// A NURBS curve as cubic blocks; as chords of equal parameter steps if the options ask for them.
 fn of_nurbs(curve: &Nurbs, options: ReadOptions<'_>) -> Result<Program> {
+    let cubics = curve.cubics(ERROR)?;
+    for two in cubics.windows(2) {
+        let ([.., here], [from, ..]) = (two[0].points, two[1].points);
+        let is_torn = (0..3).any(|axis| !((here[axis] - from[axis]).abs() < ERROR));
+        ensure!(!is_torn, "the curve is torn: it leaps from {here:?} to {from:?}");
+    }
     if let Some(segments) = options.segments {
         return chords(curve, segments, options.feed);
     }
     let mut program = empty(curve);
-    for cubic in curve.cubics(ERROR)? {
-        let [from, first, second, to] = cubic.points.map(wide);
-        let here = program.end();
-        ensure!(
-            (0..3).all(|axis| (here[axis] - from[axis]).abs() < ERROR),
-            "the curve is torn: it leaps from {:?} to {:?}",
-            &here[..3],
-            &from[..3]
-        );
+    for cubic in cubics {
+        let [_, first, second, to] = cubic.points.map(wide);
         let path = if cubic.is_straight {
             Course::Line { to }
         } else {
@@ -167,6 +166,17 @@ mod tests {
             .find_map(|word| word.parse().ok().filter(|x: &f64| x.fract() != 0.0))
             .unwrap();
         assert!((off / sagitta - 1.0).abs() < 0.2, "{said}");
+    }
+
+    /// A knot of full multiplicity tears it, however it is run.
+    #[test]
+    fn a_curve_that_is_torn_is_refused() {
+        let text = r#"{"degree": 2, "control_points": [[0, 0], [5, 5], [10, 0], [30, 0], [35, 5], [40, 0]],
+            "knots": [0, 0, 0, 1, 1, 1, 2, 2, 2]}"#;
+        for segments in [None, Some(200)] {
+            let error = parse_json(text, ReadOptions { segments, ..OPTIONS }).unwrap_err();
+            assert!(error.to_string().contains("it leaps from [10.0, 0.0, 0.0]"), "{error}");
+        }
     }
 
     /// Poly-lines, a curve with a kink, and curves of all degrees.

@@ -48,7 +48,11 @@ pub fn validate(program: &dyn Tape, machine: &Machine) -> Vec<Finding> {
             Err(error) => Some(format!("{error:#}")),
         };
         if let Some(message) = complaint {
-            findings.push(Finding::error(step.line, message));
+            // A line may be many blocks: a curve, a cycle.
+            let found = Finding::error(step.line, message);
+            if findings.last() != Some(&found) {
+                findings.push(found);
+            }
         }
         match &step.path {
             Course::Line { to } | Course::Arc { to, .. } | Course::Cubic { to, .. } => {
