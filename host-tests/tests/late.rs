@@ -316,3 +316,42 @@ fn a_hold_is_answered_anew_by_a_background_that_is_in_time_again() {
     }
     assert!(holds > 700, "{holds}");
 }
+
+/// A dwell is cut short by a background that is late all the time, too, however short the lead.
+#[test]
+fn a_dwell_is_cut_short_by_a_background_that_stays_late() {
+    for (slice, lead) in [(3, 0.0), (5, 0.003), (5, 0.0), (8, 0.01), (12, 0.05)] {
+        let axis = AxisLimits::linear(200.0, 2000.0, 50_000.0);
+        let mut config = Config::new(Limits::new([axis; AXES]).unwrap());
+        config.lead = lead;
+        let mut link = Box::new(Link::<f64, AXES, 16, 64>::new());
+        let (mut planner, mut interpolator): (Background<'_, f64>, _) =
+            link.split(config, [Coord::ZERO; AXES]).unwrap();
+        let controls = planner.controls();
+        let mut blocks = vec![];
+        for n in 0..20 {
+            let x = f64::from(n + 1);
+            blocks.extend([line([x, 0.0], 2 * n), Block::dwell(0.5, 2 * n + 1)]);
+        }
+        let (mut left, mut dwelled, mut held) = (&blocks[..], 0, 0);
+        for cycle in 0..20_000u32 {
+            left = push(&mut planner, left);
+            let mut progress = Progress::Planning;
+            if cycle % slice == 0 {
+                progress = planner.poll();
+            }
+            let setpoint = interpolator.tick();
+            // In the third, when what slices take is known.
+            dwelled += u32::from(setpoint.activity == Activity::Dwelling && setpoint.tag == 5);
+            if dwelled == 100 {
+                controls.hold();
+            }
+            assert!(dwelled < 100 || setpoint.path_speed == 0.0, "{slice}, {lead}: it moves");
+            held += u32::from(progress == Progress::Held);
+            if held > 100 {
+                break;
+            }
+        }
+        assert!(held > 100 && dwelled < 250, "{slice}, {lead}: {dwelled} servo cycles of 500");
+    }
+}

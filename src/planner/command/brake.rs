@@ -15,6 +15,8 @@ use crate::servo::link::Branch;
 
 /// Calls that wait for a stop from which it is told how often they come.
 const WAITS: u8 = 8;
+/// Slices in which a standstill is cut short.
+const STANDSTILL: usize = 2;
 /// A stop is made anew if there is so many times as long until it as making one takes.
 const SOONER: f64 = 2.0;
 
@@ -26,7 +28,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     pub(super) fn brake(&mut self, at: NodeSerial, quick: bool, halt: Halt) -> bool {
         let stands = self.horizon.stands(at);
         if stands {
-            let moment = self.moment();
+            let moment = self.moment_after(self.effort.stop.usual(STANDSTILL));
             let made = self.horizon.draft(|draft| {
                 let (stretch, branch) = draft.cut_dwell(moment?)?;
                 Some(Proposal { stretch, branch, halt: Some(halt) })
