@@ -75,6 +75,24 @@ fn the_help_shows_every_default() {
     assert!(count > 50, "{count} options");
 }
 
+/// A program that comes by standard input may be a file, and is no output then.
+#[cfg(unix)]
+#[test]
+fn a_program_on_standard_input_is_not_overwritten() {
+    let text = "G1 X10 F600\n";
+    let name = file("piped.ngc", text);
+    for option in ["--setpoints", "--report"] {
+        let output = program()
+            .args(["simulate", "--quiet", "-", option, &name])
+            .stdin(fs::File::open(&name).unwrap())
+            .output()
+            .unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(!output.status.success() && said.contains("would be overwritten"), "{said}");
+        assert_eq!(fs::read_to_string(&name).unwrap(), text);
+    }
+}
+
 /// What is wrong with an option is wrong usage: code 2, with its name, the value and what it must be, before anything is done.
 #[test]
 fn a_value_that_cannot_be_is_wrong_usage() {

@@ -122,10 +122,12 @@ impl<S: Scalar, const N: usize, const CAP: usize> Spline<S, N, CAP> {
         let mut sum = S::ZERO;
         let mut room = true;
         for (index, interval) in intervals.iter().enumerate() {
-            if !(*interval > S::ZERO) {
+            let next = sum + *interval;
+            // One that is lost beside the others is none.
+            if !(*interval > S::ZERO && next > sum) {
                 return Err(SplineError::KnotOrder { index, value: interval.to_f64() });
             }
-            sum += *interval;
+            sum = next;
             room &= knots.push(sum).is_ok();
         }
         Self::new(controls, knots, true, room)
@@ -517,7 +519,11 @@ mod tests {
         let small = Spline::<f64, 2, 5>::open(c, &[0.0, 2.0, 3.0, 5.0]).unwrap_err();
         assert_eq!(small, SplineError::TooMany { controls: 6, room: 5 });
         assert!(Planar::open(&c[..3], &[0.0]).is_err());
-        assert!(Planar::closed(c, &[1.0, 1.0, 0.0, 1.0, 1.0, 1.0]).is_err());
+        // None, and one that is lost beside the others.
+        for interval in [0.0, f64::NAN, 1.0e-300, 1.0e300] {
+            let error = Planar::closed(c, &[1.0, 1.0, interval, 1.0, 1.0, 1.0]).unwrap_err();
+            assert!(matches!(error, SplineError::KnotOrder { .. }), "{interval}: {error}");
+        }
     }
 
     /// Value, first and second derivative agree from both sides of every knot.
