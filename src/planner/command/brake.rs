@@ -15,6 +15,8 @@ use crate::servo::link::Branch;
 
 /// Calls that wait for a stop from which it is told how often they come.
 const WAITS: u8 = 8;
+/// How often that is done for one command.
+const ANEW: u8 = 3;
 /// Slices in which a standstill is cut short.
 const STANDSTILL: usize = 2;
 /// A stop is made anew if there is so many times as long until it as making one takes.
@@ -82,7 +84,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// Whether the stop that is waited for is so far off only because planning used to take long, as calls that wait for it tell: they come so much
-    /// more often than slices did that another can be made before. (Once: what it reckons with is what they have told.)
+    /// more often than slices did that another can be made before. (A few times: a background that is late and in time by turns must not put it off for ever.)
     #[inline(never)]
     pub(super) fn may_stop_sooner(&mut self, at: NodeSerial) -> bool {
         let now = self.side.cycles();
@@ -102,9 +104,10 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         let needed = if self.horizon.stands(at) { needed } else { needed + self.near() };
         let is_far = self.phase.offer().is_none_or(|offer| !offer.by_cycle)
             || self.side.undecided_for() > needed;
-        if self.pressing.reckoned <= needed || !is_far {
+        if self.pressing.reckoned <= needed || !is_far || self.pressing.anew >= ANEW {
             return false;
         }
+        self.pressing.anew += 1;
         (self.pressing.reckoned, self.pressing.attempts) = (0, 0);
         (self.knows_stops, self.effort.stop) = (true, work);
         if let Phase::Following(now) = &mut self.phase {

@@ -135,6 +135,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return self.obey_at_rest(wish, resumed).into();
         }
         if !brakes {
+            self.pressing.anew = 0;
             self.answered.quick = wish.quick;
             if !self.pressing.short {
                 self.pressing.attempts = 0;

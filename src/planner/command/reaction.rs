@@ -47,6 +47,8 @@ pub struct Pressing {
     pub attempted: CycleSerial,
     /// Servo cycles that planning was reckoned to take for the stop that is waited for.
     pub reckoned: u32,
+    /// How often it has been made anew for that.
+    pub anew: u8,
     /// Calls that have waited for it since a servo cycle.
     pub waits: u8,
     pub waiting: CycleSerial,
@@ -73,6 +75,7 @@ impl Pressing {
         attempts: 0,
         attempted: CycleSerial::ZERO,
         reckoned: 0,
+        anew: 0,
         waits: 0,
         waiting: CycleSerial::ZERO,
         short: false,
