@@ -39,6 +39,18 @@ def answer(line: socket.socket, until: str) -> str:
     return heard
 
 
+def wait_for_idle(line: socket.socket, command: str) -> str:
+    """As one does who looks at the axis: the report when it rests."""
+    report = ""
+    began = time.monotonic()
+    while "<Idle" not in report:
+        if time.monotonic() - began > 60:
+            raise SystemExit(f"{command}: the machine does not come to rest, {report}")
+        line.sendall(b"?")
+        report = answer(line, ">")
+    return report
+
+
 def main() -> None:
     if len(sys.argv) != 2:
         raise SystemExit(__doc__)
@@ -53,6 +65,8 @@ def main() -> None:
         with socket.create_connection(("127.0.0.1", port), timeout=30) as line:
             line.sendall(b"\x18")
             answer(line, "Grbl 1.1")
+            # It greets who comes, and once more behind the reset.
+            wait_for_idle(line, "reset")
             sent = commands(PAGE.read_text())
             for command in sent:
                 line.sendall(command.encode() + b"\n")
@@ -61,14 +75,7 @@ def main() -> None:
                     heard += answer(line, "\r\n")
                 if not re.search(r"^ok", heard, re.MULTILINE):
                     raise SystemExit(f"{command}: {heard.strip()}")
-                # As one does who looks at the axis.
-                report = ""
-                began = time.monotonic()
-                while "<Idle" not in report:
-                    if time.monotonic() - began > 60:
-                        raise SystemExit(f"{command}: the machine does not come to rest, {report}")
-                    line.sendall(b"?")
-                    report = answer(line, ">")
+                report = wait_for_idle(line, command)
     finally:
         controller.kill()
     if HOME not in report:

@@ -431,3 +431,61 @@ fn overrides_that_change_all_the_time_leave_time_for_blocks() {
         }
     }
 }
+
+/// A line on which the override is lowered, a hold is given and taken back, with so many polls in a servo cycle, and the speed after so many more.
+fn lowered_and_held<S: Scalar>(
+    (polls, lead): (u32, f64),
+    [from, to]: [u16; 2],
+    [hold, resume]: [u32; 2],
+) -> f64 {
+    let axis = AxisLimits::linear(S::of(VELOCITY), S::of(ACCELERATION), S::of(JERK));
+    let mut config = Config::new(Limits::new([axis; AXES]).unwrap());
+    config.lead = S::of(lead);
+    let mut link = Box::new(Link::<S, AXES>::new());
+    let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; AXES]).unwrap();
+    let controls = planner.controls();
+    controls.feed_override(from);
+    let end = [3000.0, 0.0].map(|mm| Coord::from_mm(mm).unwrap());
+    planner.push(&Block::line(end, S::of(90.0), 1)).unwrap();
+    planner.finish();
+    planner.settle();
+    let mut speed = 0.0;
+    for cycle in 0..2600 {
+        match cycle {
+            300 => controls.feed_override(to),
+            cycle if cycle == 300 + hold => controls.hold(),
+            cycle if cycle == 300 + resume => controls.resume(),
+            _ => {}
+        }
+        if cycle == 300 && hold == 0 {
+            controls.hold();
+        }
+        for _ in 0..polls {
+            planner.poll();
+        }
+        speed = interpolator.tick().path_speed.to_f64();
+    }
+    speed
+}
+
+/// A hold that is taken back while the motion brakes loses no lowered override: it does not go on at what was asked for before.
+#[test]
+fn a_lowered_override_outlasts_a_hold() {
+    for (polls, lead) in [(1, 0.01), (3, 0.0), (50, 0.01), (300, 0.01), (300, 0.0)] {
+        for (from, to) in [(200, 1), (200, 10), (100, 1), (100, 10)] {
+            for (hold, wait) in [(0, 3), (0, 23), (0, 40), (0, 80), (3, 10), (60, 30), (130, 20)] {
+                let times = [hold, hold + wait];
+                let most = 0.9 * f64::from(to) * 1.1;
+                for speed in [
+                    lowered_and_held::<f64>((polls, lead), [from, to], times),
+                    lowered_and_held::<f32>((polls, lead), [from, to], times),
+                ] {
+                    assert!(
+                        speed < most,
+                        "{polls} polls, lead {lead}, {from} to {to} %, {times:?}: {speed} mm/s"
+                    );
+                }
+            }
+        }
+    }
+}

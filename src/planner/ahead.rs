@@ -102,7 +102,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// when more has not come for a while.
     #[inline(never)]
     pub(super) fn poll_at_rest(&mut self, at: NodeSerial, single: bool) -> Progress {
-        // A start that was on offer has been withdrawn in this call: the rest is looked at in the next.
+        // A plan that was on offer has been withdrawn in this call: the rest is looked at in the next.
         let Phase::Resting(Rest::Ready { since }) = self.phase else { return Progress::Planning };
         self.phase = Phase::Resting(Rest::IDLE);
         let all_planned = self.last_node() == self.horizon.end();

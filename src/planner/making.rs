@@ -25,7 +25,7 @@ use super::command::Flow;
 use super::command::block_end::Ending;
 use super::command::easing::Easing;
 use super::command::reaction::{self, Reacting};
-use super::command::retune::Retuning;
+use super::command::retune::{Retuning, SHORT_FALLS};
 use super::command::slowing::Slowing;
 use super::command::stages::Marched;
 use super::effort::{Effort, SLOWER, Work};
@@ -366,6 +366,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 (self.pressing.reacted, self.pressing.easings) = (Some(asked), 0);
             }
             Purpose::Reaction(_) => self.effort.first.learn(1, cycles),
+            // The next slows it down as a first answer does, by a clock, which can from any speed.
+            Purpose::Overrides
+                if self.pressing.short_falls < SHORT_FALLS
+                    && self.horizon.falls_short(proposal.stretch) =>
+            {
+                self.pressing.short_falls += 1;
+                self.pressing.eased = None;
+                self.horizon.mark_eased(proposal.stretch.first);
+            }
             Purpose::Falling(asked) => {
                 self.learn_stop(usize::from(slices), cycles);
                 self.pressing.reacted = Some(asked);

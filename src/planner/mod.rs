@@ -390,7 +390,8 @@ impl<'a, S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             Phase::Offered(_) => Progress::Waiting,
             // A plan ahead would not be what is asked for.
             _ if wish.overrides != self.horizon.overrides()
-                && self.is_falling(wish.overrides, at) =>
+                && (self.is_falling(wish.overrides, at)
+                    || self.rests_first(wish.overrides, at)) =>
             {
                 Progress::Waiting
             }

@@ -15,12 +15,12 @@ use crate::servo::link::Branch;
 
 /// Calls that wait for a stop from which it is told how often they come.
 const WAITS: u8 = 8;
+/// A stop is made anew if there is so many times as long until it as making one takes.
+const SOONER: f64 = 2.0;
 /// How often that is done for one command.
 const ANEW: u8 = 3;
 /// Slices in which a standstill is cut short.
 const STANDSTILL: usize = 2;
-/// A stop is made anew if there is so many times as long until it as making one takes.
-const SOONER: f64 = 2.0;
 
 impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     Planner<'_, S, N, BLOCKS, NODES>

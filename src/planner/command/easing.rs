@@ -139,6 +139,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 }
 
+/// The time, s, in which a speed falls by so much on a straight.
+pub(super) fn time_of_fall<S: Scalar>(less: S, acceleration: S, jerk: S) -> S {
+    if less * jerk < acceleration * acceleration {
+        S::of(2.0) * (less / jerk).sqrt()
+    } else {
+        less / acceleration + acceleration / jerk
+    }
+}
+
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     fn begin_easing(
         &mut self,
@@ -198,12 +207,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let Some(station) = self.window.get(i) else { return S::ZERO };
         let speed = station.agreed.b.sqrt().greatest(station.bounds.goal);
         let [acceleration, jerk] = self.limits_over(i, false).along(&station.node.tangent);
-        let less = speed * (S::ONE - rate);
-        if less * jerk < acceleration * acceleration {
-            S::of(2.0) * (less / jerk).sqrt()
-        } else {
-            less / acceleration + acceleration / jerk
-        }
+        time_of_fall(speed * (S::ONE - rate), acceleration, jerk)
     }
 
     /// A slice of it: some steps, or what lies behind the march.

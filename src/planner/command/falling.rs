@@ -48,6 +48,14 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     pub(in crate::planner) fn is_falling(&self, asked: Overrides, at: NodeSerial) -> bool {
         self.pressing.reacted == Some(asked) && self.horizon.is_slowed(at)
     }
+
+    /// Whether the motion comes to rest by a stop that has been called off, and is to go on slower than before: a plan at the old pace would be many times as
+    /// fast as it is asked to be.
+    pub(in crate::planner) fn rests_first(&self, asked: Overrides, at: NodeSerial) -> bool {
+        let agreed = self.horizon.overrides();
+        let lowers = asked.feed < agreed.feed || asked.rapid < agreed.rapid;
+        lowers && self.horizon.slows_to_rest(at)
+    }
 }
 
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {

@@ -142,8 +142,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             }
         }
         if paced {
-            let Pressing { retunes, refused, falls, easings, .. } = &mut self.pressing;
-            (*retunes, *refused, *falls, *easings) = (0, None, 0, 0);
+            let Pressing { retunes, short_falls, refused, falls, easings, .. } = &mut self.pressing;
+            (*retunes, *short_falls, *refused, *falls, *easings) = (0, 0, None, 0, 0);
         }
         let stands = |asked: &Overrides| !brakes && *asked == wish.overrides;
         if self.pressing.reacted.is_some_and(|asked| !stands(&asked)) {

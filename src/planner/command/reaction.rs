@@ -57,6 +57,8 @@ pub struct Pressing {
     pub short: bool,
     /// Tries to come to other overrides that have come to nothing.
     pub retunes: u8,
+    /// Whole answers to them that have fallen short.
+    pub short_falls: u8,
     /// Those overrides, when no more tries are made for now.
     pub refused: Option<Overrides>,
     /// Servo cycle of the last of them.
@@ -80,6 +82,7 @@ impl Pressing {
         waiting: CycleSerial::ZERO,
         short: false,
         retunes: 0,
+        short_falls: 0,
         refused: None,
         retuned: CycleSerial::ZERO,
         at: NodeSerial::ZERO,

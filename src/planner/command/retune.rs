@@ -1,12 +1,14 @@
 //! Answers to overrides of feed and rapids, slice by slice.
 
 use super::Flow;
+use super::easing::time_of_fall;
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::planner::Planner;
 use crate::planner::horizon::{Horizon, Moment, Proposal};
 use crate::planner::making::{Purpose, Stage};
 use crate::planner::phase::Halt;
+use crate::profile::law::PathState;
 use crate::profile::solver::{Aim, Stretch};
 use crate::profile::solving::Solving;
 use crate::servo::control::Overrides;
@@ -14,6 +16,11 @@ use crate::servo::link::{Branch, Room};
 
 /// Leads within which a node is waited for where an override finds no answer at once.
 const NEAR_LEADS: f64 = 4.0;
+/// What is faster than it is asked to be by this factor is far from it, after so many times as long as a fall to that takes on a straight.
+const FAR_ABOVE: f64 = 1.1;
+const LONG_ENOUGH: f64 = 2.0;
+/// So many answers to a command that fall short are followed by another.
+pub const SHORT_FALLS: u8 = 100;
 /// Tries in a row: from a servo cycle on, and from a node on.
 const TRIES: u8 = 2;
 
@@ -186,6 +193,31 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     pub(super) fn exceeds_goal(&self, stretch: Stretch) -> bool {
         (stretch.first..stretch.last).any(|i| {
             self.window.get(i).is_some_and(|station| station.bounds.speed > station.bounds.goal)
+        })
+    }
+
+    /// Whether the states found for a stretch are far faster than what is asked for, long after they could have come down to it: from a speed many
+    /// times as high the steps that there are do not lead there.
+    #[inline(never)]
+    pub fn falls_short(&self, stretch: Stretch) -> bool {
+        let Stretch { first, last, .. } = stretch;
+        let Some(station) = self.window.get(first) else { return false };
+        let [acceleration, jerk] = self.limits_over(first, false).along(&station.node.tangent);
+        let PathState { b, a } = station.state;
+        let a = a.greatest(S::ZERO);
+        let less = b.sqrt() + a * a / (jerk + jerk) - station.bounds.goal;
+        let fall = a / jerk + time_of_fall(less.greatest(S::ZERO), acceleration, jerk);
+        let mut left = fall * S::of(LONG_ENOUGH) + self.config.lead;
+        (first..last).any(|i| {
+            let Some((station, next)) = self.window.pair(i) else { return false };
+            let [from, to] = [station, next].map(|station| station.state.b.sqrt());
+            if left < S::ZERO && from.least(to) > station.bounds.goal * S::of(FAR_ABOVE) {
+                return true;
+            }
+            if from + to > S::ZERO {
+                left -= station.cell.length * S::of(2.0) / (from + to);
+            }
+            false
         })
     }
 
