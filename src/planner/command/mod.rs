@@ -8,8 +8,8 @@
 //! |---|---|---|---|
 //! | abort | everything is dropped (`drop_all`), [`Progress::Aborted`] until acknowledged | as a hold | as a hold |
 //! | hold, or an override of 0 | [`Progress::Held`] | [`brake`]: a plan that rests as soon as the limits allow, or the first and the next stage of it; none if the plan under way already does | it is withdrawn first, or waited for if it branches off at one of the next servo cycles |
-//! | a halt no longer wanted | - | the plan is taken further at once | - |
-//! | lower overrides | in effect at once | [`easing`], or [`falling`] in stages: the motion slows down as soon as the limits allow; then [`retune`] from where it has | as for a hold, but one from a servo cycle within a lead is waited for |
+//! | a halt no longer wanted | - | the plan is taken further at once; from its rest where that comes anyway and lower overrides are asked for | - |
+//! | lower overrides | in effect at once | [`easing`], or [`falling`] in stages: the motion slows down as soon as the limits allow; then [`retune`] from where it has, and again where that falls short | as for a hold, but one from a servo cycle within a lead is waited for |
 //! | higher overrides | in effect at once | [`retune`]: a plan at the new pace from the next servo cycle on, or from a node that is near | the same |
 //! | stop, single block | held; in single block mode after every block, until a resume | [`block_end`]: a plan that rests at the end of a block; none but a halt where the plan rests there anyway. If none is found, or too late: [`brake`], and from rest on to the end of the block | withdrawn if the motion rests there before it, or no rest has been looked for, else waited for |
 //! | resume | ends the rest at a pause or in single block mode; a hold or a stop it has ended at the source | - | - |
