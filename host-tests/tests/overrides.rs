@@ -451,14 +451,14 @@ fn lowered_and_held<S: Scalar>(
     planner.settle();
     let mut speed = 0.0;
     for cycle in 0..2600 {
-        match cycle {
-            300 => controls.feed_override(to),
-            cycle if cycle == 300 + hold => controls.hold(),
-            cycle if cycle == 300 + resume => controls.resume(),
-            _ => {}
+        if cycle == 300 {
+            controls.feed_override(to);
         }
-        if cycle == 300 && hold == 0 {
+        if cycle == 300 + hold {
             controls.hold();
+        }
+        if cycle == 300 + resume {
+            controls.resume();
         }
         for _ in 0..polls {
             planner.poll();

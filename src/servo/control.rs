@@ -67,6 +67,11 @@ pub struct Overrides {
 impl Overrides {
     /// As programmed.
     pub const PROGRAMMED: Self = Self { feed: 100, rapid: 100 };
+
+    /// Whether either of them is less than another.
+    pub const fn lowers(self, other: Self) -> bool {
+        self.feed < other.feed || self.rapid < other.rapid
+    }
 }
 
 /// What is asked for at one moment.

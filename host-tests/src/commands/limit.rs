@@ -1,7 +1,7 @@
 //! `splineway limit`: how much faster any motion could be.
 
 use super::files::{self, named};
-use super::numbers::{Usage, above_zero, between, setting, whole};
+use super::numbers::{Usage, between, positive, setting, whole};
 use super::reading::Reading;
 use anyhow::{Context, Result, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -36,7 +36,7 @@ pub struct Limit {
     #[arg(long, value_name = "COUNT", default_value_t = 20, value_parser = whole(0_usize, 1_000_000))]
     pub rounds: usize,
     /// Longest motion that is looked at, s
-    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = above_zero(f64::MAX, "s"))]
+    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = positive())]
     pub longest: f64,
     /// Writes the setpoints of the motion found (CSV; one file only) [default: not written]
     #[arg(long, value_name = "CSV")]
@@ -61,16 +61,25 @@ struct Row {
     broken: Vec<String>,
 }
 
+/// Setpoints are those of one file.
+///
+/// # Errors
+/// There are more.
+pub fn check_setpoints(setpoints: Option<&Path>, files: &[PathBuf]) -> Result<()> {
+    let files = files.len();
+    if setpoints.is_some() && files > 1 {
+        return Err(Usage::error(format!("--setpoints is for one file; there are {files}")));
+    }
+    Ok(())
+}
+
 impl Limit {
     /// Runs the command.
     ///
     /// # Errors
     /// A file cannot be read or run, no motion is found, or the one found breaks a limit.
     pub fn execute(&self) -> Result<()> {
-        let files = self.files.len();
-        if self.setpoints.is_some() && files > 1 {
-            return Err(Usage::error(format!("--setpoints is for one file; there are {files}")));
-        }
+        check_setpoints(self.setpoints.as_deref(), &self.files)?;
         let mut inputs: Vec<_> =
             self.files.iter().map(|file| Some(("a tool path", file.as_path()))).collect();
         inputs.push(self.reading.file());

@@ -80,12 +80,13 @@ pub fn above_zero(
     greatest: f64,
     unit: &str,
 ) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
-    let words = if greatest < f64::MAX {
-        format!("above 0 and at most {greatest} {unit}")
-    } else {
-        "above 0".to_owned()
-    };
+    let words = format!("above 0 and at most {greatest} {unit}");
     number(move |number| number > 0.0 && number <= greatest, words)
+}
+
+/// Reads any number above 0.
+pub fn positive() -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    number(|number| number > 0.0 && number.is_finite(), "above 0".to_owned())
 }
 
 /// Reads a value of a setting of the core: its range is the core's.

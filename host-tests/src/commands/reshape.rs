@@ -1,8 +1,8 @@
 //! `splineway reshape`: what is gained by improving shape and speed of the planned motion together.
 
 use super::files::{self, named};
-use super::limit::write;
-use super::numbers::{Usage, setting};
+use super::limit::{check_setpoints, write};
+use super::numbers::setting;
 use super::reading::Reading;
 use anyhow::{Context, Result, ensure};
 use serde::Serialize;
@@ -62,10 +62,7 @@ impl Reshape {
     /// # Errors
     /// A file cannot be read or run, or a motion breaks a limit.
     pub fn execute(&self) -> Result<()> {
-        let files = self.files.len();
-        if self.setpoints.is_some() && files > 1 {
-            return Err(Usage::error(format!("--setpoints is for one file; there are {files}")));
-        }
+        check_setpoints(self.setpoints.as_deref(), &self.files)?;
         let mut inputs: Vec<_> =
             self.files.iter().map(|file| Some(("a tool path", file.as_path()))).collect();
         inputs.push(self.reading.file());

@@ -1,7 +1,7 @@
 //! `splineway smooth`: lowers the curvature of a spline file inside a tube.
 
 use super::files::{self, named};
-use super::numbers::above_zero;
+use super::numbers::positive;
 use crate::view::{Busy, TubeScene, plot_tube};
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
@@ -44,13 +44,13 @@ pub struct Smooth {
     #[arg(long, value_enum, default_value = "bounded")]
     method: Method,
     /// Feed of the motion along it, mm/s, in place of what the file says [default: the file's; 400 where it says nothing]
-    #[arg(long, value_name = "MM_PER_S", value_parser = above_zero(f64::MAX, ""))]
+    #[arg(long, value_name = "MM_PER_S", value_parser = positive())]
     feed: Option<f64>,
     /// Its acceleration, mm/s2
-    #[arg(long, value_name = "MM_PER_S2", default_value_t = 4000.0, value_parser = above_zero(f64::MAX, ""))]
+    #[arg(long, value_name = "MM_PER_S2", default_value_t = 4000.0, value_parser = positive())]
     acceleration: f64,
     /// Its jerk, mm/s3
-    #[arg(long, value_name = "MM_PER_S3", default_value_t = 20_000.0, value_parser = above_zero(f64::MAX, ""))]
+    #[arg(long, value_name = "MM_PER_S3", default_value_t = 20_000.0, value_parser = positive())]
     jerk: f64,
     /// How section 4.5 of the thesis is read
     #[arg(long, value_enum, default_value = "free")]

@@ -1,7 +1,7 @@
 //! `splineway stream`: a program to a controller over a serial line.
 
 use super::files::check_stdin;
-use super::numbers::above_zero;
+use super::numbers::positive;
 use super::reading::Reading;
 use crate::stream::{
     Controlled, News, Order, Settings, Summary, check, describe_place, describe_state, open_port,
@@ -76,7 +76,7 @@ pub struct Stream {
     #[arg(long)]
     pub outputs: bool,
     /// S and M3 to M5 are those of a laser with this greatest power [default: none]
-    #[arg(long, value_name = "POWER", value_parser = above_zero(f64::MAX, ""))]
+    #[arg(long, value_name = "POWER", value_parser = positive())]
     pub laser: Option<f64>,
     /// Print what came of it as JSON
     #[arg(long)]

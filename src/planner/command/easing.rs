@@ -102,9 +102,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if self.pressing.eased == Some(asked) {
             return false;
         }
-        let agreed = self.horizon.overrides();
-        let lowers = asked.feed < agreed.feed || asked.rapid < agreed.rapid;
-        if !lowers && !self.horizon.is_eased() {
+        if !asked.lowers(self.horizon.overrides()) && !self.horizon.is_eased() {
             self.pressing.eased = Some(asked);
             return false;
         }

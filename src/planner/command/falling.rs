@@ -52,9 +52,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// Whether the motion comes to rest by a stop that has been called off, and is to go on slower than before: a plan at the old pace would be many times as
     /// fast as it is asked to be.
     pub(in crate::planner) fn rests_first(&self, asked: Overrides, at: NodeSerial) -> bool {
-        let agreed = self.horizon.overrides();
-        let lowers = asked.feed < agreed.feed || asked.rapid < agreed.rapid;
-        lowers && self.horizon.slows_to_rest(at)
+        asked.lowers(self.horizon.overrides()) && self.horizon.slows_to_rest(at)
     }
 }
 

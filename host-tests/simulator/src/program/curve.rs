@@ -8,8 +8,8 @@ use splineway::spline::nurbs::ERROR;
 /// A NURBS curve as cubic blocks; as chords of equal parameter steps if the options ask for them.
 fn of_nurbs(curve: &Nurbs, options: ReadOptions<'_>) -> Result<Program> {
     let cubics = curve.cubics(ERROR)?;
-    let lost = cubics.iter().flat_map(|cubic| cubic.points).flatten().find(|mm| !mm.is_finite());
-    ensure!(lost.is_none(), "knots or weights lie so far apart that the curve cannot be computed");
+    let are_known = cubics.iter().flat_map(|cubic| cubic.points).flatten().all(f64::is_finite);
+    ensure!(are_known, "knots or weights lie so far apart that the curve cannot be computed");
     for two in cubics.windows(2) {
         let ([.., here], [from, ..]) = (two[0].points, two[1].points);
         let is_torn = (0..3).any(|axis| !((here[axis] - from[axis]).abs() < ERROR));
