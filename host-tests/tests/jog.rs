@@ -329,6 +329,75 @@ fn a_point_is_reached_along_the_straight_line_and_a_cancel_stays_on_it() {
     }
 }
 
+/// Pressed at whatever cycle, a cancel does not lead beyond the point that was asked for: at the limit of travel it would be out of that.
+#[test]
+fn a_cancel_before_the_point_does_not_lead_beyond_it() {
+    for (cycle, feed) in [(1.0e-3, 60.0), (1.0e-3, 10.0), (4.0e-3, 60.0)] {
+        let mut config = usual::<f64>();
+        config.cycle = cycle;
+        let to = [at(7.0), at(3.0), at(0.0)];
+        let edge = AxisTravel { least: None, greatest: Some(at(7.0)) };
+        config.travel = Travel::new([edge; AXES]).unwrap();
+        for when in 0.. {
+            let mut link = Box::new(Link::<f64, AXES>::new());
+            let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; AXES]).unwrap();
+            planner.jog(&Jog::To { to, feed }).unwrap();
+            let mut over = false;
+            for n in 0.. {
+                if n == when {
+                    planner.controls().cancel_jog();
+                }
+                planner.settle();
+                let setpoint = interpolator.tick();
+                assert!(
+                    setpoint.position(0) <= to[0],
+                    "{cycle} s, {feed} mm/s: cancelled at {when}"
+                );
+                if setpoint.activity == Activity::Idle && n > 5 {
+                    over = n < when;
+                    break;
+                }
+            }
+            assert!(planner.end()[0] <= to[0]);
+            if over {
+                break;
+            }
+        }
+    }
+}
+
+/// A machine that has come to rest in a jog at no velocity goes on along the straight line, too.
+#[test]
+fn a_point_after_a_velocity_of_zero_is_reached_along_the_straight_line() {
+    let slow = AxisLimits::linear(200.0, 500.0, 10_000.0);
+    let axes = [AxisLimits::linear(200.0, 2000.0, 50_000.0), slow, slow];
+    let config = Config::new(Limits::new(axes).unwrap());
+    let mut link = Box::new(Link::<f64, AXES>::new());
+    let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; AXES]).unwrap();
+    let mut run = |planner: &mut Planner<'_, f64, AXES>, cycles: usize| {
+        for _ in 0..cycles {
+            planner.settle();
+            interpolator.tick();
+        }
+        interpolator.tick()
+    };
+    planner.jog(&Jog::Velocity { velocity: [50.0, 0.0, 0.0], time: 1.5 }).unwrap();
+    run(&mut planner, 60);
+    planner.jog(&Jog::Velocity { velocity: [0.0; AXES], time: 5.0 }).unwrap();
+    let from = run(&mut planner, 500);
+    let to = [0, 1, 2].map(|axis| from.position(axis).plus(-30.0));
+    planner.jog(&Jog::To { to, feed: 100.0 }).unwrap();
+    for _ in 0..2000 {
+        let now = run(&mut planner, 1);
+        let way = [0, 1, 2].map(|axis| now.position(axis).minus::<f64>(from.position(axis)));
+        assert!((way[0] - way[1]).abs() < 1.0e-9 && (way[0] - way[2]).abs() < 1.0e-9, "{way:?}");
+        if now.activity == Activity::Idle {
+            break;
+        }
+    }
+    assert_eq!(planner.jog_end(), to);
+}
+
 #[test]
 fn steps_add_up_to_the_unit() {
     let config = usual::<f32>();

@@ -235,6 +235,42 @@ fn a_stop_in_a_corner_rests_beside_an_end() {
     assert!(beyond * 50 < cases, "{beyond} of {cases} rest elsewhere");
 }
 
+/// Of lines that hardly turn, which are one curve, spans end where lines end.
+#[test]
+fn a_stop_on_lines_that_hardly_turn_rests_beside_an_end() {
+    let tolerance = 0.05;
+    let (mut rests, mut beyond) = (0, 0);
+    for (length, turn) in [(3.0, 0.005), (7.0, 0.001), (7.0, 0.005), (7.0, 0.02), (11.0, 0.003)] {
+        let (mut here, mut angle, mut ends) = ((0.0, 0.0), 0.0_f64, vec![(0.0, 0.0)]);
+        let blocks: Vec<Line<f64>> = (1..=14)
+            .map(|tag| {
+                here = (here.0 + length * angle.cos(), here.1 + length * angle.sin());
+                angle += turn;
+                ends.push(here);
+                Block::line(at(here.0, here.1), 80.0, tag)
+            })
+            .collect();
+        let mut config = config();
+        config.tolerance = tolerance;
+        let plain = run(config, &blocks, Polls::All, |_, _, _| {}).len() - 500;
+        for when in (20..plain).step_by(plain / 40) {
+            let command = if when % 2 == 0 { STOP } else { SINGLE };
+            let seen = run(config, &blocks, Polls::All, |n, _, controls| {
+                if n == when {
+                    command(controls);
+                }
+            });
+            let rest = seen.last().unwrap().place;
+            let off = |to: &(f64, f64)| (to.0 - rest[0]).hypot(to.1 - rest[1]);
+            let least = ends.iter().map(off).fold(f64::INFINITY, f64::min);
+            rests += 1;
+            beyond += u32::from(least > 2.0 * tolerance);
+            assert!(least < length / 8.0, "lines of {length}, {turn} rad: {rest:?}, {when}");
+        }
+    }
+    assert!(beyond * 50 < rests, "{beyond} of {rests} rest elsewhere");
+}
+
 /// What else is pressed before a stop has come to its end does not end it: from a rest within a block the motion goes on to the end of that.
 #[test]
 fn a_stop_goes_on_to_the_end_of_the_block() {

@@ -100,7 +100,7 @@ impl<const N: usize> Plan<N> {
     ///
     /// Cost: bounded; that of one or two ramps, or one to three ways to a place, per axis.
     pub fn turned<S: Scalar>(&self, aim: &Aim<N>, config: &Config<S, N>) -> Planned<N> {
-        let resting = self.axes.iter().all(|axis| axis.start().motion == Motion::REST);
+        let resting = self.axes.iter().all(|axis| axis.start().motion.is_rest());
         match aim {
             Aim::Place(to, feed) if resting => self.along_line::<S>(to, *feed, config),
             Aim::Stop if self.straight => self.stopped_on_line::<S>(config),
@@ -295,7 +295,11 @@ impl<const N: usize> Plan<N> {
         };
         let Some(steps) = Steps::new::<S>(&from, 0.0, &caps) else { return failed() };
         let axes = states.map(|state| AxisMotion::to_rest_in_step(state, steps.cycles));
-        Planned { plan: Self { axes, straight: true }, whole: true }
+        let stopped = Self { axes, straight: true };
+        // In whole cycles, each of the same jerk, a stop may be longer than the one that is under way.
+        let way: [f64; N] = from_fn(|i| stopped.axes[i].end().minus(states[i].at));
+        let plan = if dot(&way, &unit) < length { stopped } else { self.clone() };
+        Planned { plan, whole: true }
     }
 
     /// The place from which a step counts: where the axes would stop.

@@ -60,9 +60,17 @@ pub struct Motion<S> {
     pub acceleration: S,
 }
 
+/// Less than any motion, mm per cycle and per square cycle: a tenth of the unit of coordinates.
+const STILL: f64 = 1.0e-13;
+
 impl Motion<f64> {
     /// Standing still.
     pub const REST: Self = Self { velocity: 0.0, acceleration: 0.0 };
+
+    /// Whether it stands still, but for the rounding of a speed that came to zero: by that no coordinate moves.
+    pub fn is_rest(&self) -> bool {
+        self.velocity.abs() < STILL && self.acceleration.abs() < STILL
+    }
 
     /// What durations are sought from, in a unit of length.
     pub fn sought<S: Scalar>(&self, unit: f64) -> Motion<S> {

@@ -276,7 +276,8 @@ impl<'a> Controls<'a> {
 
     /// Finish the block under way, then rest until [`Controls::resume`]. If the motion is too fast
     /// to rest at its end, the first block is finished at whose end it can. Where a corner is
-    /// rounded, the end of a block is the middle of the rounding. Where no motion to such an end is found in time, the machine brakes as for a
+    /// rounded, the end of a block is the middle of the rounding. Of lines that run on as one curve and are short beside the way on which
+    /// the feed is reached, one in some counts. Where no motion to such an end is found in time, the machine brakes as for a
     /// hold, and goes on from rest to the end of that block. Where a curve turns back within itself (a cusp), the motion rests in any case: that counts as an
     /// end, too.
     pub fn stop(self) {

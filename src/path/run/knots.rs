@@ -1,6 +1,6 @@
 //! Laying the knots of a run: where the next one lies, and how the spline ends.
 
-use super::{Run, Tie};
+use super::{LONGER_IN_BENDS, Run, Tie};
 use crate::number::{Interval, Length, Scalar};
 use crate::path::cut::{EndSizes, LONGEST_CELL_TIME, NextPiece, next_piece};
 use crate::path::straight::LAST_PART;
@@ -23,6 +23,11 @@ const BRIEF_SHARE: f64 = 0.125;
 /// A vertex this part of a span behind a knot is no place for the next: the span between the two would be crept through, for a cell takes
 /// its time however short it is.
 const BESIDE: i64 = 16;
+/// Least part of a span that the end of a line cuts off at its beginning, or at the end of one that stays where it is: a shorter one would be crept
+/// through.
+const CUT_OFF: i64 = 8;
+/// Of a line that is longer than a span by less than this, a span takes half.
+const LITTLE_LONGER: f64 = 1.5;
 
 /// The place whose tag a span shows: what it ends on, if that is not too short to be a part of its own.
 pub(super) fn ends_on(Interval { from, to }: Interval) -> Length {
@@ -59,7 +64,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             NextPiece::Half => here + (to.s - here) / 2,
             NextPiece::Length(step) => here + Length::from_mm(step).max(Length::UNIT),
         };
-        let s = if s < to.s { self.to_end(Interval { from: here, to: s }) } else { s };
+        let s = self.to_end(Interval { from: here, to: s }, s == to.s);
         if self.knots == KnotState::New {
             self.spline.begin(&self.polyline, here, self.start, s - here);
             self.knots = KnotState::Open;
@@ -103,11 +108,32 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         self.pieces.shown_before(span.from, self.least_end());
     }
 
-    /// Where a span ends: at the end of a piece if that is near, and the piece is no shorter than half of the span.
-    fn to_end(&self, span: Interval) -> Length {
+    /// Where a span ends that is to end about there, or there if that is `fixed`: at the end of a piece that is near and no shorter than half of the span,
+    /// or of a line.
+    fn to_end(&self, span: Interval, fixed: bool) -> Length {
         let half = (span.to - span.from) / 2;
-        let least = self.least_end().greatest(half.to_mm());
-        self.pieces.end_near(span, least).unwrap_or(span.to)
+        let near = || self.pieces.end_near(span, self.least_end().greatest(half.to_mm()));
+        let piece = if fixed { None } else { near() };
+        piece.or_else(|| self.to_line(span, fixed)).unwrap_or(span.to)
+    }
+
+    /// The end of a line at which a span ends, if it is no short one. A span that begins at the end of a line may lead past others; one that begins
+    /// within a line ends with that. So another tag begins to be shown where a line ends, and the motion rests there for a stop.
+    fn to_line(&self, Interval { from, to }: Interval, fixed: bool) -> Option<Length> {
+        let least = self.least_end() * S::of(LONGER_IN_BENDS);
+        let cut = (to - from) / CUT_OFF;
+        let line = self.polyline.line_end(from);
+        if self.polyline.leaving(from).is_none() {
+            let to = line.min(if fixed { to - cut } else { to });
+            return self.polyline.last_end(Interval { from: from + cut, to }, least);
+        }
+        if fixed {
+            return None;
+        }
+        let end = self.polyline.last_end(Interval { from: from + cut, to }, least);
+        let (whole, line): (S, S) = ((to - from).to_mm(), (line - from).to_mm());
+        let longer = line > whole.greatest(least) && line < whole * S::of(LITTLE_LONGER);
+        end.or_else(|| longer.then(|| from + Length::from_mm(line * S::of(0.5))))
     }
 
     /// Lays the knot that was asked for, or one nearer at which the band is kept. Returns where.

@@ -230,6 +230,15 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
         self.vertices.get(self.index(s + Length::UNIT)).map_or(s, |v| v.s)
     }
 
+    /// Arc length at the last end within an interval, or at its end, of a line of at least so many mm.
+    pub fn last_end(&self, Interval { from, to }: Interval, least: S) -> Option<Length> {
+        let (first, next) = (self.index(from + Length::UNIT), self.index(to + Length::UNIT));
+        (first..=next).rev().find_map(|i| {
+            let (start, end) = (self.vertices.get(i.checked_sub(1)?)?.s, self.vertices.get(i)?.s);
+            (end > from && end <= to && (end - start).to_mm::<S>() >= least).then_some(end)
+        })
+    }
+
     /// Index of the vertex at the end of the line that holds an arc length.
     fn index(&self, s: Length) -> usize {
         // The first vertex at or behind it, by halving; the last if there is none, never the first.
