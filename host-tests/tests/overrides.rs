@@ -406,6 +406,67 @@ fn a_raised_override_is_answered_whatever_was_before() {
     }
 }
 
+/// An override that is raised from next to nothing, before a stop or without one: cycles from the resume until nine tenths of what is asked for are
+/// reached, on lines of so many mm.
+fn raised(polls: u32, length: f64, feed: f64, [from, to]: [u16; 2], stop: Option<u32>) -> u32 {
+    let axis = AxisLimits::linear(VELOCITY, ACCELERATION, JERK);
+    let mut config = Config::new(Limits::new([axis; AXES]).unwrap());
+    config.tolerance = TOLERANCE;
+    let mut link = Box::new(Link::<f64, AXES>::new());
+    let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; AXES]).unwrap();
+    let controls = planner.controls();
+    controls.feed_override(from);
+    let (pressed, mut lines) = (1500, 0);
+    let resumed = pressed + stop.map_or(0, |after| after + 30);
+    for cycle in 0..resumed + 4000 {
+        loop {
+            let to = coordinates([f64::from(lines + 1) * length, 0.01 * f64::from(lines % 2)]);
+            if planner.push(&Block::line(to, feed, lines)).is_err() {
+                break;
+            }
+            lines += 1;
+        }
+        if cycle == pressed {
+            controls.feed_override(to);
+        }
+        if stop.is_some_and(|after| cycle == pressed + after) {
+            controls.stop();
+        }
+        if cycle == resumed {
+            controls.resume();
+        }
+        for _ in 0..polls {
+            planner.poll();
+        }
+        let wanted = (feed * f64::from(to) / 100.0).min(VELOCITY);
+        if interpolator.tick().path_speed >= 0.9 * wanted && cycle > resumed {
+            return cycle - resumed;
+        }
+    }
+    u32::MAX
+}
+
+/// A raised override is followed, whatever the motion was doing: with one slice in a servo cycle the plan for it takes some fifty cycles, and the fall to a stop
+/// that is taken back as many.
+#[test]
+fn a_raised_override_is_followed_from_next_to_nothing() {
+    for (polls, allowed) in [(1, 700), (3, 600), (10, 500), (50, 300)] {
+        for length in [0.5, 2.0, 10.0, 600.0] {
+            for feed in [10.0, 90.0] {
+                for range in [[1, 100], [10, 100], [1, 10]] {
+                    for stop in [None, Some(5), Some(40), Some(200)] {
+                        let taken = raised(polls, length, feed, range, stop);
+                        assert!(
+                            taken < allowed,
+                            "{polls} polls, lines of {length}, feed {feed}, {range:?} %, stop {stop:?}: {taken}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
 /// Overrides that change every few servo cycles for a second: planning comes to an end in every cycle, and the motion goes on.
 #[test]
 fn overrides_that_change_all_the_time_leave_time_for_blocks() {

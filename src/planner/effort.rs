@@ -27,6 +27,8 @@ pub struct Effort<S> {
     pub stop: Work<S>,
     /// A first answer to an override, in all.
     pub first: Work<S>,
+    /// A whole one, for each of the cells that lie ahead.
+    pub whole: Work<S>,
     /// A window that is reshaped.
     #[cfg(feature = "reshape")]
     pub shape: Work<S>,
@@ -38,6 +40,7 @@ impl<S: Scalar> Effort<S> {
         plan: Work::NONE,
         stop: Work::NONE,
         first: Work::NONE,
+        whole: Work::NONE,
         #[cfg(feature = "reshape")]
         shape: Work::NONE,
     };
@@ -67,6 +70,13 @@ impl<S: Scalar> Work<S> {
         let off = per_part - self.mean;
         self.mean += off * S::of(NEW_IN_MEAN);
         self.deviation += (off.abs() - self.deviation) * S::of(NEW_IN_DEVIATION);
+    }
+
+    /// So many parts have taken so many servo cycles and are not done: the next are given twice as many.
+    #[inline(never)]
+    pub fn raise(&mut self, parts: usize, cycles: u32) {
+        let per_part = S::from_u32(cycles) / S::from_u32(parts.max(1) as u32);
+        self.mean = self.mean.greatest(per_part + per_part);
     }
 
     /// So many parts took so many servo cycles, a small part of what is reckoned with: what made the others so slow is over, and what is known of

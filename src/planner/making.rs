@@ -25,7 +25,7 @@ use super::command::Flow;
 use super::command::block_end::Ending;
 use super::command::easing::Easing;
 use super::command::reaction::{self, Reacting};
-use super::command::retune::{Retuning, SHORT_FALLS};
+use super::command::retune::Retuning;
 use super::command::slowing::Slowing;
 use super::command::stages::Marched;
 use super::effort::{Effort, SLOWER, Work};
@@ -366,14 +366,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 (self.pressing.reacted, self.pressing.easings) = (Some(asked), 0);
             }
             Purpose::Reaction(_) => self.effort.first.learn(1, cycles),
-            // The next slows it down as a first answer does, by a clock, which can from any speed.
-            Purpose::Overrides
-                if self.pressing.short_falls < SHORT_FALLS
-                    && self.horizon.falls_short(proposal.stretch) =>
-            {
-                self.pressing.short_falls += 1;
-                self.pressing.eased = None;
-                self.horizon.mark_eased(proposal.stretch.first);
+            Purpose::Overrides => {
+                self.effort.whole.learn(self.cells_ahead(at), cycles);
+                self.look_at_answer(proposal.stretch);
             }
             Purpose::Falling(asked) => {
                 self.learn_stop(usize::from(slices), cycles);
@@ -422,11 +417,12 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return false;
         }
         let cells = self.cells_ahead(at);
-        let Effort { plan, stop, first, .. } = &mut self.effort;
+        let Effort { plan, stop, first, whole, .. } = &mut self.effort;
         let (work, parts) = match purpose {
             Purpose::Hold | Purpose::Falling(_) => (stop, usize::from(slices)),
             Purpose::Easing(_) | Purpose::Reaction(_) if first.is_known() => (first, 1),
             Purpose::Easing(_) | Purpose::Reaction(_) => (plan, reaction::CELLS),
+            Purpose::Overrides if whole.is_known() => (whole, cells),
             Purpose::Overrides => (plan, reaction::PLANS * cells),
             Purpose::BlockEnd => (plan, proposal.stretch.cells()),
             Purpose::Ahead => return false,
@@ -648,6 +644,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             let cycles = self.side.cycles().since(making.began).unwrap_or(0);
             let slices = usize::from(making.slices);
             let (purpose, by_cycle) = (making.purpose, making.proposal.branch.is_by_cycle());
+            let making_at = making.at;
             match purpose {
                 Purpose::Ahead => {
                     self.effort.plan.learn(cells, cycles);
@@ -659,8 +656,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 }
                 Purpose::Easing(_) | Purpose::Reaction(_) => self.effort.first.learn(1, cycles),
                 Purpose::Hold | Purpose::Falling(_) => self.learn_stop(slices, cycles),
-                // It takes several plans: counted as one, soon it is given as much time as it takes.
-                Purpose::Overrides => self.effort.plan.learn(cells, cycles),
+                Purpose::Overrides => self.effort.whole.raise(self.cells_ahead(making_at), cycles),
                 Purpose::BlockEnd => self.pressing.short = true,
                 #[cfg(feature = "reshape")]
                 Purpose::Shape => {

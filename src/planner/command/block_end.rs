@@ -61,6 +61,16 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 }
 
+impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
+    Planner<'_, S, N, BLOCKS, NODES>
+{
+    /// Whether there is an end of a block, in what is agreed, at which the motion could rest.
+    #[inline(never)]
+    pub(super) fn sees_block_end(&self, at: NodeSerial) -> bool {
+        self.horizon.end_in_reach(self.horizon.window.clamped_index(at)).is_some()
+    }
+}
+
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// There is a draft afterwards only if there is something to look for.
     fn begin_ending(&mut self, moment: Moment<S>) -> Option<(Proposal, Stage<S>)> {

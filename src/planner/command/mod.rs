@@ -31,7 +31,7 @@
 //! An override has a first answer and a whole one. A lowered one is answered by a clock that slows down ([`easing`]), which takes a few slices
 //! and no solver. Where planning takes long, one that is raised is, by a few steps for [`Aim::Time`] over the path that is near
 //! ([`reaction`]); for [`Aim::Slow`] where no clock does. From then on the motion does what is asked for, and the whole answer branches
-//! off from that; it is owed until it has been taken, whatever is asked for by then.
+//! off from that; it is owed until it has been taken, whatever is asked for by then. It leaves the motion as it is until that has come down.
 //!
 //! [`Aim::Slow`]: crate::profile::solver::Aim::Slow
 //! [`Aim::Time`]: crate::profile::solver::Aim::Time
@@ -220,7 +220,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             None => offer.before.is_some_and(|before| !before.tried_block_end),
         };
         let goes_on = |offer: &Offer| offer.taken.halt.is_none() && leaves(offer);
-        if self.phase.offer().is_some_and(goes_on) {
+        if self.phase.offer().is_some_and(goes_on) && (rest.is_some() || self.sees_block_end(at)) {
             let asked = self.horizon.overrides();
             self.revoke(self.most_reaction());
             if !self.horizon.is_paced(asked) {

@@ -9,6 +9,7 @@ use super::Flow;
 use crate::number::Scalar;
 use crate::number::serial::{CycleSerial, NodeSerial};
 use crate::planner::Planner;
+use crate::planner::effort::Effort;
 use crate::planner::horizon::{Horizon, Moment, Proposal};
 use crate::planner::making::{Purpose, Stage};
 use crate::planner::phase::Halt;
@@ -27,6 +28,8 @@ const LONG: usize = 18;
 const REACH: f64 = 1.3;
 /// Plans ahead that an answer takes as much work as which leads past many blocks.
 pub const PLANS: usize = 3;
+/// First answers that a whole one takes as much work as.
+const FIRSTS: usize = 4;
 /// Servo cycles within which an answer can do without a first one.
 const AT_ONCE: f64 = 3.0;
 
@@ -114,7 +117,16 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
 
     /// The same for a plan at other overrides, with the motion at node `at`.
     pub(super) fn moment_of_answer(&self, at: NodeSerial) -> Option<Moment<S>> {
-        self.moment_after(self.effort.plan.usual(PLANS * self.cells_ahead(at)))
+        let cells = self.cells_ahead(at);
+        let Effort { plan, first, whole, .. } = &self.effort;
+        // What plans ahead take for each of their cells says little: many change the end of what is agreed alone.
+        self.moment_after(if whole.is_known() {
+            whole.usual(cells)
+        } else if first.is_known() {
+            first.usual(FIRSTS)
+        } else {
+            plan.usual(PLANS * cells)
+        })
     }
 
     /// The same for a first answer.

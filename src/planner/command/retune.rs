@@ -20,7 +20,7 @@ const NEAR_LEADS: f64 = 4.0;
 const FAR_ABOVE: f64 = 1.1;
 const LONG_ENOUGH: f64 = 2.0;
 /// So many answers to a command that fall short are followed by another.
-pub const SHORT_FALLS: u8 = 100;
+const SHORT_FALLS: u8 = 100;
 /// Tries in a row: from a servo cycle on, and from a node on.
 const TRIES: u8 = 2;
 
@@ -108,6 +108,16 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         self.pressing.refused = Some(overrides);
     }
 
+    /// A whole answer has been made. One that falls short is followed by another: the next slows the motion down as a first answer does, by a clock, which
+    /// can from any speed.
+    pub(in crate::planner) fn look_at_answer(&mut self, stretch: Stretch) {
+        if self.pressing.short_falls < SHORT_FALLS && self.horizon.falls_short(stretch) {
+            self.pressing.short_falls += 1;
+            self.pressing.eased = None;
+            self.horizon.mark_eased(stretch.first);
+        }
+    }
+
     /// Whether the motion has come far enough since the last try for more of them.
     fn is_due(&self, at: NodeSerial) -> bool {
         let waited = self.side.cycles().since(self.pressing.retuned).unwrap_or(0);
@@ -131,7 +141,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// Begins a plan at other overrides from where it `leaves` the agreed one. There is a draft afterwards only if there is
-    /// an attempt. With `eased`, the motion slows down for these very overrides, and what it does until then is left as it is.
+    /// an attempt. With `eased`, the motion slows down for these very overrides, and what it does until it has come down is left as it is.
     #[inline(never)]
     fn begin_retune(
         &mut self,
@@ -147,7 +157,10 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
                 Leaves::At(node) => (draft.window.clamped_index(node), Branch::Node(node)),
             };
             let end = draft.end_index();
-            let from = behind.map_or(first, |cells| end.saturating_sub(cells).max(first));
+            let from = behind.map_or(first, |cells| {
+                let behind = end.saturating_sub(cells).max(first);
+                (first..behind).find(|&i| draft.is_down(i, overrides)).unwrap_or(behind)
+            });
             stops = from == end || (branch.is_by_cycle() && draft.is_stopping(from));
             if stops {
                 return None;
@@ -164,6 +177,13 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             None if stops => Begun::Stops,
             None => Begun::Nothing,
         }
+    }
+
+    /// Whether the agreed motion is no faster at a station than it is asked to be.
+    #[inline(never)]
+    fn is_down(&self, i: usize, asked: Overrides) -> bool {
+        let speed = self.window.get(i).map_or(S::ZERO, |station| station.agreed.b.sqrt());
+        self.goal_at(i, asked).is_some_and(|goal| speed <= goal)
     }
 
     /// Cuts the motion finer from station `from` on, and begins to look for states.
@@ -199,7 +219,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// Whether the states found for a stretch are far faster than what is asked for, long after they could have come down to it: from a speed many
     /// times as high the steps that there are do not lead there.
     #[inline(never)]
-    pub fn falls_short(&self, stretch: Stretch) -> bool {
+    fn falls_short(&self, stretch: Stretch) -> bool {
         let Stretch { first, last, .. } = stretch;
         let Some(station) = self.window.get(first) else { return false };
         let [acceleration, jerk] = self.limits_over(first, false).along(&station.node.tangent);
@@ -242,8 +262,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         }
         let stretch = proposal.stretch;
         let found = Stretch { first: solving.first(), ..stretch };
-        let runs =
-            |horizon: &mut Self| horizon.holds(stretch) && horizon.crawl_in(stretch).is_none();
+        // Where the agreed motion crawls, one that soon does not is better.
+        let runs = |horizon: &mut Self| horizon.holds(stretch) && !horizon.crawls_anew(stretch);
         match retuning {
             Retuning::Cut { .. } | Retuning::Finding(_) => {
                 if runs(self) {

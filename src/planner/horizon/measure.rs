@@ -12,6 +12,8 @@ use crate::profile::solver::Stretch;
 
 /// A cell that takes so many times as long as with stops at both ends is a crawl.
 const CRAWL: f64 = 10.0;
+/// One that takes so many times as long as it does in the agreed motion, at most, takes as long.
+const AS_LONG: f64 = 1.1;
 /// Share of its speed that a motion must have left after letting go of the brake, to be taken on.
 const LEAST_LEFT: f64 = 0.3;
 /// So many braking distances before the end of a plan its motion is not what it would be without the stop there.
@@ -159,19 +161,27 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// The first cell in a stretch that the motion crawls through: it takes many times as long as stopping
     /// at both its ends would, and longer than the feed asks for.
     pub fn crawl_in(&self, stretch: Stretch) -> Option<usize> {
-        let most = S::of(CRAWL);
-        (stretch.first..stretch.last).find(|&i| {
-            let Some((station, after)) = self.window.pair(i) else { return false };
-            let (length, bounds) = (station.cell.length, &station.bounds);
-            let to = if i + 1 == stretch.last { PathState::REST } else { after.state };
-            let Some(law) = Law::new(length, station.state, to) else { return false };
-            // From rest to rest: (32 h / J)^(1/3) by jerk alone, 2 (h / A)^(1/2) by acceleration alone.
-            let t = law.time / most;
-            t > self.config.cycle
-                && t * bounds.goal > length
-                && t * t * bounds.acceleration > S::of(4.0) * length
-                && t * t * t * bounds.jerk > S::of(32.0) * length
-        })
+        (stretch.first..stretch.last).find(|&i| self.crawls(stretch, i))
+    }
+
+    /// Whether the motion crawls through a cell of a stretch for which the agreed one does not take as long.
+    pub fn crawls_anew(&self, stretch: Stretch) -> bool {
+        (stretch.first..stretch.last)
+            .any(|i| self.crawls(stretch, i) && self.time(i) > self.agreed_time(i) * S::of(AS_LONG))
+    }
+
+    #[inline(never)]
+    fn crawls(&self, stretch: Stretch, i: usize) -> bool {
+        let Some((station, after)) = self.window.pair(i) else { return false };
+        let (length, bounds) = (station.cell.length, &station.bounds);
+        let to = if i + 1 == stretch.last { PathState::REST } else { after.state };
+        let Some(law) = Law::new(length, station.state, to) else { return false };
+        // From rest to rest: (32 h / J)^(1/3) by jerk alone, 2 (h / A)^(1/2) by acceleration alone.
+        let t = law.time / S::of(CRAWL);
+        t > self.config.cycle
+            && t * bounds.goal > length
+            && t * t * bounds.acceleration > S::of(4.0) * length
+            && t * t * t * bounds.jerk > S::of(32.0) * length
     }
 
     /// How long the plan in the making takes for the cell of station `i`, s; 0 if there is none.
