@@ -263,7 +263,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let stretch = proposal.stretch;
         let found = Stretch { first: solving.first(), ..stretch };
         // Where the agreed motion crawls, one that soon does not is better.
-        let runs = |horizon: &mut Self| horizon.holds(stretch) && horizon.is_paced_well(stretch);
+        let runs = |horizon: &mut Self| horizon.holds(stretch) && !horizon.crawls_anew(stretch);
         match retuning {
             Retuning::Cut { .. } | Retuning::Finding(_) => {
                 if runs(self) {

@@ -14,8 +14,8 @@ use crate::profile::solver::Stretch;
 const CRAWL: f64 = 10.0;
 /// One that takes so many times as long as it does in the agreed motion, at most, takes as long.
 const AS_LONG: f64 = 1.1;
-/// A cell that takes longer than the least by this factor is not brief: a bound that has been loosened for what is agreed lets the next plan make it shorter.
-const NOT_BRIEF: f64 = 0.98;
+/// Share of the least duration of a cell that one takes at least, for its rounding.
+const BARELY: f64 = 0.97;
 /// Share of its speed that a motion must have left after letting go of the brake, to be taken on.
 const LEAST_LEFT: f64 = 0.3;
 /// So many braking distances before the end of a plan its motion is not what it would be without the stop there.
@@ -166,14 +166,18 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         (stretch.first..stretch.last).find(|&i| self.crawls(stretch, i))
     }
 
-    /// Whether every cell of a stretch takes long enough for a tick, and none is crawled through but where the agreed motion takes as long.
-    pub fn is_paced_well(&self, stretch: Stretch) -> bool {
-        let least = self.config.cycle * S::of(LEAST_CYCLE_SHARE * NOT_BRIEF);
-        (stretch.first..stretch.last).all(|i| {
-            let (time, agreed) = (self.time(i), self.agreed_time(i));
-            time >= least.least(agreed)
-                && (!self.crawls(stretch, i) || time <= agreed * S::of(AS_LONG))
-        })
+    /// Whether the motion crawls through a cell of a stretch for which the agreed one does not take as long.
+    pub fn crawls_anew(&self, stretch: Stretch) -> bool {
+        (stretch.first..stretch.last)
+            .any(|i| self.crawls(stretch, i) && self.time(i) > self.agreed_time(i) * S::of(AS_LONG))
+    }
+
+    /// Whether no cell of a stretch is over so soon that a tick would pass more of them than it may: the bound that sees to it is on speeds, and is let go
+    /// for those that are agreed.
+    #[inline(never)]
+    pub fn lasts(&self, stretch: Stretch) -> bool {
+        let least = self.config.cycle * S::of(LEAST_CYCLE_SHARE * BARELY);
+        (stretch.first..stretch.last).all(|i| self.time(i) >= least)
     }
 
     #[inline(never)]

@@ -17,17 +17,23 @@ use core::ops::Range;
 pub const EXCESS: f64 = 1.0001;
 
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
-    /// Whether the states of a stretch keep all limits, with a rest at its end.
+    /// Whether the states of a stretch keep all limits, with a rest at its end, and no cell is over too soon.
     pub fn holds(&mut self, stretch: Stretch) -> bool {
-        self.solver.on(&mut self.window, LimitSets::new(&self.config, &self.older), stretch).holds()
+        self.lasts(stretch)
+            && self
+                .solver
+                .on(&mut self.window, LimitSets::new(&self.config, &self.older), stretch)
+                .holds()
     }
 
     /// The same up to station `until`.
     pub fn holds_until(&mut self, stretch: Stretch, until: usize) -> bool {
-        self.solver
-            .on(&mut self.window, LimitSets::new(&self.config, &self.older), stretch)
-            .until(until)
-            .holds()
+        self.lasts(Stretch { last: until, ..stretch })
+            && self
+                .solver
+                .on(&mut self.window, LimitSets::new(&self.config, &self.older), stretch)
+                .until(until)
+                .holds()
     }
 
     /// To improve the states of a stretch for an aim.
