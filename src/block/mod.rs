@@ -153,7 +153,7 @@ pub struct Block<S, const N: usize> {
     /// The caller's mark (a line number); it comes back with the setpoints. Lines that run on straight are
     /// one to the planner, but keep their tags where they take a servo cycle at their feed and a
     /// thirty-second of the length over which that is reached; of shorter ones, and of short lines in a run
-    /// that are made one within a share of the tolerance, it is that of the last. Where the feed changes on a straight
+    /// that are made one within a share of the tolerance, it is that of the last, which may follow a long one. Where the feed changes on a straight
     /// stretch, its lines are a run, too: of those that are made one, each that is longer than an eighth of that length is shown from where it begins, as
     /// long as the path hardly turns there.
     pub tag: u32,
