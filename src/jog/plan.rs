@@ -280,9 +280,9 @@ impl<const N: usize> Plan<N> {
         let states = self.axes.each_ref().map(AxisMotion::start);
         let by: [f64; N] = from_fn(|i| self.axes[i].end().minus(states[i].at));
         let length = norm(&by);
-        let failed = || Planned { plan: self.clone(), whole: false };
+        let stays = |whole| Planned { plan: self.clone(), whole };
         if !(length > 0.0) {
-            return failed();
+            return stays(false);
         }
         let unit = by.map(|by| by / length);
         let caps = caps_along(&unit, &config.limits, config.cycle);
@@ -293,13 +293,14 @@ impl<const N: usize> Plan<N> {
             velocity: over(|motion| motion.velocity),
             acceleration: over(|motion| motion.acceleration),
         };
-        let Some(steps) = Steps::new::<S>(&from, 0.0, &caps) else { return failed() };
-        let axes = states.map(|state| AxisMotion::to_rest_in_step(state, steps.cycles));
-        let stopped = Self { axes, straight: true };
+        let Some(steps) = Steps::new::<S>(&from, 0.0, &caps) else { return stays(false) };
+        let stopped = |state| AxisMotion::to_rest_in_step(state, steps.cycles);
         // In whole cycles, each of the same jerk, a stop may be longer than the one that is under way.
-        let way: [f64; N] = from_fn(|i| stopped.axes[i].end().minus(states[i].at));
-        let plan = if dot(&way, &unit) < length { stopped } else { self.clone() };
-        Planned { plan, whole: true }
+        let way = states.map(|state| stopped(state).end().minus::<f64>(state.at));
+        if dot(&way, &unit) >= length {
+            return stays(true);
+        }
+        Planned { plan: Self { axes: states.map(stopped), straight: true }, whole: true }
     }
 
     /// The place from which a step counts: where the axes would stop.

@@ -27,8 +27,8 @@ pub struct Effort<S> {
     pub stop: Work<S>,
     /// A first answer to an override, in all.
     pub first: Work<S>,
-    /// A whole one, for each of the cells that lie ahead.
-    pub whole: Work<S>,
+    /// A whole one, for each of the cells that lie ahead: the mean.
+    whole: S,
     /// A window that is reshaped.
     #[cfg(feature = "reshape")]
     pub shape: Work<S>,
@@ -40,10 +40,35 @@ impl<S: Scalar> Effort<S> {
         plan: Work::NONE,
         stop: Work::NONE,
         first: Work::NONE,
-        whole: Work::NONE,
+        whole: S::ZERO,
         #[cfg(feature = "reshape")]
         shape: Work::NONE,
     };
+}
+
+impl<S: Scalar> Effort<S> {
+    /// A whole answer to overrides, for each of the cells that lie ahead.
+    pub fn whole(&self) -> Work<S> {
+        Work { mean: self.whole, deviation: S::ZERO }
+    }
+
+    /// One has taken so many servo cycles over so many cells.
+    pub fn learn_whole(&mut self, cells: usize, cycles: u32) {
+        let mut whole = self.whole();
+        whole.learn(cells, cycles);
+        self.set_whole(&whole);
+    }
+
+    /// What is known of them from now on.
+    pub fn set_whole(&mut self, whole: &Work<S>) {
+        self.whole = whole.mean;
+    }
+
+    /// One has taken so many servo cycles over so many cells, and is not done: the next are given twice as many.
+    pub fn raise_whole(&mut self, cells: usize, cycles: u32) {
+        let per_cell = S::from_u32(cycles) / S::from_u32(cells.max(1) as u32);
+        self.whole = self.whole.greatest(per_cell + per_cell);
+    }
 }
 
 /// Servo cycles that something takes for each of its parts: the mean lately, and how far from it they were.
@@ -70,13 +95,6 @@ impl<S: Scalar> Work<S> {
         let off = per_part - self.mean;
         self.mean += off * S::of(NEW_IN_MEAN);
         self.deviation += (off.abs() - self.deviation) * S::of(NEW_IN_DEVIATION);
-    }
-
-    /// So many parts have taken so many servo cycles and are not done: the next are given twice as many.
-    #[inline(never)]
-    pub fn raise(&mut self, parts: usize, cycles: u32) {
-        let per_part = S::from_u32(cycles) / S::from_u32(parts.max(1) as u32);
-        self.mean = self.mean.greatest(per_part + per_part);
     }
 
     /// So many parts took so many servo cycles, a small part of what is reckoned with: what made the others so slow is over, and what is known of

@@ -118,7 +118,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     /// The same for a plan at other overrides, with the motion at node `at`.
     pub(super) fn moment_of_answer(&self, at: NodeSerial) -> Option<Moment<S>> {
         let cells = self.cells_ahead(at);
-        let Effort { plan, first, whole, .. } = &self.effort;
+        let Effort { plan, first, .. } = &self.effort;
+        let whole = self.effort.whole();
         // What plans ahead take for each of their cells says little: many change the end of what is agreed alone.
         self.moment_after(if whole.is_known() {
             whole.usual(cells)

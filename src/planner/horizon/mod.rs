@@ -263,7 +263,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     ) {
         debug_assert!(self.has_draft());
         if cells.start == stretch.first {
-            debug_assert!(self.holds(stretch), "a plan beyond a limit");
+            debug_assert!(self.keeps_limits(stretch), "a plan beyond a limit");
             self.window.measure(stretch.first);
         }
         for i in cells.clone() {

@@ -19,11 +19,12 @@ pub const EXCESS: f64 = 1.0001;
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     /// Whether the states of a stretch keep all limits, with a rest at its end, and no cell is over too soon.
     pub fn holds(&mut self, stretch: Stretch) -> bool {
-        self.lasts(stretch)
-            && self
-                .solver
-                .on(&mut self.window, LimitSets::new(&self.config, &self.older), stretch)
-                .holds()
+        self.lasts(stretch) && self.keeps_limits(stretch)
+    }
+
+    /// Whether they keep all limits.
+    pub fn keeps_limits(&mut self, stretch: Stretch) -> bool {
+        self.solver.on(&mut self.window, LimitSets::new(&self.config, &self.older), stretch).holds()
     }
 
     /// The same up to station `until`.
