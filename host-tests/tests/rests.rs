@@ -118,6 +118,26 @@ fn pressed_in<S: Scalar>(blocks: &[Line<S>], tag: u32, command: Command) -> Vec<
     })
 }
 
+/// What is pressed before a servo cycle.
+fn pressed_at<S: Scalar>(
+    config: Config<S, AXES>,
+    blocks: &[Line<S>],
+    when: usize,
+    command: Command,
+) -> Vec<Seen> {
+    run(config, blocks, Polls::All, |n, _, controls| {
+        if n == when {
+            command(controls);
+        }
+    })
+}
+
+/// How far a place is from the nearest of some points.
+fn from_nearest(place: [f64; AXES], points: &[(f64, f64)]) -> f64 {
+    let off = |to: &(f64, f64)| (to.0 - place[0]).hypot(to.1 - place[1]);
+    points.iter().map(off).fold(f64::INFINITY, f64::min)
+}
+
 const STOP: Command = |controls| controls.stop();
 const SINGLE: Command = |controls| controls.single_block(true);
 
@@ -184,11 +204,7 @@ fn a_stop_on_a_straight_line_rests_at_an_end() {
         let plain = run(config(), &blocks, Polls::All, |_, _, _| {}).len();
         let when = (draw.f64() * plain as f64) as usize;
         let command = if draw.bool() { STOP } else { SINGLE };
-        let seen = run(config(), &blocks, Polls::All, |n, _, controls| {
-            if n == when {
-                command(controls);
-            }
-        });
+        let seen = pressed_at(config(), &blocks, when, command);
         let rest = seen.last().unwrap();
         let off = ends.iter().map(|end| (end - rest.place[0]).abs()).fold(f64::INFINITY, f64::min);
         let at_start = rest.place[0].abs() < 1.0e-9;
@@ -221,14 +237,9 @@ fn a_stop_in_a_corner_rests_beside_an_end() {
         let plain = run(config, &blocks, Polls::All, |_, _, _| {}).len();
         let when = (draw.f64() * plain as f64) as usize;
         let command = if draw.bool() { STOP } else { SINGLE };
-        let seen = run(config, &blocks, Polls::All, |n, _, controls| {
-            if n == when {
-                command(controls);
-            }
-        });
+        let seen = pressed_at(config, &blocks, when, command);
         let rest = seen.last().unwrap().place;
-        let off = |to: &(f64, f64)| (to.0 - rest[0]).hypot(to.1 - rest[1]);
-        let least = ends.iter().map(off).fold(rest[0].hypot(rest[1]), f64::min);
+        let least = from_nearest(rest, &ends).min(rest[0].hypot(rest[1]));
         beyond += u32::from(least > 3.0 * tolerance);
         assert!(least < 20.0 * tolerance, "case {case}: {rest:?} of {ends:?}, {when}");
     }
@@ -255,14 +266,9 @@ fn a_stop_on_lines_that_hardly_turn_rests_beside_an_end() {
         let plain = run(config, &blocks, Polls::All, |_, _, _| {}).len() - 500;
         for when in (20..plain).step_by(plain / 40) {
             let command = if when % 2 == 0 { STOP } else { SINGLE };
-            let seen = run(config, &blocks, Polls::All, |n, _, controls| {
-                if n == when {
-                    command(controls);
-                }
-            });
+            let seen = pressed_at(config, &blocks, when, command);
             let rest = seen.last().unwrap().place;
-            let off = |to: &(f64, f64)| (to.0 - rest[0]).hypot(to.1 - rest[1]);
-            let least = ends.iter().map(off).fold(f64::INFINITY, f64::min);
+            let least = from_nearest(rest, &ends);
             rests += 1;
             beyond += u32::from(least > 2.0 * tolerance);
             assert!(least < length / 8.0, "lines of {length}, {turn} rad: {rest:?}, {when}");

@@ -44,9 +44,7 @@ impl<S: Scalar> Effort<S> {
         #[cfg(feature = "reshape")]
         shape: Work::NONE,
     };
-}
 
-impl<S: Scalar> Effort<S> {
     /// A whole answer to overrides, for each of the cells that lie ahead.
     pub fn whole(&self) -> Work<S> {
         Work { mean: self.whole, deviation: S::ZERO }
@@ -66,7 +64,7 @@ impl<S: Scalar> Effort<S> {
 
     /// One has taken so many servo cycles over so many cells, and is not done: the next are given twice as many.
     pub fn raise_whole(&mut self, cells: usize, cycles: u32) {
-        let per_cell = S::from_u32(cycles) / S::from_u32(cells.max(1) as u32);
+        let per_cell = per_part::<S>(cells, cycles);
         self.whole = self.whole.greatest(per_cell + per_cell);
     }
 }
@@ -87,7 +85,7 @@ impl<S: Scalar> Work<S> {
     /// the worst of them would hold back the next twenty.)
     #[inline(never)]
     pub fn learn(&mut self, parts: usize, cycles: u32) {
-        let per_part = S::from_u32(cycles) / S::from_u32(parts.max(1) as u32);
+        let per_part = per_part(parts, cycles);
         if !(self.mean > S::ZERO) {
             *self = Self { mean: per_part, deviation: per_part * S::of(FIRST_DEVIATION) };
             return;
@@ -139,6 +137,10 @@ impl<S: Scalar> Work<S> {
     pub fn within(&self, parts: usize) -> S {
         self.mean * S::of(USUAL) * S::from_u32(parts as u32) + S::of(ROUNDED)
     }
+}
+
+fn per_part<S: Scalar>(parts: usize, cycles: u32) -> S {
+    S::from_u32(cycles) / S::from_u32(parts.max(1) as u32)
 }
 
 fn with_reserve<S: Scalar>(cycles: S) -> S {

@@ -645,8 +645,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             let cells = making.proposal.stretch.cells();
             let cycles = self.side.cycles().since(making.began).unwrap_or(0);
             let slices = usize::from(making.slices);
-            let (purpose, by_cycle) = (making.purpose, making.proposal.branch.is_by_cycle());
-            let making_at = making.at;
+            let (purpose, begun_at) = (making.purpose, making.at);
+            let by_cycle = making.proposal.branch.is_by_cycle();
             match purpose {
                 Purpose::Ahead => {
                     self.effort.plan.learn(cells, cycles);
@@ -658,7 +658,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 }
                 Purpose::Easing(_) | Purpose::Reaction(_) => self.effort.first.learn(1, cycles),
                 Purpose::Hold | Purpose::Falling(_) => self.learn_stop(slices, cycles),
-                Purpose::Overrides => self.effort.raise_whole(self.cells_ahead(making_at), cycles),
+                Purpose::Overrides => self.effort.raise_whole(self.cells_ahead(begun_at), cycles),
                 Purpose::BlockEnd => self.pressing.short = true,
                 #[cfg(feature = "reshape")]
                 Purpose::Shape => {

@@ -278,8 +278,8 @@ impl<'a> Controls<'a> {
     /// to rest at its end, the first block is finished at whose end it can. Where a corner is
     /// rounded, the end of a block is the middle of the rounding. Of lines that run on as one curve, and are short beside the way on which
     /// the feed is reached or lie beside such, one in some counts; the rest may lie within one, up to half of it off its end. Where no
-    /// motion to such an end is found in time, the machine brakes as for a hold, and goes on from rest to the end of that block. Where a curve turns back within itself (a cusp), the motion rests in any case: that counts as an
-    /// end, too.
+    /// motion to such an end is found in time, the machine brakes as for a hold, and goes on from rest to the end of that block. Where
+    /// a curve turns back within itself (a cusp), the motion rests in any case: that counts as an end, too.
     pub fn stop(self) {
         self.requests.pressed.fetch_or(STOP, Release);
     }

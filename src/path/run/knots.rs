@@ -123,14 +123,16 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         let least = self.least_end() * S::of(LONGER_IN_BENDS);
         let cut = (to - from) / CUT_OFF;
         let line = self.polyline.line_end(from);
-        if self.polyline.leaving(from).is_none() {
-            let to = line.min(if fixed { to - cut } else { to });
-            return self.polyline.last_end(Interval { from: from + cut, to }, least);
-        }
-        if fixed {
+        let within = self.polyline.leaving(from).is_none();
+        if fixed && !within {
             return None;
         }
-        let end = self.polyline.last_end(Interval { from: from + cut, to }, least);
+        let last = if fixed { to - cut } else { to };
+        let last = if within { line.min(last) } else { last };
+        let end = self.polyline.last_end(Interval { from: from + cut, to: last }, least);
+        if within {
+            return end;
+        }
         let (whole, line): (S, S) = ((to - from).to_mm(), (line - from).to_mm());
         let longer = line > whole.greatest(least) && line < whole * S::of(LITTLE_LONGER);
         end.or_else(|| longer.then(|| from + Length::from_mm(line * S::of(0.5))))

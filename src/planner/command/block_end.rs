@@ -59,11 +59,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         self.pressing.short = begun.is_none();
         self.make((Purpose::BlockEnd, at), begun)
     }
-}
 
-impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
-    Planner<'_, S, N, BLOCKS, NODES>
-{
     /// Whether there is an end of a block, in what is agreed, at which the motion could rest.
     #[inline(never)]
     pub(super) fn sees_block_end(&self, at: NodeSerial) -> bool {

@@ -160,8 +160,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             })
     }
 
-    /// The first cell in a stretch that the motion crawls through: it takes many times as long as stopping
-    /// at both its ends would, and longer than the feed asks for.
+    /// The first cell in a stretch that the motion crawls through.
     pub fn crawl_in(&self, stretch: Stretch) -> Option<usize> {
         (stretch.first..stretch.last).find(|&i| self.crawls(stretch, i))
     }
@@ -172,14 +171,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             .any(|i| self.crawls(stretch, i) && self.time(i) > self.agreed_time(i) * S::of(AS_LONG))
     }
 
-    /// Whether no cell of a stretch is over so soon that a tick would pass more of them than it may: the bound that sees to it is on speeds, and is let go
-    /// for those that are agreed.
-    #[inline(never)]
-    pub fn lasts(&self, stretch: Stretch) -> bool {
-        let least = self.config.cycle * S::of(LEAST_CYCLE_SHARE * BARELY);
-        (stretch.first..stretch.last).all(|i| self.time(i) >= least)
-    }
-
+    /// Whether the motion crawls through a cell of a stretch: that takes many times as long as stopping at both its ends would, and longer than the feed
+    /// asks for.
     #[inline(never)]
     fn crawls(&self, stretch: Stretch, i: usize) -> bool {
         let Some((station, after)) = self.window.pair(i) else { return false };
@@ -192,6 +185,14 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             && t * bounds.goal > length
             && t * t * bounds.acceleration > S::of(4.0) * length
             && t * t * t * bounds.jerk > S::of(32.0) * length
+    }
+
+    /// Whether no cell of a stretch is over so soon that a tick would pass more of them than it may: the bound that sees to it is on speeds, and is let go
+    /// for those that are agreed.
+    #[inline(never)]
+    pub fn lasts(&self, stretch: Stretch) -> bool {
+        let least = self.config.cycle * S::of(LEAST_CYCLE_SHARE * BARELY);
+        (stretch.first..stretch.last).all(|i| self.time(i) >= least)
     }
 
     /// How long the plan in the making takes for the cell of station `i`, s; 0 if there is none.
