@@ -16,6 +16,7 @@ const CYCLE: f64 = 1.0e-3;
 const LONGEST: usize = 60_000;
 
 type Line<S> = Block<S, AXES>;
+type Points = Vec<(f64, f64)>;
 type Command = fn(Controls<'_>);
 
 fn at(x: f64, y: f64) -> [Coord; AXES] {
@@ -75,14 +76,19 @@ fn run<S: Scalar>(
     let mut link = Box::new(Link::<S, AXES, 16, 64>::new());
     let cycle = config.cycle.to_f64();
     let (mut planner, mut interpolator) = link.split(config, at(0.0, 0.0)).unwrap();
-    for block in blocks {
-        planner.push(block).unwrap();
-    }
-    planner.finish();
+    let mut left = blocks;
     let mut seen: Vec<Seen> = Vec::new();
     let mut progress = Progress::Waiting;
     let mut still = 0;
     for n in 0..LONGEST {
+        while let [block, rest @ ..] = left
+            && planner.push(block).is_ok()
+        {
+            left = rest;
+            if left.is_empty() {
+                planner.finish();
+            }
+        }
         operator(n, &seen, planner.controls());
         match polls {
             Polls::All => progress = planner.settle(),
@@ -275,6 +281,86 @@ fn a_stop_on_lines_that_hardly_turn_rests_beside_an_end() {
         }
     }
     assert!(beyond * 50 < rests, "{beyond} of {rests} rest elsewhere");
+}
+
+/// Long lines among short ones, at feeds that change, that hardly turn: all one curve, of which cells end where long lines do, though knots lie elsewhere. With
+/// their ends.
+fn gentle_lines<S: Scalar>(draw: &mut Rng) -> (Config<S, AXES>, Vec<Line<S>>, Points) {
+    let axis = AxisLimits::linear(S::of(200.0), S::of(2000.0), S::of(20_000.0));
+    let mut config = Config::new(Limits::new([axis; AXES]).unwrap());
+    config.tolerance = S::of(0.2);
+    let (mut here, mut angle, mut ends) = ((0.0, 0.0), 0.0_f64, vec![(0.0, 0.0)]);
+    let mut feed = 60.0;
+    let blocks = (1..=15)
+        .map(|tag| {
+            let length =
+                if draw.bool() { 5.0 + 45.0 * draw.f64() } else { 0.01 + 0.1 * draw.f64() };
+            here = (here.0 + length * angle.cos(), here.1 + length * angle.sin());
+            angle += 0.04 * draw.f64();
+            ends.push(here);
+            if draw.u32(0..3) == 0 {
+                feed = 15.0 * 6.0_f64.powf(draw.f64());
+            }
+            Block::line(at(here.0, here.1), S::of(feed), tag)
+        })
+        .collect();
+    (config, blocks, ends)
+}
+
+/// Lines of all lengths that run on nearly straight, more than are remembered: the long ones are.
+#[test]
+fn a_stop_on_lines_of_all_lengths_rests_beside_an_end() {
+    let mut draw = Rng::with_seed(17);
+    let (cases, mut beyond) = (200 * soak(), 0);
+    for case in 0..cases {
+        let axis = AxisLimits::linear(200.0, 5000.0, 250_000.0);
+        let mut config: Config<f64, AXES> = Config::new(Limits::new([axis; AXES]).unwrap());
+        config.tolerance = 0.1;
+        let (mut here, mut angle, mut ends) = ((0.0, 0.0), 0.0_f64, vec![(0.0, 0.0)]);
+        let turn = 0.0005 * 20.0_f64.powf(draw.f64());
+        let blocks: Vec<Line<f64>> = (1..=40)
+            .map(|tag| {
+                let length = 0.2 * 200.0_f64.powf(draw.f64());
+                here = (here.0 + length * angle.cos(), here.1 + length * angle.sin());
+                angle += turn;
+                ends.push(here);
+                Block::line(at(here.0, here.1), 120.0, tag)
+            })
+            .collect();
+        let plain = run(config, &blocks, Polls::All, |_, _, _| {}).len() - 500;
+        let when = (draw.f64() * plain as f64) as usize;
+        let command = if draw.bool() { STOP } else { SINGLE };
+        let rest = pressed_at(config, &blocks, when, command).last().unwrap().place;
+        let least = from_nearest(rest, &ends);
+        beyond += u32::from(least > 0.2);
+        assert!(least < 1.0, "case {case}: {least} mm, {rest:?}, {when}");
+    }
+    assert!(beyond * 50 < cases, "{beyond} of {cases} rest elsewhere");
+}
+
+fn long_lines_are_shown<S: Scalar>(seed: u64) {
+    let mut draw = Rng::with_seed(seed);
+    for case in 0..100 * soak() {
+        let (config, blocks, ends) = gentle_lines::<S>(&mut draw);
+        let seen = run(config, &blocks, Polls::All, |_, _, _| {});
+        assert!(seen.is_sorted_by_key(|now| now.tag), "case {case}: a tag goes back");
+        for (tag, line) in (1..).zip(ends.windows(2)) {
+            let &[from, to] = line else { continue };
+            if (to.0 - from.0).hypot(to.1 - from.1) < 2.0 {
+                continue;
+            }
+            let middle = (f64::midpoint(from.0, to.0), f64::midpoint(from.1, to.1));
+            let there = |now: &Seen| (now.place[0] - middle.0).hypot(now.place[1] - middle.1);
+            let nearest = seen.iter().min_by(|a, b| there(a).total_cmp(&there(b))).unwrap();
+            assert_eq!(nearest.tag, tag, "case {case}: at {:?}", nearest.place);
+        }
+    }
+}
+
+#[test]
+fn long_lines_that_hardly_turn_show_their_tags_in_both_precisions() {
+    long_lines_are_shown::<f32>(18);
+    long_lines_are_shown::<f64>(19);
 }
 
 /// What else is pressed before a stop has come to its end does not end it: from a rest within a block the motion goes on to the end of that.

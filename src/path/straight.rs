@@ -21,13 +21,23 @@ const PER_BLOCK: usize = 2;
 /// Where a cell over an interval is cut, and what tag it shows before: at the first of the ends of pieces, in order, that leaves no part that is too small,
 /// nor one shorter than `least`.
 pub fn end_in(
-    Interval { from, to }: Interval,
+    interval: Interval,
     least: Length,
     mut ends: impl Iterator<Item = (Length, u32)>,
 ) -> Option<(Length, u32)> {
-    let part = |of: i64| least.max((to - from) / of);
-    let (first, last) = (part(FIRST_PART), part(LAST_PART));
-    ends.find(|(at, _)| *at - from > first).filter(|(at, _)| to - *at > last)
+    let [first, last] = least_parts(interval, least);
+    ends.find(|(at, _)| *at - interval.from > first).filter(|(at, _)| interval.to - *at > last)
+}
+
+/// Whether a place cuts a cell over an interval.
+pub fn cuts(interval: Interval, at: Length, least: Length) -> bool {
+    let [first, last] = least_parts(interval, least);
+    at - interval.from > first && interval.to - at > last
+}
+
+/// The least parts that may be cut off a cell over an interval, at its beginning and its end.
+fn least_parts(Interval { from, to }: Interval, least: Length) -> [Length; 2] {
+    [FIRST_PART, LAST_PART].map(|of| least.max((to - from) / of))
 }
 
 /// Least and greatest value of a component.

@@ -163,6 +163,7 @@ fn search<S: Scalar>(rounds: u32) {
                 leaves: false,
                 share: one,
                 penalty: S::ZERO,
+                led: true,
             };
             // Steadily, and in any other way, half of it at the bound.
             for n in 0..4 {

@@ -230,7 +230,8 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
                 }
                 let law = Law::new(station.cell.length, here, next)?;
                 time += law.time;
-                rows(&self.view(i, station, after), &law, &mut slack);
+                // Without a barrier nothing is led.
+                rows(&View { led: mu > S::ZERO, ..self.view(i, station, after) }, &law, &mut slack);
                 if slack.is_broken() {
                     return None;
                 }
@@ -247,20 +248,30 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
     }
 
     /// Whether the states of the stretch keep all limits, with a rest at its end, however the barrier
-    /// is relaxed.
+    /// is relaxed; and the rows that lead the method.
     pub fn holds(&mut self) -> bool {
         self.holds_over(self.cells())
+    }
+
+    /// Whether they keep all limits. A part that was cut from a cell does, as the whole did, but perhaps not the rows that lead the method.
+    pub fn keeps_limits(&mut self) -> bool {
+        self.is_whole_over(self.cells(), S::ZERO)
     }
 
     /// The same over some cells of the stretch.
     // Once in the image, however often it is called.
     #[inline(never)]
     pub(super) fn holds_over(&mut self, cells: Range<usize>) -> bool {
+        self.is_whole_over(cells, S::ONE)
+    }
+
+    /// Whether the value over some cells is a number: whatever the barrier parameter is, if it is not 0.
+    fn is_whole_over(&mut self, cells: Range<usize>, mu: S) -> bool {
         let (task, rows) = (self.task, self.rows);
         self.task.relaxation = Relaxation::STRICT;
         // Without a step.
         self.rows = Rows::NONE;
-        let everywhere = Probe { mu: S::ZERO, share: S::ZERO, most: S::of(UNLIMITED) };
+        let everywhere = Probe { mu, share: S::ZERO, most: S::of(UNLIMITED) };
         let holds = self.value(everywhere, cells).is_some();
         (self.task, self.rows) = (task, rows);
         holds

@@ -83,6 +83,8 @@ pub struct View<'a, S, const N: usize> {
     pub share: S,
     /// Penalty on speed above the goal, s for as much again; 0 if there is none.
     pub penalty: S,
+    /// Whether there are rows that are no limits, but lead the method.
+    pub led: bool,
 }
 
 #[cfg(test)]
@@ -102,6 +104,7 @@ impl<'a, S: Scalar, const N: usize> View<'a, S, N> {
             leaves: false,
             share: S::ONE,
             penalty: S::ZERO,
+            led: true,
         }
     }
 }
@@ -307,7 +310,9 @@ fn speed_rows<S: Scalar, const N: usize, K: Sink<S>>(
             [scaled(&ends[0], per), scaled(&ends[1], per), scaled(&early, per), scaled(&late, per)]
         });
     }
-    forward_rows(view, law, sink);
+    if view.led {
+        forward_rows(view, law, sink);
+    }
 }
 
 /// Never backwards: Bernstein coefficients of the cubic b(s) between the nodes, and the
@@ -586,6 +591,7 @@ mod tests {
                 leaves: true,
                 share: 1.0,
                 penalty: 1.0,
+                led: true,
             },
             &law,
             &mut sink,

@@ -356,6 +356,7 @@ impl<S: Scalar, const N: usize> Station<S, N> {
             leaves: set.differs(next.cell.programmed.limits),
             share: S::ONE,
             penalty: S::ZERO,
+            led: true,
         }
     }
 

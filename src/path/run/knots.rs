@@ -1,6 +1,6 @@
 //! Laying the knots of a run: where the next one lies, and how the spline ends.
 
-use super::{LONGER_IN_BENDS, Run, Tie};
+use super::{LONGER_IN_BENDS, Run, Tie, VERTICES};
 use crate::number::{Interval, Length, Scalar};
 use crate::path::cut::{EndSizes, LONGEST_CELL_TIME, NextPiece, next_piece};
 use crate::path::straight::LAST_PART;
@@ -64,7 +64,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             NextPiece::Half => here + (to.s - here) / 2,
             NextPiece::Length(step) => here + Length::from_mm(step).max(Length::UNIT),
         };
-        let s = self.to_end(Interval { from: here, to: s }, s == to.s);
+        let s = self.to_end(Interval { from: here, to: s }, s == to.s, self.least_end(to.feed));
         if self.knots == KnotState::New {
             self.spline.begin(&self.polyline, here, self.start, s - here);
             self.knots = KnotState::Open;
@@ -98,29 +98,41 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             return;
         }
         let span = self.spline.interval(before);
-        // A little before its end: the ends of pieces are rounded.
-        let line = self.polyline.line_end(span.to - Length::UNIT);
-        if let Some(tag) = self.pieces.tag_at(ends_on(span), line)
+        let shown = ends_on(span);
+        if let Some((line, tag)) = self.polyline.line_at(shown)
             && let Some(programmed) = self.spline.programmed.last_mut()
         {
-            programmed.tag = tag;
+            programmed.tag = self.pieces.tag_at(shown, line.to).unwrap_or(tag);
         }
-        self.pieces.shown_before(span.from, self.least_end());
+        let least = self.least_end_in(before);
+        let mut at = span.from;
+        for _ in 0..VERTICES {
+            let Some((line, tag)) = self.polyline.line_at(at) else { break };
+            if line.to >= span.to || line.to <= at {
+                break;
+            }
+            if (line.to - line.from).to_mm::<S>() >= least {
+                self.pieces.note_end(line, tag);
+            }
+            at = line.to;
+        }
+        self.pieces.shown(span, least);
     }
 
     /// Where a span ends that is to end about there, or there if that is `fixed`: at the end of a piece that is near and no shorter than half of the span,
-    /// or of a line.
-    fn to_end(&self, span: Interval, fixed: bool) -> Length {
+    /// or of a line. Pieces are `least` mm long at least.
+    fn to_end(&self, span: Interval, fixed: bool, least: S) -> Length {
         let half = (span.to - span.from) / 2;
-        let near = || self.pieces.end_near(span, self.least_end().greatest(half.to_mm()));
+        let near = || self.pieces.end_near(span, least.greatest(half.to_mm()));
         let piece = if fixed { None } else { near() };
-        piece.or_else(|| self.to_line(span, fixed)).unwrap_or(span.to)
+        piece
+            .or_else(|| self.to_line(span, fixed, least * S::of(LONGER_IN_BENDS)))
+            .unwrap_or(span.to)
     }
 
-    /// The end of a line at which a span ends, if it is no short one. A span that begins at the end of a line may lead past others; one that begins
+    /// The end of a line of at least so many mm at which a span ends. A span that begins at the end of a line may lead past others; one that begins
     /// within a line ends with that. So another tag begins to be shown where a line ends, and the motion rests there for a stop.
-    fn to_line(&self, Interval { from, to }: Interval, fixed: bool) -> Option<Length> {
-        let least = self.least_end() * S::of(LONGER_IN_BENDS);
+    fn to_line(&self, Interval { from, to }: Interval, fixed: bool, least: S) -> Option<Length> {
         let cut = (to - from) / CUT_OFF;
         let line = self.polyline.line_end(from);
         let within = self.polyline.leaving(from).is_none();

@@ -347,10 +347,14 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         self.hurried = false;
     }
 
-    /// Shortest piece of a line, mm, at whose end a cell ends.
-    fn least_end(&self) -> S {
-        let feed = self.dominant.back().map_or(S::ZERO, |point| point.feed);
+    /// Shortest piece of a line, mm, at whose end a cell ends at a feed, mm/s.
+    fn least_end(&self, feed: S) -> S {
         self.ramp.length(feed) * S::of(ENDS_SHARE)
+    }
+
+    /// The same of the cells of a span.
+    fn least_end_in(&self, span: usize) -> S {
+        self.spline.programmed.get(span).map_or(S::ZERO, |of| self.least_end(of.feed))
     }
 
     /// The end of a piece at which a cell of a span ends that begins at `begin`, if there is one: which place that is, where it lies beside the
@@ -365,7 +369,7 @@ impl<S: Scalar, const N: usize> Run<S, N> {
         let done = Length::from_mm(length * curve.beside(begin));
         let left = Interval { from: beside.from + done, ..beside };
         let longer = S::of(if curve.is_gentle() { 1.0 } else { LONGER_IN_BENDS });
-        let (s, tag) = self.pieces.end_in(left, self.least_end() * longer)?;
+        let (s, tag) = self.pieces.end_in(left, self.least_end_in(span) * longer)?;
         // What ends behind the place whose tag the span shows is not shown before that.
         let place = curve.place_beside((s - beside.from).to_mm::<S>() / length);
         (s <= shown).then_some((place, s, tag))

@@ -1,14 +1,11 @@
 //! The pieces of the lines of a run that have tags of their own.
 
-use crate::number::optional::Optional;
 use crate::number::{Interval, Length, Scalar};
 use crate::path::straight::{self, NEAR};
 use heapless::Vec;
 
 /// Pieces that are remembered; of more, the tag of the next is shown.
 const PIECES: usize = 10;
-/// Longer than any piece, mm.
-const FAR: f64 = 1.0e12;
 
 /// A piece of a line with a tag of its own.
 #[derive(Clone, Copy)]
@@ -24,49 +21,125 @@ impl<S: Scalar> TaggedPiece<S> {
     fn from(&self) -> Length {
         self.to - Length::from_mm(self.length)
     }
+
+    /// Ends it at an arc length, if it does not end before; it may have no length then.
+    // By itself, here and below: a loop without it is laid out several times over.
+    #[inline(never)]
+    fn end_by(&mut self, s: Length) {
+        let beyond = (self.to - s).max(Length::ZERO);
+        self.to = self.to - beyond;
+        self.length = self.length - beyond.to_mm();
+    }
+
+    /// Whether it ends within a span, but where no cell can be cut, or is shorter than so many mm.
+    #[inline(never)]
+    fn is_hidden(&self, span: Interval, least: S) -> bool {
+        let cuts = self.length >= least && straight::cuts(span, self.to, Length::ZERO);
+        self.to > span.from && self.to <= span.to && !cuts
+    }
+
+    /// Whether it begins before the end of a line, by more than its rounding.
+    fn begins_before(&self, end: Length) -> bool {
+        self.from() + Length::from_mm(self.length * S::EPSILON) < end
+    }
+}
+
+/// Swaps two pieces that are not in order.
+#[inline(never)]
+fn in_order<S: Scalar>(pair: &mut [TaggedPiece<S>]) {
+    if let [before, after] = pair
+        && before.to > after.to
+    {
+        core::mem::swap(before, after);
+    }
 }
 
 /// The pieces that no span has shown, in order, and before them those at whose ends cells may still end.
 pub struct Pieces<S> {
-    list: Vec<TaggedPiece<S>, PIECES>,
-    /// Where the first of those began for which there was no room since the last.
-    lost: Optional<Length>,
-    /// What ends up to here is shown.
-    shown_to: Length,
+    list: Vec<TaggedPiece<S>, { PIECES + 1 }>,
+    /// Where the last of those ends that were to be taken note of.
+    reach: Length,
 }
 
 impl<S: Scalar> Pieces<S> {
     pub const fn new() -> Self {
-        Self { list: Vec::new(), lost: Optional::NONE, shown_to: Length::ZERO }
+        Self { list: Vec::new(), reach: Length::ZERO }
     }
 
     pub fn clear(&mut self) {
         self.list.clear();
-        self.lost.set(None);
-        self.shown_to = Length::ZERO;
+        self.reach = Length::ZERO;
     }
 
-    /// Takes note of a piece and its tag. Where there is no room the tag of the next is shown for it: not that of its
-    /// line, which may be one behind.
+    /// Takes note of the next piece and its tag. What it begins before ends there: a line that turns back is shorter than it was.
     // Once in the image.
     #[inline(never)]
     pub fn note(&mut self, Interval { from, to }: Interval, tag: u32) {
-        if self.list.is_full()
-            && let Some(first) = self.list.first().copied()
-            && first.to <= self.shown_to
-        {
-            self.release_before(first.to);
+        self.reach = to;
+        for piece in &mut self.list {
+            piece.end_by(from);
         }
-        let from = self.lost.take().map_or(from, |lost| lost.min(from));
-        if self.list.push(TaggedPiece { to, length: (to - from).to_mm(), tag }).is_err() {
-            self.lost.set(Some(from));
+        self.drop_empty();
+        self.insert(TaggedPiece { to, length: (to - from).to_mm(), tag });
+    }
+
+    /// Takes note of a line that ends within a span.
+    pub fn note_end(&mut self, Interval { from, to }: Interval, tag: u32) {
+        if !self.list.iter().any(|piece| piece.to == to) {
+            self.insert(TaggedPiece { to, length: (to - from).to_mm(), tag });
         }
+    }
+
+    /// Puts a piece in its place. Of more than there is room for the shortest are left out: for them the tag of the next piece of their line is shown.
+    #[inline(never)]
+    fn insert(&mut self, piece: TaggedPiece<S>) {
+        // There is room for one more than are remembered.
+        let _ = self.list.push(piece);
+        for i in (1..self.list.len()).rev() {
+            if let Some(pair) = self.list.get_mut(i - 1..=i) {
+                in_order(pair);
+            }
+        }
+        if self.list.is_full() {
+            let mut shortest = self.list.len() - 1;
+            for i in 0..self.list.len() {
+                if self.is_shorter(i, shortest) {
+                    shortest = i;
+                }
+            }
+            if let Some(piece) = self.list.get_mut(shortest) {
+                piece.length = S::ZERO;
+            }
+            self.drop_empty();
+        }
+    }
+
+    #[inline(never)]
+    fn is_shorter(&self, i: usize, than: usize) -> bool {
+        let length = |i: usize| self.list.get(i).map(|piece| piece.length);
+        length(i) < length(than)
+    }
+
+    /// Forgets the pieces that have no length.
+    #[inline(never)]
+    fn drop_empty(&mut self) {
+        let mut kept = 0;
+        for i in 0..self.list.len() {
+            if let Some(piece) = self.list.get(i).copied()
+                && piece.length > S::ZERO
+                && let Some(place) = self.list.get_mut(kept)
+            {
+                *place = piece;
+                kept += 1;
+            }
+        }
+        self.list.truncate(kept);
     }
 
     /// The same of what is left of a piece behind the last one, if that is more than so many mm.
     #[inline(never)]
     pub fn note_rest(&mut self, Interval { from, to }: Interval, least: S, tag: u32) {
-        let from = self.list.last().map_or(from, |piece| from.max(piece.to));
+        let from = from.max(self.reach);
         if (to - from).to_mm::<S>() > least {
             self.note(Interval { from, to }, tag);
         }
@@ -76,7 +149,7 @@ impl<S: Scalar> Pieces<S> {
     /// its last piece: a piece before that end comes before it.
     pub fn tag_at(&self, s: Length, end: Length) -> Option<u32> {
         let piece = self.list.iter().find(|piece| s < piece.to)?;
-        (piece.from() <= s || piece.from() < end).then_some(piece.tag)
+        (piece.from() <= s || piece.begins_before(end)).then_some(piece.tag)
     }
 
     /// Whether any ends up to an arc length.
@@ -98,33 +171,25 @@ impl<S: Scalar> Pieces<S> {
         self.list.iter().filter(|p| p.length >= least).find(is_near).map(|p| p.to)
     }
 
-    /// The spans up to an arc length show their tags: of what ends before, pieces of at least so many mm are kept while there is room, for cells to
-    /// end there.
-    pub fn shown_before(&mut self, s: Length, least: S) {
-        self.shown_to = s;
-        self.release(s, least);
+    /// A span shows its tag: of what ends beside it, pieces of at least so many mm are kept that a cell can be cut at.
+    pub fn shown(&mut self, span: Interval, least: S) {
+        for piece in &mut self.list {
+            if piece.is_hidden(span, least) {
+                piece.length = S::ZERO;
+            }
+        }
+        self.drop_empty();
     }
 
     /// Forgets what lies before an arc length.
-    pub fn release_before(&mut self, s: Length) {
-        self.release(s, S::of(FAR));
-    }
-
-    /// Forgets the pieces before an arc length that are shorter than so many mm.
-    // Once in the image.
     #[inline(never)]
-    fn release(&mut self, s: Length, least: S) {
-        let mut kept = 0;
-        for i in 0..self.list.len() {
-            if let Some(piece) = self.list.get(i).copied()
-                && (piece.to > s || piece.length >= least)
-                && let Some(place) = self.list.get_mut(kept)
-            {
-                *place = piece;
-                kept += 1;
+    pub fn release_before(&mut self, s: Length) {
+        for piece in &mut self.list {
+            if piece.to <= s {
+                piece.length = S::ZERO;
             }
         }
-        self.list.truncate(kept);
+        self.drop_empty();
     }
 }
 
@@ -163,15 +228,20 @@ mod tests {
             (pieces.tag_at(at(1.5), at(1.5)), pieces.tag_at(at(2.2), at(2.2))),
             (None, Some(8))
         );
-        // Of more than there is room for, the first are kept.
+        // Of more than there is room for the shortest are left out, and the rest stay in order.
         for k in 0..20 {
             pieces.note(piece(3.0 + f64::from(k), 4.0 + f64::from(k)), k);
         }
         assert_eq!(pieces.tag_at(at(3.5), at(3.5)), Some(0));
         assert_eq!(pieces.tag_at(at(22.5), at(22.5)), None);
-        // And what the next stands for, once there is room.
-        pieces.release_before(at(5.0));
-        pieces.note(piece(30.0, 31.0), 40);
-        assert_eq!(pieces.tag_at(at(22.5), at(22.5)), Some(40));
+        pieces.note(piece(30.0, 32.0), 40);
+        pieces.note_end(piece(27.0, 29.0), 41);
+        let ends = pieces.list.iter().map(|piece| piece.to.to_mm::<f64>());
+        assert!(ends.is_sorted());
+        assert_eq!(pieces.list.len(), PIECES);
+        let shown = [28.0, 31.0].map(|s| pieces.tag_at(at(s), at(33.0)));
+        assert_eq!(shown, [Some(41), Some(40)]);
+        // For what was left out the next of its line stands.
+        assert_eq!(pieces.tag_at(at(22.5), at(33.0)), Some(41));
     }
 }

@@ -225,18 +225,33 @@ impl<S: Scalar, const N: usize> Polyline<S, N> {
         }
     }
 
-    /// Arc length at the end of the line that leaves an arc length.
+    /// The line that leaves an arc length, and its tag.
+    #[inline(never)]
+    pub fn line_at(&self, s: Length) -> Option<(Interval, u32)> {
+        let end = self.index(s + Length::UNIT);
+        let (from, to) = (self.vertices.get(end.checked_sub(1)?)?, self.vertices.get(end)?);
+        Some((Interval { from: from.s, to: to.s }, to.leg.programmed.tag))
+    }
+
+    /// Arc length at its end.
     pub fn line_end(&self, s: Length) -> Length {
-        self.vertices.get(self.index(s + Length::UNIT)).map_or(s, |v| v.s)
+        self.line_at(s).map_or(s, |(line, _)| line.to)
     }
 
     /// Arc length at the last end within an interval, or at its end, of a line of at least so many mm.
     pub fn last_end(&self, Interval { from, to }: Interval, least: S) -> Option<Length> {
-        let (first, next) = (self.index(from + Length::UNIT), self.index(to + Length::UNIT));
-        (first..=next).rev().find_map(|i| {
-            let (start, end) = (self.vertices.get(i.checked_sub(1)?)?.s, self.vertices.get(i)?.s);
-            (end > from && end <= to && (end - start).to_mm::<S>() >= least).then_some(end)
-        })
+        let mut at = to;
+        for _ in 0..VERTICES {
+            let (line, _) = self.line_at(at)?;
+            if line.to > from && line.to <= to && (line.to - line.from).to_mm::<S>() >= least {
+                return Some(line.to);
+            }
+            if line.from <= from {
+                return None;
+            }
+            at = line.from - Length::UNIT;
+        }
+        None
     }
 
     /// Index of the vertex at the end of the line that holds an arc length.

@@ -17,14 +17,16 @@ use core::ops::Range;
 pub const EXCESS: f64 = 1.0001;
 
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
-    /// Whether the states of a stretch keep all limits, with a rest at its end, and no cell is over too soon.
+    /// Whether the states of a stretch keep all limits, with a rest at its end, and what leads the solver, and no cell is over too soon.
     pub fn holds(&mut self, stretch: Stretch) -> bool {
-        self.lasts(stretch) && self.keeps_limits(stretch)
+        self.holds_until(stretch, stretch.last)
     }
 
     /// Whether they keep all limits.
     pub fn keeps_limits(&mut self, stretch: Stretch) -> bool {
-        self.solver.on(&mut self.window, LimitSets::new(&self.config, &self.older), stretch).holds()
+        self.solver
+            .on(&mut self.window, LimitSets::new(&self.config, &self.older), stretch)
+            .keeps_limits()
     }
 
     /// The same up to station `until`.
