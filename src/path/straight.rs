@@ -30,8 +30,8 @@ pub fn end_in(
 }
 
 /// Whether a place cuts a cell over an interval.
-pub fn cuts(interval: Interval, at: Length, least: Length) -> bool {
-    let [first, last] = least_parts(interval, least);
+pub fn cuts(interval: Interval, at: Length) -> bool {
+    let [first, last] = least_parts(interval, Length::ZERO);
     at - interval.from > first && interval.to - at > last
 }
 

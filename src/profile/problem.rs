@@ -253,11 +253,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
         self.holds_over(self.cells())
     }
 
-    /// Whether they keep all limits. A part that was cut from a cell does, as the whole did, but perhaps not the rows that lead the method.
-    pub fn keeps_limits(&mut self) -> bool {
-        self.is_whole_over(self.cells(), S::ZERO)
-    }
-
     /// The same over some cells of the stretch.
     // Once in the image, however often it is called.
     #[inline(never)]
@@ -265,7 +260,12 @@ impl<S: Scalar, const N: usize, const NODES: usize> Problem<'_, S, N, NODES> {
         self.is_whole_over(cells, S::ONE)
     }
 
-    /// Whether the value over some cells is a number: whatever the barrier parameter is, if it is not 0.
+    /// Whether the states of the stretch keep all limits. A part that was cut from a cell does, as the whole did, but perhaps not the rows that lead the method.
+    pub fn keeps_limits(&mut self) -> bool {
+        self.is_whole_over(self.cells(), S::ZERO)
+    }
+
+    /// Whether the value over some cells is a number, with rows that lead the method if there is a barrier.
     fn is_whole_over(&mut self, cells: Range<usize>, mu: S) -> bool {
         let (task, rows) = (self.task, self.rows);
         self.task.relaxation = Relaxation::STRICT;

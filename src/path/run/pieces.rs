@@ -34,7 +34,7 @@ impl<S: Scalar> TaggedPiece<S> {
     /// Whether it ends within a span, but where no cell can be cut, or is shorter than so many mm.
     #[inline(never)]
     fn is_hidden(&self, span: Interval, least: S) -> bool {
-        let cuts = self.length >= least && straight::cuts(span, self.to, Length::ZERO);
+        let cuts = self.length >= least && straight::cuts(span, self.to);
         self.to > span.from && self.to <= span.to && !cuts
     }
 

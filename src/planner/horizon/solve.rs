@@ -17,7 +17,7 @@ use core::ops::Range;
 pub const EXCESS: f64 = 1.0001;
 
 impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
-    /// Whether the states of a stretch keep all limits, with a rest at its end, and what leads the solver, and no cell is over too soon.
+    /// Whether the states of a stretch keep all limits, with a rest at its end, and the rows that lead the solver, and no cell is over too soon.
     pub fn holds(&mut self, stretch: Stretch) -> bool {
         self.holds_until(stretch, stretch.last)
     }
