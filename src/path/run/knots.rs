@@ -105,16 +105,15 @@ impl<S: Scalar, const N: usize> Run<S, N> {
             programmed.tag = self.pieces.tag_at(shown, line.to).unwrap_or(tag);
         }
         let least = self.least_end_in(before);
-        let mut at = span.from;
+        let mut here = self.polyline.line_at(span.from);
         for _ in 0..VERTICES {
-            let Some((line, tag)) = self.polyline.line_at(at) else { break };
-            if line.to >= span.to || line.to <= at {
-                break;
-            }
-            if (line.to - line.from).to_mm::<S>() >= least {
+            let Some((line, tag)) = here.filter(|(line, _)| line.to < span.to) else { break };
+            here = self.polyline.line_at(line.to).filter(|(next, _)| next.to > line.to);
+            // Chords of a curve have one tag.
+            let changes = here.is_some_and(|(_, next)| next != tag);
+            if changes && (line.to - line.from).to_mm::<S>() >= least {
                 self.pieces.note_end(line, tag);
             }
-            at = line.to;
         }
         self.pieces.shown(span, least);
     }

@@ -44,16 +44,6 @@ impl<S: Scalar> TaggedPiece<S> {
     }
 }
 
-/// Swaps two pieces that are not in order.
-#[inline(never)]
-fn in_order<S: Scalar>(pair: &mut [TaggedPiece<S>]) {
-    if let [before, after] = pair
-        && before.to > after.to
-    {
-        core::mem::swap(before, after);
-    }
-}
-
 /// The pieces that no span has shown, in order, and before them those at whose ends cells may still end.
 pub struct Pieces<S> {
     list: Vec<TaggedPiece<S>, { PIECES + 1 }>,
@@ -96,9 +86,7 @@ impl<S: Scalar> Pieces<S> {
         // There is room for one more than are remembered.
         let _ = self.list.push(piece);
         for i in (1..self.list.len()).rev() {
-            if let Some(pair) = self.list.get_mut(i - 1..=i) {
-                in_order(pair);
-            }
+            self.put_in_order(i);
         }
         if self.list.is_full() {
             let mut shortest = self.list.len() - 1;
@@ -111,6 +99,17 @@ impl<S: Scalar> Pieces<S> {
                 piece.length = S::ZERO;
             }
             self.drop_empty();
+        }
+    }
+
+    /// Swaps a piece and the one before if they are not in order.
+    #[inline(never)]
+    fn put_in_order(&mut self, i: usize) {
+        if let Some((before, after)) = self.list.split_at_mut_checked(i)
+            && let (Some(before), Some(after)) = (before.last_mut(), after.first_mut())
+            && before.to > after.to
+        {
+            core::mem::swap(before, after);
         }
     }
 
