@@ -37,7 +37,8 @@ pub fn cuts(interval: Interval, at: Length) -> bool {
 
 /// The least parts that may be cut off a cell over an interval, at its beginning and its end.
 fn least_parts(Interval { from, to }: Interval, least: Length) -> [Length; 2] {
-    [FIRST_PART, LAST_PART].map(|of| least.max((to - from) / of))
+    let whole = to - from;
+    [least.max(whole / FIRST_PART), least.max(whole / LAST_PART)]
 }
 
 /// Least and greatest value of a component.
