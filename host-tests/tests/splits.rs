@@ -132,8 +132,10 @@ fn zigzag(turn: f64) -> Program {
 fn a_zigzag_in_pieces() {
     for turn in [45.0f64, 90.0, 120.0, 150.0] {
         let whole = zigzag(turn.to_radians());
-        for precision in [Precision::F64, Precision::F32] {
-            let machine = machine(0.05, (1.0, 1.0), 3);
+        for (lookahead, precision) in
+            [(16, Precision::F64), (16, Precision::F32), (64, Precision::F64)]
+        {
+            let machine = Machine { lookahead, ..machine(0.05, (1.0, 1.0), 3) };
             let time = watched(&whole, &machine, precision).time;
             for (size, round) in
                 [(4.0, false), (2.0, false), (1.0, false), (1.0, true), (4.0, true), (0.1, false)]
@@ -143,8 +145,12 @@ fn a_zigzag_in_pieces() {
                 let program = split(&whole, &[cuts], round);
                 let pieces = watched(&program, &machine, precision);
                 let ratio = pieces.time / time;
-                // What is lost by rounding is taken off the tolerance.
-                let most = if round { 1.022 } else { 1.005 };
+                // What is lost by rounding is taken off the tolerance. Cells that end where pieces do fill a small window.
+                let most = match (round, lookahead) {
+                    (true, 16) => 1.021,
+                    (true, _) => 1.02,
+                    _ => 1.005,
+                };
                 assert!(
                     ratio <= most && ratio > 0.99,
                     "{turn} degrees, {size} mm, rounded {round}, {precision:?}: {ratio}"
