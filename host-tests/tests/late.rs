@@ -176,13 +176,23 @@ fn plans_follow_each_other_without_a_rest_when_the_background_is_in_time_again()
     assert!(left.is_empty() && stops < 40, "{stops} of {after} servo cycles all but at rest");
 }
 
+/// What else is asked for when a hold is taken back.
+#[derive(Clone, Copy, Debug)]
+enum Besides {
+    Nothing,
+    /// Single block mode has been on from the beginning.
+    Single,
+    Stop,
+}
+
 /// Runs a line with so many slices in a servo cycle; a hold is given after so many cycles of motion, and taken back after as many more. Servo cycles to its end.
-fn held_for_a_moment<S: Scalar>(slices: u32, hold: u32, resume: u32) -> u32 {
+fn held_for_a_moment<S: Scalar>(slices: u32, hold: u32, resume: u32, besides: Besides) -> u32 {
     let axis = AxisLimits::linear(S::of(200.0), S::of(2000.0), S::of(50_000.0));
     let config = Config::new(Limits::new([axis; AXES]).unwrap());
     let mut link = Box::new(Link::<S, AXES, 16, 64>::new());
     let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; AXES]).unwrap();
     let controls = planner.controls();
+    controls.single_block(matches!(besides, Besides::Single));
     push(&mut planner, &[line([4.0, 3.0], 1)]);
     let mut moved = 0;
     for cycle in 0..60_000 {
@@ -194,7 +204,8 @@ fn held_for_a_moment<S: Scalar>(slices: u32, hold: u32, resume: u32) -> u32 {
             }
         }
         let runs = interpolator.tick().activity == Activity::Running;
-        if progress == Progress::Done && !runs {
+        let rests = progress == Progress::Held && moved > hold + resume;
+        if (progress == Progress::Done || rests) && !runs {
             return cycle;
         }
         moved += u32::from(runs || moved > 0);
@@ -202,6 +213,9 @@ fn held_for_a_moment<S: Scalar>(slices: u32, hold: u32, resume: u32) -> u32 {
             controls.hold();
         } else if moved == hold + resume {
             controls.resume();
+            if matches!(besides, Besides::Stop) {
+                controls.stop();
+            }
         }
     }
     panic!(
@@ -213,19 +227,21 @@ fn held_for_a_moment<S: Scalar>(slices: u32, hold: u32, resume: u32) -> u32 {
 /// What a hold has slowed the motion down to is no pace to go on at, also where all of the path is planned.
 #[test]
 fn a_hold_that_is_taken_back_leaves_no_crawl() {
-    let usual = held_for_a_moment::<f64>(1000, u32::MAX / 2, 0);
+    let usual = held_for_a_moment::<f64>(1000, u32::MAX / 2, 0, Besides::Nothing);
     for slices in [1, 2, 4, 8] {
         for (hold, resume) in (1..60).flat_map(|hold| [1, 2, 4, 8, 16].map(|resume| (hold, resume)))
         {
-            let times = [
-                held_for_a_moment::<f64>(slices, hold, resume),
-                held_for_a_moment::<f32>(slices, hold, resume),
-            ];
-            let most = times.into_iter().max().unwrap_or(0);
-            assert!(
-                most < usual + 250,
-                "{slices} slices, a hold at {hold}, a resume after {resume}: {most} servo cycles, {usual} without"
-            );
+            for besides in [Besides::Nothing, Besides::Single, Besides::Stop] {
+                let times = [
+                    held_for_a_moment::<f64>(slices, hold, resume, besides),
+                    held_for_a_moment::<f32>(slices, hold, resume, besides),
+                ];
+                let most = times.into_iter().max().unwrap_or(0);
+                assert!(
+                    most < usual + 250,
+                    "{slices} slices, a hold at {hold}, a resume after {resume}, {besides:?}: {most} servo cycles, {usual} without"
+                );
+            }
         }
     }
 }

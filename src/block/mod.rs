@@ -93,7 +93,8 @@ pub enum Feed<S> {
     /// Units per time (G94), here per second. It is the speed over the linear axes; if only rotary
     /// axes move, degrees per second over those.
     PerSecond(S),
-    /// Inverse time (G93): the block takes this many seconds.
+    /// Inverse time (G93): the block takes this many seconds at an override of 100 %, or longer where the axes, a corner, or the way
+    /// from and to rest ask for it. One without length takes none.
     Duration(S),
     /// As fast as the axes allow (G0).
     Rapid,

@@ -38,7 +38,7 @@ use crate::servo::control::Wish;
 pub enum Halt {
     /// As soon as the limits allow.
     Hold,
-    /// Wherever: the motion slows down for a hold, and the next stage of that follows.
+    /// Wherever: the motion slows down to rest as soon as the limits allow, and the next stage of that follows.
     Slowing,
     /// At the end of a block.
     Block,
@@ -47,11 +47,11 @@ pub enum Halt {
 }
 
 impl Halt {
-    /// Whether it is still asked for.
-    pub fn is_wanted(self, wish: &Wish) -> bool {
+    /// Whether it is still asked for; `short`: for a stop, too, the motion is to come to rest as soon as it can.
+    pub fn is_wanted(self, wish: &Wish, short: bool) -> bool {
         match self {
             Self::Hold => wish.holds(),
-            Self::Slowing => wish.holds() || wish.stops_at_end(),
+            Self::Slowing => wish.holds() || (short && wish.stops_at_end()),
             Self::Block | Self::Short => wish.stops_at_end(),
         }
     }

@@ -162,8 +162,9 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             }
             return Answer::Brake { quick, halt: Halt::Hold };
         }
+        let short = self.pressing.short;
         if let Phase::Following(now) = &mut self.phase
-            && let Some(halt) = now.halt.filter(|halt| !halt.is_wanted(wish))
+            && let Some(halt) = now.halt.filter(|halt| !halt.is_wanted(wish, short))
         {
             now.go_on(at);
             if halt == Halt::Slowing {
@@ -177,7 +178,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         let paced = self.horizon.is_paced(wish.overrides);
         let stays = |offer: &Offer| offer.before.is_some() && offer.taken.halt == Some(Halt::Block);
-        if self.phase.offer().is_some_and(stays) && !Halt::Block.is_wanted(wish) {
+        if self.phase.offer().is_some_and(stays) && !wish.stops_at_end() {
             self.revoke(lead);
         }
         // A first answer on offer comes before the whole one.
@@ -229,13 +230,17 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             }
         }
         let Phase::Following(now) = &mut self.phase else { return Answer::Nothing };
-        if matches!(now.halt, Some(Halt::Block | Halt::Short)) {
+        let halt = now.halt;
+        if matches!(halt, Some(Halt::Block | Halt::Short)) {
+            // Up to the end of a block other overrides count.
+            self.pressing.short &= halt != Some(Halt::Block);
             return Answer::Says(Progress::Waiting);
         }
-        self.pressing.short |= now.halt == Some(Halt::Slowing);
         let planned = if self.horizon.stands(at) {
             self.rest_next(Halt::Block)
-        } else if let Some(rest) = self.horizon.agreed_block_end(at) {
+        } else if halt.is_none()
+            && let Some(rest) = self.horizon.agreed_block_end(at)
+        {
             let planned = self.rest_there(rest, Halt::Block);
             if self.phase.halt() == Some(Halt::Block) {
                 return Answer::Says(Progress::Waiting);

@@ -191,11 +191,9 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     fn refine_retuning(&mut self, from: usize, proposal: &mut Proposal) -> Retuning<S> {
         let Stretch { first, last: end, .. } = proposal.stretch;
         let mut stretch = Stretch { first: from, last: end, open: false };
-        if proposal.branch.is_by_cycle() {
-            let speed = self.window.get(from).map_or(S::ZERO, |station| station.state.b.sqrt());
-            let distance = self.ramp(from, speed).greatest(self.braking_distance(from));
-            (stretch.last, _) = self.refine(from, end, distance);
-        }
+        let speed = self.window.get(from).map_or(S::ZERO, |station| station.state.b.sqrt());
+        let distance = self.ramp(from, speed).greatest(self.braking_distance(from));
+        (stretch.last, _) = self.refine(from, end, distance);
         self.loosen(first, stretch.last);
         let slower = self.exceeds_goal(stretch);
         stretch.open = proposal.halt.is_none() && self.is_open(stretch);
