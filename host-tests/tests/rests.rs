@@ -12,8 +12,9 @@ use splineway::{
 
 const AXES: usize = 2;
 const CYCLE: f64 = 1.0e-3;
-/// Servo cycles of a run at most.
+/// Servo cycles of a run at most, and of the standstill at its end.
 const LONGEST: usize = 60_000;
+const STILL: usize = 500;
 
 type Line<S> = Block<S, AXES>;
 type Points = Vec<(f64, f64)>;
@@ -147,6 +148,35 @@ fn from_nearest(place: [f64; AXES], points: &[(f64, f64)]) -> f64 {
 const STOP: Command = |controls| controls.stop();
 const SINGLE: Command = |controls| controls.single_block(true);
 
+/// Lines one behind the other, each of a length and in a direction, rad, at a feed; with the start and their ends.
+fn poly_line<S: Scalar>(
+    lines: impl IntoIterator<Item = (f64, f64, f64)>,
+) -> (Vec<Line<S>>, Points) {
+    let mut points = vec![(0.0, 0.0)];
+    let blocks = (1..)
+        .zip(lines)
+        .map(|(tag, (length, direction, feed))| {
+            let here = points.last().copied().unwrap_or_default();
+            let to = (here.0 + length * direction.cos(), here.1 + length * direction.sin());
+            points.push(to);
+            Block::line(at(to.0, to.1), S::of(feed), tag)
+        })
+        .collect();
+    (blocks, points)
+}
+
+/// A stop or single block mode, in some servo cycle of a program: in which, and where the machine rests.
+fn rest_in_any_cycle(
+    config: &Config<f64, AXES>,
+    blocks: &[Line<f64>],
+    draw: &mut Rng,
+) -> (usize, [f64; AXES]) {
+    let plain = run(*config, blocks, Polls::All, |_, _, _| {}).len() - STILL;
+    let when = (draw.f64() * plain as f64) as usize;
+    let command = if draw.bool() { STOP } else { SINGLE };
+    (when, pressed_at(*config, blocks, when, command).last().unwrap().place)
+}
+
 /// Lines that run straight on become one, and where the feed changes they are a part of a run: each still ends where it ends.
 fn straight_lines_end_where_they_end<S: Scalar>(exact: f64) {
     type Lines = &'static [(f64, Option<f64>)];
@@ -227,25 +257,17 @@ fn a_stop_in_a_corner_rests_beside_an_end() {
     let (cases, mut beyond) = (300 * soak(), 0);
     for case in 0..cases {
         let turn = (20.0 + 80.0 * draw.f64()).to_radians();
-        let legs = [(1.0, 0.0), (turn.cos(), turn.sin())];
-        let (mut here, mut blocks, mut ends) = ((0.0, 0.0), Vec::<Line<f64>>::new(), Vec::new());
-        for (x, y) in legs {
+        let mut lines = Vec::new();
+        for direction in [0.0, turn] {
             for _ in 0..=draw.u32(0..4) {
-                let length = 1.0 + 9.0 * draw.f64();
-                here = (here.0 + length * x, here.1 + length * y);
-                ends.push(here);
-                let tag = ends.len() as u32;
-                blocks.push(Block::line(at(here.0, here.1), 60.0, tag));
+                lines.push((1.0 + 9.0 * draw.f64(), direction, 60.0));
             }
         }
+        let (blocks, ends) = poly_line(lines);
         let mut config = config();
         config.tolerance = tolerance;
-        let plain = run(config, &blocks, Polls::All, |_, _, _| {}).len();
-        let when = (draw.f64() * plain as f64) as usize;
-        let command = if draw.bool() { STOP } else { SINGLE };
-        let seen = pressed_at(config, &blocks, when, command);
-        let rest = seen.last().unwrap().place;
-        let least = from_nearest(rest, &ends).min(rest[0].hypot(rest[1]));
+        let (when, rest) = rest_in_any_cycle(&config, &blocks, &mut draw);
+        let least = from_nearest(rest, &ends);
         beyond += u32::from(least > 3.0 * tolerance);
         assert!(least < 20.0 * tolerance, "case {case}: {rest:?} of {ends:?}, {when}");
     }
@@ -258,18 +280,11 @@ fn a_stop_on_lines_that_hardly_turn_rests_beside_an_end() {
     let tolerance = 0.05;
     let (mut rests, mut beyond) = (0, 0);
     for (length, turn) in [(3.0, 0.005), (7.0, 0.001), (7.0, 0.005), (7.0, 0.02), (11.0, 0.003)] {
-        let (mut here, mut angle, mut ends) = ((0.0, 0.0), 0.0_f64, vec![(0.0, 0.0)]);
-        let blocks: Vec<Line<f64>> = (1..=14)
-            .map(|tag| {
-                here = (here.0 + length * angle.cos(), here.1 + length * angle.sin());
-                angle += turn;
-                ends.push(here);
-                Block::line(at(here.0, here.1), 80.0, tag)
-            })
-            .collect();
+        let lines = (0..14).map(|line| (length, f64::from(line) * turn, 80.0));
+        let (blocks, ends) = poly_line(lines);
         let mut config = config();
         config.tolerance = tolerance;
-        let plain = run(config, &blocks, Polls::All, |_, _, _| {}).len() - 500;
+        let plain = run(config, &blocks, Polls::All, |_, _, _| {}).len() - STILL;
         for when in (20..plain).step_by(plain / 40) {
             let command = if when % 2 == 0 { STOP } else { SINGLE };
             let seen = pressed_at(config, &blocks, when, command);
@@ -289,21 +304,20 @@ fn gentle_lines<S: Scalar>(draw: &mut Rng) -> (Config<S, AXES>, Vec<Line<S>>, Po
     let axis = AxisLimits::linear(S::of(200.0), S::of(2000.0), S::of(20_000.0));
     let mut config = Config::new(Limits::new([axis; AXES]).unwrap());
     config.tolerance = S::of(0.2);
-    let (mut here, mut angle, mut ends) = ((0.0, 0.0), 0.0_f64, vec![(0.0, 0.0)]);
-    let mut feed = 60.0;
-    let blocks = (1..=15)
-        .map(|tag| {
+    let (mut angle, mut feed) = (0.0, 60.0);
+    let lines: Vec<_> = (0..15)
+        .map(|_| {
             let length =
                 if draw.bool() { 5.0 + 45.0 * draw.f64() } else { 0.01 + 0.1 * draw.f64() };
-            here = (here.0 + length * angle.cos(), here.1 + length * angle.sin());
+            let direction = angle;
             angle += 0.04 * draw.f64();
-            ends.push(here);
             if draw.u32(0..3) == 0 {
                 feed = 15.0 * 6.0_f64.powf(draw.f64());
             }
-            Block::line(at(here.0, here.1), S::of(feed), tag)
+            (length, direction, feed)
         })
         .collect();
+    let (blocks, ends) = poly_line(lines);
     (config, blocks, ends)
 }
 
@@ -316,21 +330,12 @@ fn a_stop_on_lines_of_all_lengths_rests_beside_an_end() {
         let axis = AxisLimits::linear(200.0, 5000.0, 250_000.0);
         let mut config: Config<f64, AXES> = Config::new(Limits::new([axis; AXES]).unwrap());
         config.tolerance = 0.1;
-        let (mut here, mut angle, mut ends) = ((0.0, 0.0), 0.0_f64, vec![(0.0, 0.0)]);
         let turn = 0.0005 * 20.0_f64.powf(draw.f64());
-        let blocks: Vec<Line<f64>> = (1..=40)
-            .map(|tag| {
-                let length = 0.2 * 200.0_f64.powf(draw.f64());
-                here = (here.0 + length * angle.cos(), here.1 + length * angle.sin());
-                angle += turn;
-                ends.push(here);
-                Block::line(at(here.0, here.1), 120.0, tag)
-            })
+        let lines: Vec<_> = (0..40)
+            .map(|line| (0.2 * 200.0_f64.powf(draw.f64()), f64::from(line) * turn, 120.0))
             .collect();
-        let plain = run(config, &blocks, Polls::All, |_, _, _| {}).len() - 500;
-        let when = (draw.f64() * plain as f64) as usize;
-        let command = if draw.bool() { STOP } else { SINGLE };
-        let rest = pressed_at(config, &blocks, when, command).last().unwrap().place;
+        let (blocks, ends) = poly_line(lines);
+        let (when, rest) = rest_in_any_cycle(&config, &blocks, &mut draw);
         let least = from_nearest(rest, &ends);
         beyond += u32::from(least > 0.2);
         assert!(least < 1.0, "case {case}: {least} mm, {rest:?}, {when}");
