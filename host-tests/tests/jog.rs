@@ -617,6 +617,65 @@ fn nine_axes_arrive() {
     assert!((0..9).all(|i| setpoint.position(i) == to[i]));
 }
 
+/// Where one of nine axes could not be turned at once, all that was asked for was asked again, with all of its time, for ever: without a word from the operator
+/// the others ran on.
+#[test]
+#[allow(clippy::unreadable_literal)] // As they were drawn.
+fn a_velocity_ends_though_an_axis_cannot_be_turned() {
+    let limits = [
+        [38.98324966430664, 122.01905059814453, 3468.54736328125],
+        [27.014965057373047, 445.9387512207031, 8493.5498046875],
+        [77.20626068115234, 355.9462890625, 20023.615234375],
+        [263.630126953125, 1808.761474609375, 176947.421875],
+        [189.18051147460938, 1623.5655517578125, 16434.4765625],
+        [72.8891372680664, 624.124267578125, 29236.1796875],
+        [43.48078918457031, 425.0822448730469, 2761.8125],
+        [36.51051712036133, 245.7560272216797, 21005.751953125],
+        [585.4501953125, 16521.544921875, 1083337.0],
+    ];
+    let mut config = Config::<f64, 9>::new(
+        Limits::new(limits.map(|[v, a, j]| AxisLimits::linear(v, a, j))).unwrap(),
+    );
+    config.cycle = f64::from(0.002f32);
+    let axis_5 = |of: f64| std::array::from_fn(|axis| if axis == 5 { of } else { 0.0 });
+    let jogs = [
+        (0, Jog::Velocity { velocity: axis_5(-189.2434539794922), time: 0.08932215720415115 }),
+        (1, Jog::Step { by: axis_5(-1.932827591896).map(at), feed: 16.03028678894043 }),
+        (
+            3,
+            Jog::Velocity {
+                velocity: [
+                    229.33074951171875,
+                    19.91200065612793,
+                    108.10548400878906,
+                    -77.25090026855469,
+                    -179.64309692382813,
+                    261.4397888183594,
+                    115.2477035522461,
+                    -244.6811981201172,
+                    284.03424072265625,
+                ],
+                time: 0.22282694280147552,
+            },
+        ),
+    ];
+    let mut link = Box::new(Link::<f64, 9>::new());
+    let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; 9]).unwrap();
+    for cycle in 0.. {
+        assert!(cycle < 1000, "no rest");
+        for (when, jog) in &jogs {
+            if *when == cycle {
+                planner.jog(jog).unwrap();
+            }
+        }
+        planner.settle();
+        let setpoint = interpolator.tick();
+        if cycle > 3 && setpoint.activity == Activity::Idle {
+            return;
+        }
+    }
+}
+
 #[test]
 fn a_jog_after_a_cancel_counts() {
     let config = usual();

@@ -92,6 +92,8 @@ pub struct Jogging<const N: usize> {
     /// Servo cycles after which a plan branches off a motion, and whether the last one came too late.
     pub(super) reaction: u32,
     refused: bool,
+    /// Servo cycle in which a plan for a velocity was last made: one made anew may last as much less as has passed since then.
+    tried: Option<CycleSerial>,
     /// What probes and homing have in common, and each of them.
     #[cfg(feature = "probe")]
     pub(super) seeking: Seeking<N>,
@@ -120,6 +122,7 @@ impl<const N: usize> Jogging<N> {
         aborted: false,
         reaction: 0,
         refused: false,
+        tried: None,
         #[cfg(feature = "probe")]
         seeking: Seeking::NONE,
         #[cfg(feature = "probe")]
@@ -241,7 +244,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         // The newest counts: a cancel from before is not meant for it. A hold is: what an operator's device sends again
         // and again must not outrun the hand that stops the machine.
         self.jogging.cancels = self.requests.cancels();
-        self.jogging.asked = asked;
+        (self.jogging.asked, self.jogging.tried) = (asked, None);
         Ok(())
     }
 
@@ -426,6 +429,13 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             Asked::Step(by, feed) => {
                 let places = from.stop_places(&self.horizon.config);
                 self.clipped(&places, &by, feed)
+            }
+            Asked::Velocity(velocity, hold) => {
+                let passed = jogging.tried.replace(now).and_then(|tried| now.since(tried));
+                match hold.saturating_sub(passed.unwrap_or(0)) {
+                    0 => Asked::Stop,
+                    hold => Asked::Velocity(velocity, hold),
+                }
             }
             asked => asked,
         };

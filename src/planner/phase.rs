@@ -120,7 +120,7 @@ pub struct Offer {
     pub end: NodeSerial,
     /// Whether it branches off at a servo cycle.
     pub by_cycle: bool,
-    /// Whether it is a first answer to overrides, behind which the whole one branches off.
+    /// Whether it is a first answer to overrides, or one that falls short, behind which another branches off.
     pub begins: bool,
     /// What will be if it is taken.
     pub taken: Following,

@@ -5,7 +5,7 @@ use super::setpoint::{Activity, Place, Setpoint};
 use crate::number::atomic::AtomicU32;
 use crate::number::serial::NodeSerial;
 use crate::number::shared::Shared;
-use crate::number::{ArcLength, Coord, Scalar};
+use crate::number::{ArcLength, Coord, Length, Scalar};
 use core::array::from_fn;
 use core::sync::atomic::Ordering::Relaxed;
 
@@ -193,7 +193,8 @@ impl<S: Scalar, const N: usize> Slot<S, N> {
             (0..N).all(|i| {
                 let off = here.position(i).minus::<S>(there.position(i)).abs();
                 let faster = (here.velocity[i] - there.velocity[i]).abs();
-                off <= slack * piece.time && faster <= slack
+                // Near a rest that is less than the unit of a position.
+                off <= slack * piece.time + Length::UNIT.to_mm::<S>() && faster <= slack
             })
         };
         same && times.into_iter().all(near)

@@ -157,7 +157,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         let (first, branch) = self.cut_in(moment)?;
         let last = self.end_index();
         let (rate, fastest) = self.excess(first..last, asked)?;
-        if self.gets_going(first) || !(rate < S::of(1.0 - NEARLY)) {
+        if self.gets_going(first, asked) || !(rate < S::of(1.0 - NEARLY)) {
             return None;
         }
         let cell = self.falls_from(first, fastest, rate);
@@ -176,14 +176,15 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         Some((Proposal { stretch, branch, halt }, Stage::Easing(easing)))
     }
 
-    /// Whether the motion is far below what it is asked for, and would be if it let go of its acceleration: a clock that goes slower would keep
-    /// it there.
-    pub(super) fn gets_going(&self, first: usize) -> bool {
-        self.window.get(first).is_some_and(|station| {
+    /// Whether the motion is far below what it was asked for and below what it is asked for now, and would be if it let go of its acceleration: a clock
+    /// that goes slower would keep it there.
+    #[inline(never)]
+    pub(super) fn gets_going(&self, first: usize, asked: Overrides) -> bool {
+        self.window.get(first).zip(self.goal_at(first, asked)).is_some_and(|(station, goal)| {
             let PathState { b, a } = station.agreed;
             let [_, jerk] = self.limits_over(first, false).along(&station.node.tangent);
             let gains = a.greatest(S::ZERO) * a / (jerk + jerk);
-            b.sqrt() + gains < station.bounds.goal * S::of(FAR_BELOW)
+            b.sqrt() + gains < goal.least(station.bounds.goal * S::of(FAR_BELOW))
         })
     }
 

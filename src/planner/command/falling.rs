@@ -63,7 +63,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     pub(super) fn rate_for(&self, stretch: Stretch, asked: Overrides) -> Option<S> {
         let Stretch { first, last, .. } = stretch;
         let (rate, fastest) = self.excess(first..last, asked)?;
-        let now = !self.gets_going(first) && self.falls_from(first, fastest, rate) == first;
+        let now = !self.gets_going(first, asked) && self.falls_from(first, fastest, rate) == first;
         (now && rate > S::of(LEAST_LEFT)).then_some(rate)
     }
 

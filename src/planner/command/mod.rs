@@ -231,10 +231,14 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         }
         let Phase::Following(now) = &mut self.phase else { return Answer::Nothing };
         let halt = now.halt;
-        if matches!(halt, Some(Halt::Block | Halt::Short)) {
-            // Up to the end of a block other overrides count.
-            self.pressing.short &= halt != Some(Halt::Block);
-            return Answer::Says(Progress::Waiting);
+        match halt {
+            Some(Halt::Block) => {
+                // Up to the end of a block other overrides count.
+                self.pressing.short = false;
+                return Answer::Says(Progress::Waiting);
+            }
+            Some(Halt::Short) => return Answer::Says(Progress::Waiting),
+            _ => {}
         }
         let planned = if self.horizon.stands(at) {
             self.rest_next(Halt::Block)

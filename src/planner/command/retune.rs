@@ -108,14 +108,17 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         self.pressing.refused = Some(overrides);
     }
 
-    /// A whole answer has been made. One that falls short is followed by another: the next slows the motion down as a first answer does, by a clock, which
-    /// can from any speed.
-    pub(in crate::planner) fn look_at_answer(&mut self, stretch: Stretch) {
-        if self.pressing.short_falls < SHORT_FALLS && self.horizon.falls_short(stretch) {
-            self.pressing.short_falls += 1;
-            self.pressing.eased = None;
-            self.horizon.mark_eased(stretch.first);
+    /// A whole answer has been made. Whether it falls short, and is followed by another: the next slows the motion down as a first answer does, by a
+    /// clock, which can from any speed.
+    pub(in crate::planner) fn look_at_answer(&mut self, stretch: Stretch) -> bool {
+        let Self { pressing, horizon, .. } = self;
+        let short = pressing.short_falls < SHORT_FALLS && horizon.falls_short(stretch);
+        if short {
+            pressing.short_falls += 1;
+            (pressing.reacted, pressing.eased) = (Some(horizon.overrides()), None);
+            horizon.mark_eased(stretch.first);
         }
+        short
     }
 
     /// Whether the motion has come far enough since the last try for more of them.

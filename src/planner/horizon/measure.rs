@@ -108,6 +108,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// The stretch from a branch to the end of the plan, or to the first rest in it.
+    #[inline(never)]
     pub fn stretch_from(&self, first: usize) -> Stretch {
         let end = self.end_index();
         let rests = |i: &usize| self.window.get(*i).is_some_and(|station| station.rest);
@@ -261,6 +262,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     }
 
     /// What it takes from a speed, mm/s, to the one that the cell of station `i` is asked for, mm.
+    #[inline(never)]
     pub fn ramp(&self, i: usize, speed: S) -> S {
         let Some(station) = self.window.get(i) else { return S::ZERO };
         let Bounds { goal, acceleration, jerk, .. } = station.bounds;
