@@ -561,3 +561,57 @@ fn a_lowered_override_outlasts_a_hold() {
         }
     }
 }
+
+/// Servo cycles until the motion is no faster than a hundredth of the feed, and a tenth of that: it is lowered to that some cycles after it was from 150 to 30 %,
+/// with a burst of slices in one servo cycle of some, and all that is to do from `more` cycles later on.
+fn lowered_again(feed: f64, (apart, burst): (u32, u32), gap: u32, more: u32) -> u32 {
+    const PRESSED: u32 = 500;
+    let axis = AxisLimits::linear(VELOCITY, ACCELERATION, JERK);
+    let mut config = Config::new(Limits::new([axis; AXES]).unwrap());
+    config.tolerance = TOLERANCE;
+    let mut link = Box::new(Link::<f64, AXES>::new());
+    let (mut planner, mut interpolator) = link.split(config, [Coord::ZERO; AXES]).unwrap();
+    planner.push(&Block::line(coordinates([600.0, 0.0]), feed, 1)).unwrap();
+    planner.finish();
+    let controls = planner.controls();
+    controls.feed_override(150);
+    let fast = PRESSED + gap + more;
+    for cycle in 0..fast + 3000 {
+        if cycle == PRESSED {
+            controls.feed_override(30);
+        }
+        if cycle == PRESSED + gap {
+            controls.feed_override(1);
+        }
+        if !(PRESSED - 50..fast).contains(&cycle) {
+            planner.settle();
+        } else if cycle % apart == 0 {
+            for _ in 0..burst {
+                planner.poll();
+            }
+        }
+        let setpoint = interpolator.tick();
+        if cycle >= fast && setpoint.path_speed <= feed * 0.011 {
+            return cycle - fast;
+        }
+    }
+    u32::MAX
+}
+
+/// An answer that fell short was withdrawn for the next before it took effect, for ever; and a motion that had been slowed down counted as one that gets going.
+#[test]
+fn an_override_that_is_lowered_again_is_obeyed() {
+    for feed in [10.0, 90.0] {
+        for background in [(1, 1), (10, 1), (10, 5), (20, 5), (40, 5)] {
+            for gap in [20, 60, 150] {
+                for more in [10, 60, 100] {
+                    let taken = lowered_again(feed, background, gap, more);
+                    assert!(
+                        taken < 200,
+                        "{feed} mm/s, {background:?}, {gap} and {more}: {taken} cycles"
+                    );
+                }
+            }
+        }
+    }
+}

@@ -294,7 +294,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     fn propose_from(&mut self, branch: NodeSerial, single: bool) -> Option<(Proposal, usize)> {
         let first = self.window.clamped_index(branch);
         let new = self.end_index().max(first);
-        self.take_out_spare(new);
         let mut stretch = Stretch { first, last: self.window.len() - 1, open: true };
         let mut halt = None;
         if single && let Some(end) = self.block_end(first) {

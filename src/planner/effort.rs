@@ -15,13 +15,6 @@ const RESERVE_CYCLES: f64 = 2.0;
 /// What one adds to it that may be too small.
 const ROUNDED: f64 = 0.5;
 
-/// Cells that take as much work in a plan ahead as a first answer to overrides does in all, as long as none has been measured.
-const CELLS: usize = 4;
-/// Plans ahead that a whole answer takes as much work as which leads past many blocks.
-const PLANS: usize = 3;
-/// First answers that a whole one takes as much work as.
-const FIRSTS: usize = 4;
-
 /// So many times what one took it has taken in the mean if it is another time: a hard plan takes some times as long as an easy one.
 pub const SLOWER: f64 = 16.0;
 
@@ -34,8 +27,8 @@ pub struct Effort<S> {
     pub stop: Work<S>,
     /// A first answer to an override, in all.
     pub first: Work<S>,
-    /// A whole one, for each of the cells that lie ahead.
-    pub whole: Work<S>,
+    /// A whole one, for each of the cells that lie ahead: the mean.
+    whole: S,
     /// A window that is reshaped.
     #[cfg(feature = "reshape")]
     pub shape: Work<S>,
@@ -47,27 +40,32 @@ impl<S: Scalar> Effort<S> {
         plan: Work::NONE,
         stop: Work::NONE,
         first: Work::NONE,
-        whole: Work::NONE,
+        whole: S::ZERO,
         #[cfg(feature = "reshape")]
         shape: Work::NONE,
     };
 
-    /// By what it is reckoned what a whole answer to overrides takes with so many cells ahead: a kind of work, and how many parts of it.
-    #[inline(never)]
-    pub fn of_whole(&mut self, cells: usize) -> (&mut Work<S>, usize) {
-        // What plans ahead take for each of their cells says little: many change the end of what is agreed alone.
-        if self.whole.is_known() {
-            (&mut self.whole, cells)
-        } else if self.first.is_known() {
-            (&mut self.first, FIRSTS)
-        } else {
-            (&mut self.plan, PLANS * cells)
-        }
+    /// A whole answer to overrides, for each of the cells that lie ahead.
+    pub fn whole(&self) -> Work<S> {
+        Work { mean: self.whole, deviation: S::ZERO }
     }
 
-    /// The same of a first answer.
-    pub fn of_first(&mut self) -> (&mut Work<S>, usize) {
-        if self.first.is_known() { (&mut self.first, 1) } else { (&mut self.plan, CELLS) }
+    /// One has taken so many servo cycles over so many cells.
+    pub fn learn_whole(&mut self, cells: usize, cycles: u32) {
+        let mut whole = self.whole();
+        whole.learn(cells, cycles);
+        self.set_whole(&whole);
+    }
+
+    /// What is known of them from now on.
+    pub fn set_whole(&mut self, whole: &Work<S>) {
+        self.whole = whole.mean;
+    }
+
+    /// One has taken so many servo cycles over so many cells, and is not done: the next are given twice as many.
+    pub fn raise_whole(&mut self, cells: usize, cycles: u32) {
+        let per_cell = per_part::<S>(cells, cycles);
+        self.whole = self.whole.greatest(per_cell + per_cell);
     }
 }
 
@@ -118,12 +116,6 @@ impl<S: Scalar> Work<S> {
             self.learn(parts, cycles);
         }
         anew
-    }
-
-    /// So many parts have taken so many servo cycles, and are not done: the next are given twice as many.
-    pub fn raise(&mut self, parts: usize, cycles: u32) {
-        let per_part = per_part::<S>(parts, cycles);
-        self.mean = self.mean.greatest(per_part + per_part);
     }
 
     /// Whether anything is known, and that it takes time.

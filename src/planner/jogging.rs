@@ -38,6 +38,8 @@ pub(super) enum Asked<const N: usize> {
     Nothing,
     /// Per axis, mm per cycle, for so many cycles.
     Velocity([f64; N], u32),
+    /// The same until a servo cycle: so a plan has been made for it, and one that is made anew lasts no longer.
+    Until([f64; N], CycleSerial),
     /// To a place, at a speed, mm per cycle.
     Place([Coord; N], f64),
     /// By a distance from where the axes would stop, at a speed.
@@ -92,8 +94,6 @@ pub struct Jogging<const N: usize> {
     /// Servo cycles after which a plan branches off a motion, and whether the last one came too late.
     pub(super) reaction: u32,
     refused: bool,
-    /// Servo cycle in which a plan for a velocity was last made: one made anew may last as much less as has passed since then.
-    tried: Option<CycleSerial>,
     /// What probes and homing have in common, and each of them.
     #[cfg(feature = "probe")]
     pub(super) seeking: Seeking<N>,
@@ -122,7 +122,6 @@ impl<const N: usize> Jogging<N> {
         aborted: false,
         reaction: 0,
         refused: false,
-        tried: None,
         #[cfg(feature = "probe")]
         seeking: Seeking::NONE,
         #[cfg(feature = "probe")]
@@ -244,7 +243,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         // The newest counts: a cancel from before is not meant for it. A hold is: what an operator's device sends again
         // and again must not outrun the hand that stops the machine.
         self.jogging.cancels = self.requests.cancels();
-        (self.jogging.asked, self.jogging.tried) = (asked, None);
+        self.jogging.asked = asked;
         Ok(())
     }
 
@@ -430,13 +429,8 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 let places = from.stop_places(&self.horizon.config);
                 self.clipped(&places, &by, feed)
             }
-            Asked::Velocity(velocity, hold) => {
-                let passed = jogging.tried.replace(now).and_then(|tried| now.since(tried));
-                match hold.saturating_sub(passed.unwrap_or(0)) {
-                    0 => Asked::Stop,
-                    hold => Asked::Velocity(velocity, hold),
-                }
-            }
+            Asked::Velocity(velocity, hold) => Asked::Until(velocity, now.plus(hold)),
+            Asked::Until(_, until) if !now.is_before(until) => Asked::Stop,
             asked => asked,
         };
         #[cfg(feature = "home")]
@@ -444,7 +438,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return self.plan_set(&to);
         }
         let aim = match asked {
-            Asked::Velocity(velocity, hold) => Aim::Velocity(velocity, hold),
+            Asked::Until(velocity, until) => Aim::Velocity(velocity, until.since(now).unwrap_or(0)),
             Asked::Place(to, feed) => Aim::Place(to, feed),
             #[cfg(feature = "home")]
             Asked::Each(aims) => Aim::Each(aims),

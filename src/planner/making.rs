@@ -24,11 +24,11 @@
 use super::command::Flow;
 use super::command::block_end::Ending;
 use super::command::easing::Easing;
-use super::command::reaction::Reacting;
+use super::command::reaction::{self, Reacting};
 use super::command::retune::Retuning;
 use super::command::slowing::Slowing;
 use super::command::stages::Marched;
-use super::effort::{SLOWER, Work};
+use super::effort::{Effort, SLOWER, Work};
 use super::horizon::{Horizon, Proposal};
 use super::phase::{Halt, Phase};
 #[cfg(feature = "reshape")]
@@ -369,7 +369,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             }
             Purpose::Reaction(_) => self.effort.first.learn(1, cycles),
             Purpose::Overrides => {
-                self.effort.whole.learn(self.cells_ahead(at), cycles);
+                self.effort.learn_whole(self.cells_ahead(at), cycles);
                 begins = self.look_at_answer(proposal.stretch);
             }
             Purpose::Falling(asked) => {
@@ -417,12 +417,15 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
             return false;
         }
         let cells = self.cells_ahead(at);
-        let effort = &mut self.effort;
+        let mut whole = self.effort.whole();
+        let Effort { plan, stop, first, .. } = &mut self.effort;
         let (work, parts) = match purpose {
-            Purpose::Hold | Purpose::Falling(_) => (&mut effort.stop, usize::from(slices)),
-            Purpose::Easing(_) | Purpose::Reaction(_) => effort.of_first(),
-            Purpose::Overrides => effort.of_whole(cells),
-            Purpose::BlockEnd => (&mut effort.plan, proposal.stretch.cells()),
+            Purpose::Hold | Purpose::Falling(_) => (stop, usize::from(slices)),
+            Purpose::Easing(_) | Purpose::Reaction(_) if first.is_known() => (first, 1),
+            Purpose::Easing(_) | Purpose::Reaction(_) => (plan, reaction::CELLS),
+            Purpose::Overrides if whole.is_known() => (&mut whole, cells),
+            Purpose::Overrides => (plan, reaction::PLANS * cells),
+            Purpose::BlockEnd => (plan, proposal.stretch.cells()),
             Purpose::Ahead => return false,
             #[cfg(feature = "reshape")]
             Purpose::Shape => return false,
@@ -430,6 +433,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
         if !work.begin_anew(parts, cycles) {
             return false;
         }
+        self.effort.set_whole(&whole);
         self.pressing.retunes = 0;
         self.try_again(purpose);
         self.abandon();
@@ -654,7 +658,7 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
                 }
                 Purpose::Easing(_) | Purpose::Reaction(_) => self.effort.first.learn(1, cycles),
                 Purpose::Hold | Purpose::Falling(_) => self.learn_stop(slices, cycles),
-                Purpose::Overrides => self.effort.whole.raise(self.cells_ahead(begun_at), cycles),
+                Purpose::Overrides => self.effort.raise_whole(self.cells_ahead(begun_at), cycles),
                 Purpose::BlockEnd => self.pressing.short = true,
                 #[cfg(feature = "reshape")]
                 Purpose::Shape => {

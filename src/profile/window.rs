@@ -27,8 +27,6 @@ pub struct Station<S, const N: usize> {
     pub rest: bool,
     /// Whether it then goes on only when it is resumed.
     pub pause: bool,
-    /// Whether it was put into a cell for a plan, and may be taken out for another.
-    pub spare: bool,
     /// PathState in the plan that is being worked on.
     pub state: PathState<S>,
     /// PathState in the plan that is being executed.
@@ -97,7 +95,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
             arc_length: ArcLength::ZERO,
             rest: true,
             pause: false,
-            spare: false,
             state: PathState::REST,
             agreed: PathState::REST,
         });
@@ -179,7 +176,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
             arc_length,
             rest,
             pause: cell.event == Some(Event::Pause),
-            spare: false,
             state: PathState::REST,
             agreed: PathState::REST,
         };
@@ -243,12 +239,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Window<S, N, NODES> {
         for (i, station) in new.iter().enumerate() {
             if let Some(slot) = self.stations.get_mut(old.start + i) {
                 *slot = *station;
-            }
-        }
-        // The path is another between them, up to the one behind.
-        for i in old.start..=old.start + new.len() {
-            if let Some(station) = self.stations.get_mut(i) {
-                station.spare = false;
             }
         }
     }
@@ -390,7 +380,6 @@ impl<S: Scalar, const N: usize> Station<S, N> {
     }
 
     /// Makes the cell end at a place where the agreed motion arrives after `time` seconds.
-    #[inline(never)]
     pub fn lead_to(&mut self, end: &[Coord; N], arriving: PathState<S>, time: S) {
         if self.cell.straight {
             let chord: [S; N] = from_fn(|i| end[i].minus(self.node.at[i]));

@@ -147,9 +147,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
                 let end = self.end_behind(stretch.first, *way).map(|end| end.max(*behind + 1));
                 let end = end.and_then(|end| (end..=stretch.last).find(|&i| self.ends_block(i)));
                 let Some(end) = end.filter(|_| *tries < END_TRIES) else { return Flow::Nothing };
-                let (way, tries) = (*way, *tries + 1);
-                let cut = self.cut_ramp(stretch.first, end, self.least_way(end));
-                let (end, last) = (cut, stretch.last + (cut - end));
+                let (way, last, tries) = (*way, stretch.last, *tries + 1);
                 proposal.stretch = Stretch { last: end, ..stretch };
                 self.window.set_state(end, PathState::REST);
                 let new = self.brakes_from(proposal.stretch);

@@ -9,6 +9,7 @@ use super::Flow;
 use crate::number::Scalar;
 use crate::number::serial::{CycleSerial, NodeSerial};
 use crate::planner::Planner;
+use crate::planner::effort::Effort;
 use crate::planner::horizon::{Horizon, Moment, Proposal};
 use crate::planner::making::{Purpose, Stage};
 use crate::planner::phase::Halt;
@@ -19,10 +20,16 @@ use crate::servo::link::Room;
 
 /// Newton steps of a first answer.
 const STEPS: u16 = 4;
-/// Cells that take as much work in a plan ahead as a whole answer that takes long.
+/// Cells that take as much work in a plan ahead as a first answer does in all, as long as none has been measured.
+pub const CELLS: usize = 4;
+/// The same of a whole answer that takes long.
 const LONG: usize = 18;
 /// Braking distances over which a motion is changed at first.
 const REACH: f64 = 1.3;
+/// Plans ahead that an answer takes as much work as which leads past many blocks.
+pub const PLANS: usize = 3;
+/// First answers that a whole one takes as much work as.
+const FIRSTS: usize = 4;
 /// Servo cycles within which an answer can do without a first one.
 const AT_ONCE: f64 = 3.0;
 
@@ -109,17 +116,24 @@ impl<S: Scalar, const N: usize, const BLOCKS: usize, const NODES: usize>
     }
 
     /// The same for a plan at other overrides, with the motion at node `at`.
-    pub(super) fn moment_of_answer(&mut self, at: NodeSerial) -> Option<Moment<S>> {
-        let (work, parts) = self.effort.of_whole(self.cells_ahead(at));
-        let needed = work.usual(parts);
-        self.moment_after(needed)
+    pub(super) fn moment_of_answer(&self, at: NodeSerial) -> Option<Moment<S>> {
+        let cells = self.cells_ahead(at);
+        let Effort { plan, first, .. } = &self.effort;
+        let whole = self.effort.whole();
+        // What plans ahead take for each of their cells says little: many change the end of what is agreed alone.
+        self.moment_after(if whole.is_known() {
+            whole.usual(cells)
+        } else if first.is_known() {
+            first.usual(FIRSTS)
+        } else {
+            plan.usual(PLANS * cells)
+        })
     }
 
     /// The same for a first answer.
-    #[inline(never)]
-    pub(super) fn moment_of_first_answer(&mut self) -> Option<Moment<S>> {
-        let (work, parts) = self.effort.of_first();
-        let needed = work.usual(parts);
+    pub(super) fn moment_of_first_answer(&self) -> Option<Moment<S>> {
+        let needed = self.effort.first.usual(1);
+        let needed = if needed > S::ZERO { needed } else { self.effort.plan.usual(CELLS) };
         self.moment_after(needed)
     }
 

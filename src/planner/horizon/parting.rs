@@ -2,7 +2,6 @@
 
 use super::Horizon;
 use super::draft::{ADDED, Whole};
-use crate::machine::LEAST_CYCLE_SHARE;
 use crate::number::Scalar;
 use crate::number::serial::NodeSerial;
 use crate::path::hermite;
@@ -10,16 +9,12 @@ use crate::path::node::Cell;
 use crate::profile::law::PathState;
 use crate::profile::solver::Stretch;
 use crate::profile::window::Station;
-use crate::servo::control::Overrides;
-use core::ops::Range;
 
 /// Where the distance from rest to a speed is cut, as shares of it: constant jerk covers the last in a quarter of the
 /// time in which acceleration builds up.
-const RAMP: [f64; 3] = [1.25, 0.17, 0.02];
+const RAMP: [f64; 3] = [0.75, 0.125, 0.02];
 /// A cell at a rest is cut only if the part there is at most this share of it.
 const MOST_PART: f64 = 0.4;
-/// A place at some distance from a rest is as good as a node that it lies beyond by less than this share of the distance.
-const LEAST_PART: f64 = 0.3;
 /// A neighbour of a crawl is cut where it has gone on for so many times the length of the crawl, and again so many times farther.
 const GROWTH: f64 = 4.0;
 /// So often at a time.
@@ -34,7 +29,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
     pub(super) fn add(&mut self, i: usize, station: Station<S, N>) -> bool {
         let Some(Station { cell, .. }) = self.window.get(i) else { return false };
         let whole = Whole { length: cell.length, tangent_offset: cell.tangent_offset };
-        if self.room_to_add() == 0 || !self.put_behind(i, Station { spare: true, ..station }) {
+        if self.room_to_add() == 0 || !self.put_behind(i, station) {
             return false;
         }
         let serial = self.window.serial(i + 1);
@@ -69,19 +64,13 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             }
             self.end = self.end.previous();
         }
-        self.take_out(&out);
-    }
-
-    /// Takes out stations, those that are marked; the cells before them are whole already, and bounded anew.
-    #[inline(never)]
-    fn take_out(&mut self, out: &[bool; NODES]) {
-        self.window.remove(out);
+        self.window.remove(&out);
         let (mut next, mut joined) = (0, false);
         for out in out {
-            if *out && !joined {
+            if out && !joined {
                 self.bound(next - 1);
             }
-            (next, joined) = (next + usize::from(!out), *out);
+            (next, joined) = (next + usize::from(!out), out);
         }
     }
 
@@ -120,43 +109,15 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         self.bound(i + 1);
     }
 
-    /// Splits the cell of station `i` at a share of its length; nothing is known of the motion there. `spare`: for the next plan.
-    pub fn split_cell(&mut self, i: usize, share: S, spare: bool) -> bool {
+    /// Splits the cell of station `i` at a share of its length; nothing is known of the motion there.
+    pub fn split_cell(&mut self, i: usize, share: S) -> bool {
         let Some((first, cut)) = self.parted(i, share) else { return false };
-        let (state, agreed) = (PathState::REST, PathState::REST);
-        let done = self.put_behind(i, Station { spare, state, agreed, ..cut });
+        let done =
+            self.put_behind(i, Station { state: PathState::REST, agreed: PathState::REST, ..cut });
         if done {
             self.part(i, first);
         }
         done
-    }
-
-    /// Takes out what was put behind station `first` for plans that are no more: for slow motions nodes lie so near to each other that a fast one would
-    /// slow down for them. Nothing is known of the motion there.
-    #[inline(never)]
-    pub fn take_out_spare(&mut self, first: usize) {
-        let mut out = [false; NODES];
-        let mut end = self.window.len().saturating_sub(1);
-        for i in (first + 1..end).rev() {
-            let Some((before, station)) = self.window.pair(i - 1) else { return };
-            let Some(next) = self.window.get(end) else { return };
-            let (from, here) = (before.cell.length, station.cell.length);
-            let joins = station.spare && !station.rest && from > S::ZERO && here > S::ZERO;
-            if !joins {
-                end = i;
-                continue;
-            }
-            let at = next.node.at;
-            if let Some(out) = out.get_mut(i) {
-                *out = true;
-            }
-            if let Some(before) = self.window.get_mut(i - 1) {
-                let cell = &mut before.cell;
-                cell.length = from + here;
-                cell.tangent_offset = before.node.tangent_offset_to(&at, cell.length);
-            }
-        }
-        self.take_out(&out);
     }
 
     /// A cell from a rest inside a block to the next rest needs a node between.
@@ -167,13 +128,13 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
         if starts
             && ends
             && station.cell.length > S::ZERO
-            && self.split_cell(stretch.first, S::of(0.5), true)
+            && self.split_cell(stretch.first, S::of(0.5))
         {
             stretch.last += 1;
         }
     }
 
-    /// Splits cells next to rests, from station `new` on, that are much longer than the distance to the speed that is
+    /// Splits cells at rests, from station `new` on, that are much longer than the distance to the speed that is
     /// asked for now: over the whole of one the motion would gather speed, or lose it.
     pub fn split_ramps(&mut self, stretch: &mut Stretch, new: usize) {
         let mut i = new;
@@ -184,18 +145,17 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             let starts = station.rest || i == stretch.first;
             let ends = after.rest || (!stretch.open && i + 1 == stretch.last);
             if (starts || ends) && station.cell.length > S::ZERO {
-                let jerk = station.bounds.jerk;
-                let least = if starts { self.apart(jerk) } else { self.least_part(i) };
-                let ramp = self.ramp(i, S::ZERO);
+                let (ramp, apart) = (self.ramp(i, S::ZERO), self.apart(station.bounds.jerk));
                 for share in RAMP {
-                    let distance = (ramp * S::of(share)).greatest(least);
-                    let cells = new..stretch.last;
-                    let Some((cell, place)) = self.place_off((i, starts), distance, cells) else {
-                        continue;
+                    let Some(length) = self.window.get(i).map(|station| station.cell.length) else {
+                        return;
                     };
-                    if self.window.room() + RAMP.len() <= ADDED
-                        || !self.split_cell(cell, place, true)
-                    {
+                    let part = (ramp * S::of(share)).greatest(apart) / length;
+                    if part > S::of(MOST_PART) {
+                        continue;
+                    }
+                    let place = if starts { part } else { S::ONE - part };
+                    if self.window.room() + RAMP.len() <= ADDED || !self.split_cell(i, place) {
                         return;
                     }
                     stretch.last += 1;
@@ -204,56 +164,6 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             }
             i += 1;
         }
-    }
-
-    /// The least length, mm, of the cell of station `i` before a rest, which may be called off: at the programmed feed it is passed all the same.
-    #[inline(never)]
-    fn least_part(&self, i: usize) -> S {
-        let feed = self.goal_at(i, Overrides::PROGRAMMED).unwrap_or(S::ZERO);
-        feed * self.config.cycle * S::of(2.0 * LEAST_CYCLE_SHARE)
-    }
-
-    /// Cuts the agreed motion before station `end`, as a part of the draft, for a rest there that takes a way, mm. Returns where that station is then.
-    #[inline(never)]
-    pub fn cut_ramp(&mut self, first: usize, mut end: usize, way: S) -> usize {
-        let least = self.least_part(end - 1);
-        for share in RAMP {
-            let distance = (way * S::of(share)).greatest(least);
-            let place = self.place_off((end - 1, false), distance, first..end);
-            let Some((cell, place)) = place else { continue };
-            if self.cut_agreed(cell, self.agreed_time(cell) * place) {
-                end += 1;
-            }
-        }
-        end
-    }
-
-    /// The place at a distance, mm, from the rest at which the cell of station `i` starts, or ends, if a node is wanted there: the cell of some that it
-    /// is in, and the share of its length before it. What a hold has left of a cell may be shorter than the ramp behind it.
-    #[inline(never)]
-    fn place_off(
-        &self,
-        (mut i, starts): (usize, bool),
-        distance: S,
-        cells: Range<usize>,
-    ) -> Option<(usize, S)> {
-        let mut left = distance;
-        // Every turn is another of the cells.
-        while cells.contains(&i) {
-            let (station, after) = self.window.pair(i)?;
-            let length = station.cell.length;
-            if left < length {
-                let part = left / length;
-                let wanted = left >= distance * S::of(LEAST_PART) && part <= S::of(MOST_PART);
-                return wanted.then_some((i, if starts { part } else { S::ONE - part }));
-            }
-            if if starts { after.rest } else { station.rest } {
-                return None;
-            }
-            left -= length;
-            i = if starts { i + 1 } else { i.wrapping_sub(1) };
-        }
-        None
     }
 
     /// Whether the crawl through the cell of station `crawl` of a stretch that starts from rest can be eased: a neighbour is much
@@ -282,7 +192,7 @@ impl<S: Scalar, const N: usize, const NODES: usize> Horizon<S, N, NODES> {
             let place = if behind { share } else { S::ONE - share };
             if share > S::of(MOST_PART)
                 || self.window.room() <= EASING_ROOM
-                || !self.split_cell(i, place, false)
+                || !self.split_cell(i, place)
             {
                 return;
             }
